@@ -1,0 +1,101 @@
+!> Loads: amplitudes, prescribed displacements, forces, pressures, and linear equations between degrees of freedom.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! The reader resolves load persistence, OP=NEW and sets; each step then holds the complete list of what acts in it.
+module amontons_loads
+  use amontons_kinds, only: DP
+  implicit none
+  private
+  public :: amplitude_type, load_type, prescribed_type, concentrated_type, distributed_type, equation_type
+  public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, amplitude_value, load_value
+
+  integer, parameter :: DISTRIBUTED_PRESSURE = 1   !< pressure on an element face, positive pushing into the element
+  integer, parameter :: DISTRIBUTED_GRAVITY = 2    !< acceleration on an element, times its density
+
+  !> A table of factors over time, linear in between and constant outside.
+  type :: amplitude_type
+    character(:), allocatable :: name
+    logical :: is_total_time = .false.           !< TIME=TOTAL TIME
+    real(DP), allocatable :: time(:)             !< ascending [time]
+    real(DP), allocatable :: factor(:)           !< [-]
+  end type amplitude_type
+
+  !> A magnitude over a step: with an amplitude end * a(t), without one from start (t = 0) to end (t = period), linearly.
+  type :: load_type
+    real(DP) :: start = 0                        !< magnitude at the start of the step
+    real(DP) :: end = 0                          !< magnitude at its end, or the reference magnitude of the amplitude
+    integer :: amplitude = 0                     !< index into model%amplitudes; 0: none
+  end type load_type
+
+  !> A prescribed displacement of one degree of freedom. A dof appears once in a step.
+  type, extends(load_type) :: prescribed_type
+    integer :: node = 0                          !< node index
+    integer :: dof = 0                           !< 1 to 3
+    logical :: is_held = .false.                 !< FIXED: keeps the displacement that it has at the start of the step
+    integer :: line = 0                          !< line of the card in the deck, for messages
+  end type prescribed_type
+
+  !> A force on one degree of freedom; several add up.
+  type, extends(load_type) :: concentrated_type
+    integer :: node = 0
+    integer :: dof = 0
+  end type concentrated_type
+
+  !> A load on one element or one of its faces; several add up.
+  type, extends(load_type) :: distributed_type
+    integer :: kind = DISTRIBUTED_PRESSURE
+    integer :: element = 0
+    integer :: face = 0                          !< face number, pressure only
+    real(DP) :: direction(3) = 0                 !< unit vector, gravity only
+  end type distributed_type
+
+  !> sum coefficient * u(node, dof) = 0. The first term is the one eliminated.
+  type :: equation_type
+    integer, allocatable :: node(:)
+    integer, allocatable :: dof(:)
+    real(DP), allocatable :: coefficient(:)
+    integer :: line = 0                          !< line of the card in the deck, for messages
+  end type equation_type
+
+contains
+
+  !> The factor of an amplitude at a time.
+  pure function amplitude_value(amplitude, time) result(factor)
+    type(amplitude_type), intent(in) :: amplitude
+    real(DP), intent(in) :: time                 !< step time, or total time if it is_total_time [time]
+    real(DP) :: factor, s
+    integer :: i, n
+    n = size(amplitude%time)
+    if (time <= amplitude%time(1)) then
+      factor = amplitude%factor(1)
+    else if (time >= amplitude%time(n)) then
+      factor = amplitude%factor(n)
+    else
+      i = 1
+      do while (amplitude%time(i + 1) < time)
+        i = i + 1
+      end do
+      s = (time - amplitude%time(i)) / (amplitude%time(i + 1) - amplitude%time(i))
+      factor = amplitude%factor(i) + s * (amplitude%factor(i + 1) - amplitude%factor(i))
+    end if
+  end function amplitude_value
+
+
+  !> The magnitude of a load within its step.
+  pure function load_value(load, amplitudes, step_time, total_time, period) result(magnitude)
+    class(load_type), intent(in) :: load
+    type(amplitude_type), intent(in) :: amplitudes(:)   !< model%amplitudes
+    real(DP), intent(in) :: step_time                   !< [time]
+    real(DP), intent(in) :: total_time                  !< [time]
+    real(DP), intent(in) :: period                      !< length of the step [time]
+    real(DP) :: magnitude
+    if (load%amplitude == 0) then
+      magnitude = load%start + (load%end - load%start) * (step_time / period)
+    else if (amplitudes(load%amplitude)%is_total_time) then
+      magnitude = load%end * amplitude_value(amplitudes(load%amplitude), total_time)
+    else
+      magnitude = load%end * amplitude_value(amplitudes(load%amplitude), step_time)
+    end if
+  end function load_value
+
+end module amontons_loads

@@ -1,0 +1,42 @@
+!> Model: everything that the deck says, resolved and frozen before the first step.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_model
+  use amontons_mesh, only: mesh_type
+  use amontons_materials, only: material_type
+  use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
+  use amontons_loads, only: amplitude_type, equation_type
+  use amontons_steps, only: step_type
+  implicit none
+  private
+  public :: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
+
+  integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
+  integer, parameter :: DIALECT_ABAQUS = 1
+  integer, parameter :: DIALECT_CALCULIX = 2
+
+  !> What the command line or a calling program says about a job.
+  type :: job_options_type
+    character(:), allocatable :: deck           !< path of the deck
+    character(:), allocatable :: job            !< name of the job: the deck's name without folder and .inp
+    character(:), allocatable :: outdir         !< folder of the result files
+    integer :: dialect = DIALECT_FROM_DECK
+    integer :: n_threads = 1
+    logical :: is_check = .false.               !< read, check, audit, stop
+  end type job_options_type
+
+  !> The model.
+  type :: model_type
+    integer :: dialect = DIALECT_ABAQUS
+    character(:), allocatable :: heading        !< text of *HEADING, lines joined by newline
+    character(:), allocatable :: deck_text      !< all lines read, includes in place, joined by newline
+    type(mesh_type) :: mesh
+    type(material_type), allocatable :: materials(:)
+    type(surface_type), allocatable :: surfaces(:)
+    type(interaction_type), allocatable :: interactions(:)
+    type(contact_pair_type), allocatable :: pairs(:)
+    type(amplitude_type), allocatable :: amplitudes(:)
+    type(equation_type), allocatable :: equations(:)
+    type(step_type), allocatable :: steps(:)
+  end type model_type
+
+end module amontons_model

@@ -1,0 +1,90 @@
+!> State: unknowns, stresses and contact memory, old (committed) and new (trial); commit and restore.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_state
+  use amontons_kinds, only: DP
+  use amontons_mesh, only: mesh_type
+  implicit none
+  private
+  public :: state_type, fields_type, slave_type, create_state, commit_state, restore_state
+  public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+
+  integer, parameter :: STATUS_OPEN = 0, STATUS_STICK = 1, STATUS_SLIP = 2
+
+  !> The contact memory of one slave node of one pair.
+  type :: slave_type
+    integer :: pair = 0                     !< index into model%pairs
+    integer :: node = 0                     !< node index
+    integer :: status = STATUS_OPEN
+    integer :: scenario = 0                 !< 1 to 4 of the last iteration that moved the node in this increment, else 0
+    integer :: facet = 0                    !< facet of the master that it projects on; 0: none
+    real(DP) :: xi(2) = 0                   !< natural coordinates there
+    real(DP) :: gap = 0                     !< signed distance along the normal, negative is penetration [length]
+    real(DP) :: normal(3) = 0               !< unit normal out of the master
+    integer :: origin_facet = 0             !< where it touched at the start of the increment, or first in it; 0: nowhere
+    real(DP) :: origin_xi(2) = 0            !< natural coordinates there
+    real(DP) :: force(3) = 0                !< contact force on the slave node, normal part [force]
+    real(DP) :: shear(3) = 0                !< contact force on the slave node, tangential part [force]
+    real(DP) :: slip(3) = 0                 !< accumulated slip vector up to the committed state, plus this increment's [length]
+    real(DP) :: slip_increment(3) = 0       !< of this increment [length]
+    real(DP) :: area = 0                    !< tributary area [length^2]
+    real(DP) :: stiffness = 0               !< scale c of the trial traction [force/length]
+  end type slave_type
+
+  !> All that an increment changes. Forces are those of the configuration u.
+  type :: fields_type
+    real(DP) :: step_time = 0               !< [time]
+    real(DP) :: total_time = 0              !< [time]
+    real(DP), allocatable :: u(:, :)        !< (3, n_nodes) displacement [length]
+    real(DP), allocatable :: stress(:, :)   !< (6, n_points) Cauchy stress xx yy zz xy yz xz [stress]
+    real(DP), allocatable :: strain(:, :)   !< (6, n_points) small or logarithmic strain, tensor components, same order [-]
+    real(DP), allocatable :: energy(:)      !< (n_points) strain energy per reference volume [energy/volume]
+    type(slave_type), allocatable :: slaves(:)
+    real(DP), allocatable :: internal_force(:, :)   !< (3, n_nodes) F_int [force]
+    real(DP), allocatable :: applied_force(:, :)    !< (3, n_nodes) F_ext [force]
+    real(DP), allocatable :: contact_force(:, :)    !< (3, n_nodes) F_c on slaves and masters [force]
+    real(DP), allocatable :: reaction_force(:, :)   !< (3, n_nodes) F_int - F_ext - F_c at supports, else 0 [force]
+    real(DP) :: external_work = 0           !< since the start [energy]
+    real(DP) :: friction_work = 0           !< since the start [energy]
+  end type fields_type
+
+  !> Committed and trial fields.
+  type :: state_type
+    type(fields_type) :: old                !< last converged increment
+    type(fields_type) :: new                !< trial
+  end type state_type
+
+contains
+
+  !> A state at rest for a mesh, with its contact slaves.
+  subroutine create_state(state, mesh, slaves)
+    type(state_type), intent(out) :: state
+    type(mesh_type), intent(in) :: mesh
+    type(slave_type), intent(in) :: slaves(:)   !< all slave nodes of all pairs
+    integer :: n, m
+    n = mesh%n_nodes
+    m = mesh%n_points
+    associate (new => state%new)
+      allocate (new%u(3, n), new%internal_force(3, n), new%applied_force(3, n), new%contact_force(3, n), &
+        new%reaction_force(3, n), source=0.0_DP)
+      allocate (new%stress(6, m), new%strain(6, m), source=0.0_DP)
+      allocate (new%energy(m), source=0.0_DP)
+      allocate (new%slaves, source=slaves)
+    end associate
+    state%old = state%new
+  end subroutine create_state
+
+
+  !> The trial fields become the committed ones.
+  subroutine commit_state(state)
+    type(state_type), intent(inout) :: state
+    state%old = state%new
+  end subroutine commit_state
+
+
+  !> The trial fields are thrown away: everything is as at the last commit, bitwise.
+  subroutine restore_state(state)
+    type(state_type), intent(inout) :: state
+    state%new = state%old
+  end subroutine restore_state
+
+end module amontons_state

@@ -1,0 +1,88 @@
+!> Steps: times, controls, loads and output requests of each load step; the defaults of the controls live here.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_steps
+  use amontons_kinds, only: DP
+  use amontons_loads, only: prescribed_type, concentrated_type, distributed_type
+  implicit none
+  private
+  public :: step_type, controls_type, print_request_type, calculix_controls
+  public :: SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
+  public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT
+
+  integer, parameter :: SEARCH_NONE = 0, SEARCH_ALL = 1, SEARCH_GLOBAL = 2, SEARCH_NODAL = 3, SEARCH_AUTO = 4
+  integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3
+
+  !> Controls in CalculiX's slots (CONTROLS, PARAMETERS=...), with Amontons's defaults.
+  type :: controls_type
+    ! TIME INCREMENTATION, line 1
+    integer :: i_0 = 8                     !< iteration after which the residuals must fall in two consecutive iterations
+    integer :: i_r = 12                    !< iteration after which a logarithmic estimate decides to cut back
+    integer :: i_p = 9                     !< iteration after which the weaker residual tolerance r_p is used
+    integer :: i_c = 24                    !< most iterations of an increment
+    integer :: i_l = 8                     !< more iterations than this: the next increment is smaller (d_b)
+    integer :: i_g = 6                     !< at most this many iterations twice running: the next increment is larger (d_d)
+    integer :: i_a = 8                     !< most cut-backs of an increment
+    ! TIME INCREMENTATION, line 2
+    real(DP) :: d_f = 0.25_DP              !< cut-back factor: divergence
+    real(DP) :: d_c = 0.5_DP               !< cut-back factor: too slow
+    real(DP) :: d_b = 0.75_DP              !< factor after slow convergence (i_l)
+    real(DP) :: d_d = 1.5_DP               !< factor after fast convergence (i_g)
+    ! FIELD
+    real(DP) :: r_n = 1.0e-6_DP            !< residual over the largest force [-]
+    real(DP) :: c_n = 1.0e-6_DP            !< correction over the largest increment of displacement [-]
+    real(DP) :: r_p = 1.0e-6_DP            !< residual tolerance after i_p iterations [-]
+    real(DP) :: r_l = 1.0e-8_DP            !< residual so small that the correction is not asked for [-]
+    ! LINE SEARCH
+    real(DP) :: s_max = 1.01_DP            !< largest step length of the line search [-]
+    real(DP) :: s_min = 0.25_DP            !< smallest step length of the line search [-]
+    ! Our own: the penetration allowed at a closed node over the edge length of its master facet
+    real(DP) :: gap_tolerance = 1.0e-9_DP  !< [-]
+  end type controls_type
+
+  !> One PRINT card.
+  type :: print_request_type
+    integer :: kind = PRINT_NODE           !< PRINT_...
+    integer :: set = 0                     !< index of the node set or element set; 0 for contact
+    character(4), allocatable :: variables(:)   !< e.g. 'U', 'RF', 'S', 'E', 'CDIS', 'CSTR', 'SCEN'
+    logical :: is_totals = .false.         !< TOTALS=YES: rows and their sum
+    logical :: is_only_totals = .false.    !< TOTALS=ONLY
+  end type print_request_type
+
+  !> One load step with everything that acts in it.
+  type :: step_type
+    character(:), allocatable :: title     !< text line after *STEP, may be empty
+    logical :: is_nlgeom = .false.
+    integer :: max_increments = 100        !< INC
+    logical :: is_direct = .false.         !< DIRECT: fixed increments
+    real(DP) :: dt_initial = 1             !< [time]
+    real(DP) :: period = 1                 !< [time]
+    real(DP) :: dt_min = 1.0e-6_DP         !< [time]
+    real(DP) :: dt_max = 1                 !< [time]
+    integer :: line_search = SEARCH_AUTO   !< SEARCH_...
+    type(controls_type) :: controls
+    type(prescribed_type), allocatable :: prescribed(:)
+    type(concentrated_type), allocatable :: concentrated(:)
+    type(distributed_type), allocatable :: distributed(:)
+    type(print_request_type), allocatable :: prints(:)
+    integer :: print_frequency = 1         !< every n-th increment, and the last of the step, goes to the .dat file; 0: none
+    integer :: file_frequency = 1          !< the same for the result file
+  end type step_type
+
+contains
+
+  !> CalculiX's own defaults, taken under the calculix dialect.
+  pure function calculix_controls() result(controls)
+    type(controls_type) :: controls
+    controls%i_0 = 4
+    controls%i_r = 8
+    controls%i_p = 9
+    controls%i_c = 16
+    controls%i_l = 10
+    controls%i_g = 4
+    controls%i_a = 5
+    controls%r_n = 0.005_DP
+    controls%c_n = 0.01_DP
+    controls%r_p = 0.02_DP
+  end function calculix_controls
+
+end module amontons_steps
