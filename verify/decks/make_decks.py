@@ -375,7 +375,7 @@ def hertz_deck() -> str:
 ** Closed form (Hertz 1882), E* = E/(1 - nu^2) = {modulus:.1f}, P the force on the whole ball (four times the deck's):
 **   a = (3 P R / (4 E*))^(1/3),  p0 = 3 P / (2 pi a^2),  P = 4/3 E* R^(1/2) d^(3/2)
 ** d = {press:g} gives a = {a:.3f}, p0 = {3 * force / (2 * math.pi * a * a):.1f}, P = {force:.0f} for a ball whose approach is measured far away. The equator
-** is not: expect P some 5 % higher; a and p0 of the P found: within one element (0.75), and 3 %.
+** is not: expect P some 6 % higher; a and p0 of the P found: within one element (0.75), and 3 %.
 ** {3 * len(mesh.nodes)} unknowns, 5 increments: some seconds on one core. Units: N, mm.
 """
     return (
