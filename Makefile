@@ -1,0 +1,191 @@
+# Amontons: build, test, run. `make help` tells what there is.
+# SPDX-License-Identifier: GPL-3.0-or-later
+
+SHELL := /bin/bash
+MAKEFLAGS += -r --no-print-directory
+JOBS ?= $(shell nproc 2>/dev/null || sysctl -n hw.ncpu 2>/dev/null || echo 2)
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(JOBS)
+endif
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+.SUFFIXES:
+
+# --- what the user may set ----------------------------------------------------------------------------------------
+BUILD  ?= release#     release, debug or sanitize
+WERROR ?=#             1: a warning of the compiler is an error
+V      ?=#             1: show the commands as they are run
+ARCH   ?= -march=native
+PREFIX ?= /usr/local
+PYTHON ?= python3
+ifeq ($(origin FC),default)
+FC := gfortran
+endif
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+
+# --- where things are ---------------------------------------------------------------------------------------------
+BUILD := $(strip $(BUILD))
+ifeq ($(BUILD),release)
+B := build
+BIN := bin
+LIB := lib
+else ifneq ($(filter $(BUILD),debug sanitize),)
+B := build/$(BUILD)
+BIN := $(B)/bin
+LIB := $(B)/lib
+else
+$(error BUILD is "$(BUILD)"; it can be release, debug or sanitize)
+endif
+VENV := .venv
+Q := $(if $(V),,@)
+PY := $(VENV)/bin/python
+
+# --- compilers ----------------------------------------------------------------------------------------------------
+FWARN := -Wall -Wextra -pedantic -Wimplicit-interface -Wuse-without-only -Wconversion-extra
+CWARN := -Wall -Wextra -pedantic
+OPT_release  := -O3 $(ARCH) -g
+OPT_debug    := -O0 -g -fno-omit-frame-pointer
+OPT_sanitize := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined
+CHECK_debug    := -fcheck=all -fbacktrace -ffpe-trap=invalid,zero,overflow -finit-real=snan
+CHECK_sanitize := -fcheck=all -fbacktrace -finit-real=snan
+COMMON := $(OPT_$(BUILD)) -fPIC -fopenmp $(if $(WERROR),-Werror)
+
+# HDF5 by pkg-config where it is known there; then the usual places: Debian, Fedora, conda, Homebrew.
+PLACES := $(CONDA_PREFIX) $(HOMEBREW_PREFIX)
+HDF5_I := $(or $(shell pkg-config --cflags-only-I hdf5-serial 2>/dev/null || pkg-config --cflags-only-I hdf5 2>/dev/null), \
+  $(addprefix -I,$(wildcard /usr/include/hdf5/serial)))
+HDF5_L := $(or $(shell pkg-config --libs-only-L hdf5-serial 2>/dev/null || pkg-config --libs-only-L hdf5 2>/dev/null), \
+  $(addprefix -L,$(wildcard /usr/lib/*/hdf5/serial)))
+INCLUDES := $(HDF5_I) $(addprefix -I,$(wildcard /usr/include/suitesparse /usr/lib64/gfortran/modules \
+  $(foreach p,$(PLACES),$(p)/include $(p)/include/suitesparse)))
+LDLIBS := $(HDF5_L) $(foreach p,$(PLACES),-L$(p)/lib -Wl,-rpath,$(p)/lib) \
+  -lopenblas -lumfpack -lcholmod -lamd -lcolamd -lsuitesparseconfig -lmetis -lhdf5_fortran -lhdf5 -lm
+
+FFLAGS := -std=f2018 $(COMMON) $(CHECK_$(BUILD)) $(FWARN)
+CFLAGS := -std=c11 $(COMMON) $(CWARN)
+export FC CC INCLUDES LDLIBS PYTHON
+
+# --- the rooms ----------------------------------------------------------------------------------------------------
+include src/depends.mk
+ROOMS := $(patsubst src/%.f90,%,$(wildcard src/*.f90))
+SHIMS := $(patsubst src/%.c,%,$(wildcard src/*.c))
+OBJECTS := $(addprefix $(B)/,$(addsuffix .o,$(filter-out main,$(ROOMS)) $(SHIMS)))
+UNITS := $(patsubst verify/unit/%.f90,$(B)/unit/%,$(wildcard verify/unit/test_*.f90))
+PRODUCTS := $(LIB)/libamontons.a $(LIB)/libamontons.so $(if $(wildcard src/analysis.f90),$(BIN)/amontons)
+
+# depends.mk says `uses_mesh = kinds topology`; here it becomes build/mesh.o: build/kinds.o build/topology.o.
+define room_rule
+$(B)/$(1).o: $(foreach used,$(filter $(ROOMS),$(uses_$(1))),$(B)/$(used).o)
+endef
+$(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
+
+.PHONY: all build ready proven deps run programs test check verify unit debug sanitize format lint install hooks clean help
+
+all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize: into build/debug, ...; WERROR=1)
+	@$(MAKE) build
+
+build: $(PRODUCTS)
+
+$(BIN)/amontons: $(B)/main.o $(LIB)/libamontons.a
+	@echo "linking   $@" && mkdir -p $(@D)
+	$(Q)$(FC) $(FFLAGS) -o $@ $^ $(LDLIBS)
+
+$(LIB)/libamontons.a: $(OBJECTS)
+	@echo "linking   $@" && mkdir -p $(@D) && rm -f $@
+	$(Q)ar rcs $@ $^
+
+$(LIB)/libamontons.so: $(OBJECTS)
+	@echo "linking   $@" && mkdir -p $(@D)
+	$(Q)$(FC) $(FFLAGS) -shared -o $@ $^ $(LDLIBS)
+
+$(B)/%.o: src/%.f90
+	@echo "compiling $<" && mkdir -p $(@D)
+	$(Q)$(FC) $(FFLAGS) $(INCLUDES) -J$(B) -c $< -o $@
+
+$(B)/%.o: src/%.c
+	@echo "compiling $<" && mkdir -p $(@D)
+	$(Q)$(CC) $(CFLAGS) $(INCLUDES) -Isrc -c $< -o $@
+
+unit: $(UNITS) ## Build the unit test programs
+
+$(B)/unit/check.o: verify/unit/check.f90
+	@echo "compiling $<" && mkdir -p $(@D)
+	$(Q)$(FC) $(FFLAGS) -J$(@D) -c $< -o $@
+
+$(B)/unit/test_%: verify/unit/test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a
+	@echo "compiling $<" && mkdir -p $@.modules
+	$(Q)$(FC) $(FFLAGS) -I$(B) -I$(@D) $(INCLUDES) -J$@.modules -o $@ $^ $(LDLIBS)
+
+debug: ready ## Build with all run-time checks into build/debug
+	@$(MAKE) BUILD=debug build
+
+sanitize: ready ## Build with the address and undefined-behaviour sanitizers into build/sanitize
+	@$(MAKE) BUILD=sanitize build
+
+# --- what must be there first -------------------------------------------------------------------------------------
+deps: ready ## Install what is missing (Debian, Ubuntu: apt; elsewhere it is told), and the Python packages into .venv
+	@$(MAKE) $(VENV)/installed
+	@echo "All that Amontons needs is there."
+
+ready:
+	@.ci/deps check || { .ci/deps install && $(MAKE) proven; }
+
+# A second make, because the places of the headers are looked up when make starts.
+proven:
+	@.ci/deps check || { .ci/deps tell; exit 1; }
+
+$(VENV)/installed: verify/requirements.txt | ready
+	@echo "installing the Python packages of $< into $(VENV)"
+	$(Q)$(PYTHON) -m venv --clear $(VENV)
+	$(Q)$(PY) -m pip install --quiet --disable-pip-version-check --no-input -r $<
+	@touch $@
+
+# --- running and testing ------------------------------------------------------------------------------------------
+run: all $(VENV)/installed ## Run input/shear_block.inp with progress; results and a picture go to results/
+	@mkdir -p results
+	$(BIN)/amontons --outdir results input/shear_block.inp
+	$(PY) verify/picture.py results/shear_block.vtkhdf --output results/shear_block.png
+	@echo "The picture is results/shear_block.png; open results/shear_block.vtkhdf with ParaView for the rest."
+
+programs: all
+	@$(MAKE) unit
+
+PYTEST = OMP_NUM_THREADS=$${OMP_NUM_THREADS:-1} AMONTONS_BIN=$(BIN) AMONTONS_LIB=$(LIB) AMONTONS_UNITS=$(B)/unit \
+  $(PY) -m pytest -n $(JOBS)
+
+test: programs $(VENV)/installed ## Run all tests
+	@$(PYTEST) verify
+
+check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
+	@$(PYTEST) -m "not slow" verify
+
+verify: programs $(VENV)/installed ## Run the verification cases alone: theory knows the answer
+	@$(PYTEST) verify/verification
+
+# --- the look of the source ---------------------------------------------------------------------------------------
+format: $(VENV)/installed ## Put white space of the Fortran files in order (fprettify)
+	@$(VENV)/bin/fprettify --config-file .fprettify.rc $(wildcard src/*.f90 verify/unit/*.f90)
+
+lint: $(VENV)/installed ## Prove depends.mk and the limits of the house, the white space, and fortitude's rules
+	@$(PY) verify/lint.py
+	@$(VENV)/bin/fprettify --config-file .fprettify.rc --diff $(wildcard src/*.f90 verify/unit/*.f90) | (! grep .)
+	@$(VENV)/bin/fortitude check --quiet src verify/unit
+
+hooks: ## Let git run `make lint` before each commit
+	@printf '#!/bin/sh\nexec make lint\n' > "$$(git rev-parse --git-path hooks/pre-commit)"
+	@chmod +x "$$(git rev-parse --git-path hooks/pre-commit)"
+
+# --- the rest -----------------------------------------------------------------------------------------------------
+install: all ## Install program, libraries and header below PREFIX (default /usr/local)
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include
+	install $(BIN)/amontons $(DESTDIR)$(PREFIX)/bin
+	install -m 644 $(LIB)/libamontons.a $(LIB)/libamontons.so $(DESTDIR)$(PREFIX)/lib
+	$(if $(wildcard src/amontons.h),install -m 644 src/amontons.h $(DESTDIR)$(PREFIX)/include)
+
+clean: ## Remove all that make built, but not .venv
+	rm -rf build bin lib results
+
+help: ## Print this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
