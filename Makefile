@@ -165,13 +165,17 @@ verify: programs $(VENV)/installed ## Run the verification cases alone: theory k
 	@$(PYTEST) verify/verification
 
 # --- the look of the source ---------------------------------------------------------------------------------------
-format: $(VENV)/installed ## Put white space of the Fortran files in order (fprettify)
-	@$(VENV)/bin/fprettify --config-file .fprettify.rc $(wildcard src/*.f90 verify/unit/*.f90)
+SOURCES = $(wildcard src/*.f90 verify/unit/*.f90)
 
-lint: $(VENV)/installed ## Prove depends.mk and the limits of the house, the white space, and fortitude's rules
-	@$(PY) verify/lint.py
-	@$(VENV)/bin/fprettify --config-file .fprettify.rc --diff $(wildcard src/*.f90 verify/unit/*.f90) | (! grep .)
-	@$(VENV)/bin/fortitude check --quiet src verify/unit
+format: $(VENV)/installed ## Put the white space of the Fortran files in order
+	@$(PY) verify/layout.py $(SOURCES)
+
+lint: $(VENV)/installed ## Prove depends.mk, the limits of the house, the white space, and fortitude's rules
+	@failed=0; \
+	  $(PY) verify/lint.py || failed=1; \
+	  $(PY) verify/layout.py --check $(SOURCES) || failed=1; \
+	  $(VENV)/bin/fortitude check --output-format concise $(SOURCES) || failed=1; \
+	  exit $$failed
 
 hooks: ## Let git run `make lint` before each commit
 	@printf '#!/bin/sh\nexec make lint\n' > "$$(git rev-parse --git-path hooks/pre-commit)"

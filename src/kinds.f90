@@ -10,6 +10,6 @@ module amontons_kinds
   integer, parameter :: I8 = int8             !< bytes
   integer, parameter :: I32 = int32           !< the integers of METIS
   integer, parameter :: I64 = int64           !< sizes, clocks, row pointers of large matrices
-  real(DP), parameter :: PI = 3.14159265358979323846_DP
+  real(DP), parameter :: PI = 3.141592653589793_DP
   integer, parameter :: NAME_LENGTH = 80      !< longest name of a set, surface, material, ... in a deck
 end module amontons_kinds
