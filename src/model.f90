@@ -8,7 +8,9 @@ module amontons_model
   use amontons_steps, only: step_type
   implicit none
   private
-  public :: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
+  public :: model_type, job_options_type, job_path, PROGRAM_VERSION, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
+
+  character(*), parameter :: PROGRAM_VERSION = '0.1.0'   !< of Amontons, as told by --version and in the result file
 
   integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
   integer, parameter :: DIALECT_ABAQUS = 1
@@ -38,5 +40,17 @@ module amontons_model
     type(equation_type), allocatable :: equations(:)
     type(step_type), allocatable :: steps(:)
   end type model_type
+
+contains
+
+  !> The path of a result file of the job: folder, name, extension.
+  pure function job_path(options, extension) result(path)
+    type(job_options_type), intent(in) :: options
+    character(*), intent(in) :: extension       !< with its dot, e.g. '.sta'
+    character(:), allocatable :: path
+    path = options%job // extension
+    if (.not. allocated(options%outdir)) return
+    if (len(options%outdir) > 0) path = options%outdir // '/' // path
+  end function job_path
 
 end module amontons_model

@@ -5,7 +5,7 @@ module amontons_steps
   use amontons_loads, only: prescribed_type, concentrated_type, distributed_type
   implicit none
   private
-  public :: step_type, controls_type, print_request_type, calculix_controls
+  public :: step_type, controls_type, print_request_type, calculix_controls, is_output_due
   public :: SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT
 
@@ -84,5 +84,18 @@ contains
     controls%c_n = 0.01_DP
     controls%r_p = 0.02_DP
   end function calculix_controls
+
+
+  !> Whether an increment is written: every n-th of the step, and the step's last.
+  pure function is_output_due(step, frequency, increment, step_time) result(is_due)
+    type(step_type), intent(in) :: step
+    integer, intent(in) :: frequency       !< step%print_frequency or step%file_frequency; 0: nothing is written
+    integer, intent(in) :: increment       !< number of the increment in the step
+    real(DP), intent(in) :: step_time      !< at its end [time]
+    logical :: is_due
+    is_due = .false.
+    if (frequency <= 0) return
+    is_due = mod(increment, frequency) == 0 .or. step_time >= step%period * (1 - 1.0e-9_DP)
+  end function is_output_due
 
 end module amontons_steps

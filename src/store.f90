@@ -1,0 +1,615 @@
+!> Store: HDF5 files: groups, attributes, data sets with unit and description, and tables that grow row by row.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! The only file of the program that knows HDF5. A store is opened without a file lock, so that a viewer may read it while
+!! the job runs; after `flush_store` what is on disk is whole. Closing a store closes everything that is open in it.
+module amontons_store
+  use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_null_char, c_ptr
+  use amontons_kinds, only: DP, I64
+  use amontons_errors, only: error_type, set_error, EXIT_IO
+  use hdf5, only: HID_T, HSIZE_T, SIZE_T, H5F_ACC_TRUNC_F, H5F_CLOSE_STRONG_F, H5F_SCOPE_GLOBAL_F, H5P_DATASET_CREATE_F, &
+    H5P_FILE_ACCESS_F, H5S_SCALAR_F, H5S_SELECT_SET_F, H5S_UNLIMITED_F, H5T_CSET_UTF8_F, H5T_FORTRAN_S1, &
+    H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, H5T_NATIVE_INTEGER, H5T_STD_I32LE, H5T_STD_I64LE, H5T_STD_U8LE, &
+    H5T_STR_NULLPAD_F, H5_INTEGER_KIND, h5aclose_f, h5acreate_f, h5aexists_f, h5aopen_f, h5awrite_f, h5dclose_f, h5dcreate_f, &
+    h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5eset_auto_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, &
+    h5gcreate_f, h5iis_valid_f, h5kind_to_type, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, h5pcreate_f, h5pset_chunk_f, &
+    h5pset_deflate_f, h5pset_fclose_degree_f, h5pset_shuffle_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
+    h5sselect_hyperslab_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, h5tset_strpad_f
+  implicit none
+  private
+  public :: store_type, table_type, form_type, STORE_REAL, STORE_I32, STORE_I64, STORE_U8, STORE_TEXT
+  public :: create_store, flush_store, close_store, create_group, write_attribute, write_data, create_table, append_rows
+
+  ! How values are kept in the file (little endian, whatever the machine).
+  integer, parameter :: STORE_REAL = 1            !< 64-bit reals
+  integer, parameter :: STORE_I32 = 2             !< 32-bit integers
+  integer, parameter :: STORE_I64 = 3             !< 64-bit integers
+  integer, parameter :: STORE_U8 = 4              !< bytes without sign
+  integer, parameter :: STORE_TEXT = 5            !< texts of one length, UTF-8, filled up with NUL
+
+  integer, parameter :: GZIP_LEVEL = 1            !< higher levels take 1.3 to 4 times as long for 3 % less
+  integer(I64), parameter :: LARGEST_CHUNK = 65536   !< values: 512 KiB of reals, two fit into HDF5's chunk cache
+  integer, parameter :: SMALLEST_CHUNK = 1024     !< values, of tables that grow by many rows at a time
+  integer, parameter :: SMALLEST_COLUMN = 256     !< values, of tables that grow by one row at a time
+
+  !> A file that is being written.
+  type :: store_type
+    private
+    integer(HID_T) :: file = -1
+    logical, public :: is_open = .false.
+    character(:), allocatable, public :: path
+  end type store_type
+
+  !> What a table looks like.
+  type :: form_type
+    integer :: storage = STORE_REAL               !< STORE_...
+    integer :: width = 1                          !< values per row; length of the texts for STORE_TEXT
+    logical :: is_matrix = .false.                !< two dimensions even if width is 1
+    integer :: n_rows_hint = 1                    !< rows that are added at a time; 1: kept uncompressed
+  end type form_type
+
+  !> A data set that grows.
+  type :: table_type
+    private
+    integer(HID_T) :: id = -1
+    type(form_type) :: form
+    integer(I64), public :: n_rows = 0            !< rows in the file
+    character(:), allocatable :: name
+  end type table_type
+
+  !> Sets an attribute of an object, or overwrites it.
+  interface write_attribute
+    procedure :: write_attribute_integers
+    procedure :: write_attribute_text
+  end interface write_attribute
+
+  !> Writes a data set that does not grow.
+  interface write_data
+    procedure :: write_data_integers
+    procedure :: write_data_integer_matrix
+    procedure :: write_data_reals
+    procedure :: write_data_real_matrix
+    procedure :: write_data_text
+    procedure :: write_data_texts
+  end interface write_data
+
+  !> Adds rows at the end of a table.
+  interface append_rows
+    procedure :: append_integers
+    procedure :: append_long
+    procedure :: append_reals
+    procedure :: append_text
+  end interface append_rows
+
+  interface
+    !> HDF5's switch for file locks; its Fortran module has it from release 1.14 on only.
+    function h5pset_file_locking(list, use_locks, ignore_when_disabled) bind(c, name='H5Pset_file_locking') &
+      result(status)
+      import :: c_bool, c_int, c_int64_t
+      integer(c_int64_t), value :: list
+      logical(c_bool), value :: use_locks, ignore_when_disabled
+      integer(c_int) :: status
+    end function h5pset_file_locking
+  end interface
+
+contains
+
+  !> Creates a file, or empties it if it exists.
+  subroutine create_store(store, path, error)
+    type(store_type), intent(out) :: store
+    character(*), intent(in) :: path              !< with folder and extension
+    type(error_type), allocatable, intent(out) :: error
+    integer(HID_T) :: access
+    integer :: s(6)
+    logical :: is_ready
+    s = 0
+    store%path = path
+    ! Until h5open_f the module's type numbers are not set. It is called once per process and never undone: other stores
+    ! may be open.
+    call h5iis_valid_f(H5T_NATIVE_DOUBLE, is_ready, s(1))
+    if (.not. is_ready) call h5open_f(s(1))
+    call h5eset_auto_f(0, s(2))
+    call h5pcreate_f(H5P_FILE_ACCESS_F, access, s(3))
+    call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, s(4))
+    s(5) = h5pset_file_locking(access, .false._c_bool, .true._c_bool)
+    if (all(s(:5) >= 0)) call h5fcreate_f(path, H5F_ACC_TRUNC_F, store%file, s(6), access_prp=access)
+    store%is_open = all(s >= 0)
+    call judge(store, s, 'create it (does the folder exist, may it be written, is the disk full?)', error)
+    call h5pclose_f(access, s(1))
+  end subroutine create_store
+
+
+  !> Brings everything written so far to disk.
+  subroutine flush_store(store, error)
+    type(store_type), intent(in) :: store
+    type(error_type), allocatable, intent(out) :: error
+    integer :: s(1)
+    call h5fflush_f(store%file, H5F_SCOPE_GLOBAL_F, s(1))
+    call judge(store, s, 'write it to disk (is the disk full?)', error)
+  end subroutine flush_store
+
+
+  !> Closes the file and all that is open in it. A store that is not open is left alone.
+  subroutine close_store(store, error)
+    type(store_type), intent(inout) :: store
+    type(error_type), allocatable, intent(out) :: error
+    integer :: s(1)
+    if (.not. store%is_open) return
+    call h5fclose_f(store%file, s(1))
+    store%is_open = .false.
+    store%file = -1
+    call judge(store, s, 'close it (is the disk full?)', error)
+  end subroutine close_store
+
+
+  !> Creates a group; its parent must exist.
+  subroutine create_group(store, name, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: name              !< full path in the file
+    type(error_type), allocatable, intent(out) :: error
+    integer(HID_T) :: group
+    integer :: s(2)
+    s = 0
+    call h5gcreate_f(store%file, name, group, s(1))
+    if (s(1) >= 0) call h5gclose_f(group, s(2))
+    call judge(store, s, 'create the group ' // name, error)
+  end subroutine create_group
+
+
+  !> Integers as an attribute, one-dimensional; a scalar if only one is given.
+  subroutine write_attribute_integers(store, object, name, values, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: object            !< full path of the group or data set
+    character(*), intent(in) :: name
+    integer, intent(in), target, contiguous :: values(:)
+    type(error_type), allocatable, intent(out) :: error
+    integer(HID_T) :: space
+    integer :: s(2)
+    if (size(values) == 1) then
+      call h5screate_f(H5S_SCALAR_F, space, s(1))
+    else
+      call h5screate_simple_f(1, [size(values, kind=HSIZE_T)], space, s(1))
+    end if
+    call put_attribute(store, object, name, H5T_STD_I32LE, H5T_NATIVE_INTEGER, space, c_loc(values), error)
+    call h5sclose_f(space, s(2))
+  end subroutine write_attribute_integers
+
+
+  !> A text as an attribute: ASCII, fixed length, nothing behind it (old VTK readers accept no other form).
+  subroutine write_attribute_text(store, object, name, text, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: object            !< full path of the group or data set
+    character(*), intent(in) :: name
+    character(*), intent(in) :: text              !< not empty
+    type(error_type), allocatable, intent(out) :: error
+    character(len(text)), target :: buffer
+    integer(HID_T) :: space, type
+    integer :: s(5)
+    buffer = text
+    call h5screate_f(H5S_SCALAR_F, space, s(1))
+    call h5tcopy_f(H5T_FORTRAN_S1, type, s(2))
+    call h5tset_size_f(type, len(text, kind=SIZE_T), s(3))
+    call put_attribute(store, object, name, type, type, space, c_loc(buffer(1:1)), error)
+    call h5tclose_f(type, s(4))
+    call h5sclose_f(space, s(5))
+  end subroutine write_attribute_text
+
+
+  !> Creates or opens an attribute and writes it.
+  subroutine put_attribute(store, object, name, file_type, memory_type, space, buffer, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: object, name
+    integer(HID_T), intent(in) :: file_type, memory_type, space
+    type(c_ptr), intent(in) :: buffer
+    type(error_type), allocatable, intent(out) :: error
+    integer(HID_T) :: owner, attribute
+    integer :: s(5), unused
+    logical :: is_there
+    s = 0
+    call h5oopen_f(store%file, object, owner, s(1))
+    if (s(1) >= 0) then
+      call h5aexists_f(owner, name, is_there, s(2))
+      if (is_there) then
+        call h5aopen_f(owner, name, attribute, s(3))
+      else
+        call h5acreate_f(owner, name, file_type, space, attribute, s(3))
+      end if
+      if (s(3) >= 0) then
+        call h5awrite_f(attribute, memory_type, buffer, s(4))
+        call h5aclose_f(attribute, s(5))
+      end if
+      call h5oclose_f(owner, unused)
+    end if
+    call judge(store, s, 'write the attribute ' // name // ' of ' // object, error)
+  end subroutine put_attribute
+
+
+  !> A list of integers.
+  subroutine write_data_integers(store, name, values, unit, description, error, storage)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: name              !< full path in the file
+    integer, intent(in), target, contiguous :: values(:)
+    character(*), intent(in) :: unit              !< e.g. '[length]', '[-]'
+    character(*), intent(in) :: description       !< one sentence
+    type(error_type), allocatable, intent(out) :: error
+    integer, intent(in), optional :: storage      !< STORE_..., default STORE_I32
+    type(form_type) :: form
+    form = form_type(storage=STORE_I32)
+    if (present(storage)) form%storage = storage
+    call put_data(store, name, form, size(values, kind=I64), c_loc(values), error)
+    if (allocated(error)) return
+    call write_label(store, name, unit, description, error)
+  end subroutine write_data_integers
+
+
+  !> A matrix of integers, one column of Fortran a row of the file.
+  subroutine write_data_integer_matrix(store, name, values, unit, description, error, storage)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: name              !< full path in the file
+    integer, intent(in), target, contiguous :: values(:, :)
+    character(*), intent(in) :: unit              !< e.g. '[-]'
+    character(*), intent(in) :: description       !< one sentence
+    type(error_type), allocatable, intent(out) :: error
+    integer, intent(in), optional :: storage      !< STORE_..., default STORE_I32
+    type(form_type) :: form
+    form = form_type(storage=STORE_I32, width=size(values, 1), is_matrix=.true.)
+    if (present(storage)) form%storage = storage
+    call put_data(store, name, form, size(values, 2, kind=I64), c_loc(values), error)
+    if (allocated(error)) return
+    call write_label(store, name, unit, description, error)
+  end subroutine write_data_integer_matrix
+
+
+  !> A list of reals.
+  subroutine write_data_reals(store, name, values, unit, description, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: name              !< full path in the file
+    real(DP), intent(in), target, contiguous :: values(:)
+    character(*), intent(in) :: unit              !< e.g. '[length]'
+    character(*), intent(in) :: description       !< one sentence
+    type(error_type), allocatable, intent(out) :: error
+    call put_data(store, name, form_type(), size(values, kind=I64), c_loc(values), error)
+    if (allocated(error)) return
+    call write_label(store, name, unit, description, error)
+  end subroutine write_data_reals
+
+
+  !> A matrix of reals, one column of Fortran a row of the file.
+  subroutine write_data_real_matrix(store, name, values, unit, description, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: name              !< full path in the file
+    real(DP), intent(in), target, contiguous :: values(:, :)
+    character(*), intent(in) :: unit              !< e.g. '[length]'
+    character(*), intent(in) :: description       !< one sentence
+    type(error_type), allocatable, intent(out) :: error
+    type(form_type) :: form
+    form = form_type(width=size(values, 1), is_matrix=.true.)
+    call put_data(store, name, form, size(values, 2, kind=I64), c_loc(values), error)
+    if (allocated(error)) return
+    call write_label(store, name, unit, description, error)
+  end subroutine write_data_real_matrix
+
+
+  !> One text, of any length and with line breaks.
+  subroutine write_data_text(store, name, text, unit, description, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: name              !< full path in the file
+    character(*), intent(in) :: text
+    character(*), intent(in) :: unit              !< '[-]'
+    character(*), intent(in) :: description       !< one sentence
+    type(error_type), allocatable, intent(out) :: error
+    integer(HID_T) :: type, space, data
+    integer :: s(7)
+    character(:), allocatable, target :: buffer
+    s = 0
+    buffer = text
+    if (len(text) == 0) buffer = c_null_char
+    call make_text_type(len(buffer), type, s(1))
+    call h5screate_f(H5S_SCALAR_F, space, s(2))
+    call h5dcreate_f(store%file, name, type, space, data, s(3))
+    if (s(3) >= 0) then
+      call h5dwrite_f(data, type, c_loc(buffer(1:1)), s(4))
+      call h5dclose_f(data, s(5))
+    end if
+    call h5sclose_f(space, s(6))
+    call h5tclose_f(type, s(7))
+    call judge(store, s, 'write the data set ' // name, error)
+    if (allocated(error)) return
+    call write_label(store, name, unit, description, error)
+  end subroutine write_data_text
+
+
+  !> A list of texts.
+  subroutine write_data_texts(store, name, texts, unit, description, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: name              !< full path in the file
+    character(*), intent(in) :: texts(:)          !< trailing blanks are dropped
+    character(*), intent(in) :: unit              !< '[-]'
+    character(*), intent(in) :: description       !< one sentence
+    type(error_type), allocatable, intent(out) :: error
+    character(len(texts)), target :: buffer(size(texts))
+    integer :: i
+    do i = 1, size(texts)
+      buffer(i) = with_nulls(texts(i), len(texts))
+    end do
+    call put_data(store, name, form_type(storage=STORE_TEXT, width=len(texts)), size(texts, kind=I64), &
+      c_loc(buffer), error)
+    if (allocated(error)) return
+    call write_label(store, name, unit, description, error)
+  end subroutine write_data_texts
+
+
+  !> Creates a data set of fixed size, writes all of it and closes it; large ones are compressed.
+  subroutine put_data(store, name, form, n_rows, buffer, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: name
+    type(form_type), intent(in) :: form
+    integer(I64), intent(in) :: n_rows
+    type(c_ptr), intent(in) :: buffer
+    type(error_type), allocatable, intent(out) :: error
+    type(form_type) :: chunked
+    integer(HID_T) :: file_type, memory_type, space, list, data
+    integer(HSIZE_T) :: extent(2)
+    integer :: s(8), unused
+    s = 0
+    extent = extent_of(form, n_rows)
+    call open_types(form, file_type, memory_type, s(1))
+    call h5screate_simple_f(rank_of(form), extent, space, s(2))
+    call h5pcreate_f(H5P_DATASET_CREATE_F, list, s(3))
+    if (n_rows > int(SMALLEST_CHUNK / form%width, I64)) then
+      chunked = form
+      chunked%n_rows_hint = int(min(n_rows, int(huge(1), I64)))
+      call set_chunks(list, chunked, s(4))
+    end if
+    if (all(s >= 0)) call h5dcreate_f(store%file, name, file_type, space, data, s(5), list)
+    if (all(s >= 0)) then
+      if (n_rows > 0) call h5dwrite_f(data, memory_type, buffer, s(6))
+      call h5dclose_f(data, s(7))
+    end if
+    call h5pclose_f(list, unused)
+    call h5sclose_f(space, unused)
+    call close_types(form, file_type)
+    call judge(store, s, 'write the data set ' // name, error)
+  end subroutine put_data
+
+
+  !> Creates an empty data set that grows by rows.
+  subroutine create_table(store, table, name, form, unit, description, error)
+    type(store_type), intent(in) :: store
+    type(table_type), intent(out) :: table
+    character(*), intent(in) :: name              !< full path in the file
+    type(form_type), intent(in) :: form           !< what a row is and how many come at a time
+    character(*), intent(in) :: unit              !< e.g. '[length]'
+    character(*), intent(in) :: description       !< one sentence
+    type(error_type), allocatable, intent(out) :: error
+    integer(HID_T) :: file_type, memory_type, space, list
+    integer(HSIZE_T) :: extent(2), limit(2)
+    integer :: s(5), unused
+    table%form = form
+    table%name = name
+    s = 0
+    extent = extent_of(form, 0_I64)
+    limit = extent
+    limit(rank_of(form)) = H5S_UNLIMITED_F
+    call open_types(form, file_type, memory_type, s(1))
+    call h5screate_simple_f(rank_of(form), extent, space, s(2), limit)
+    call h5pcreate_f(H5P_DATASET_CREATE_F, list, s(3))
+    call set_chunks(list, form, s(4))
+    if (all(s >= 0)) call h5dcreate_f(store%file, name, file_type, space, table%id, s(5), list)
+    call h5pclose_f(list, unused)
+    call h5sclose_f(space, unused)
+    call close_types(form, file_type)
+    call judge(store, s, 'create the table ' // name, error)
+    if (allocated(error)) return
+    call write_label(store, name, unit, description, error)
+  end subroutine create_table
+
+
+  !> Adds rows of integers.
+  subroutine append_integers(store, table, values, error)
+    type(store_type), intent(in) :: store
+    type(table_type), intent(inout) :: table
+    integer, intent(in), target, contiguous :: values(:, :)   !< (width, rows)
+    type(error_type), allocatable, intent(out) :: error
+    call put_rows(store, table, H5T_NATIVE_INTEGER, size(values, 2, kind=I64), c_loc(values), error)
+  end subroutine append_integers
+
+
+  !> Adds one row with one long integer.
+  subroutine append_long(store, table, value, error)
+    type(store_type), intent(in) :: store
+    type(table_type), intent(inout) :: table
+    integer(I64), intent(in) :: value
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64), target :: buffer(1)
+    buffer = value
+    call put_rows(store, table, h5kind_to_type(I64, H5_INTEGER_KIND), 1_I64, c_loc(buffer), error)
+  end subroutine append_long
+
+
+  !> Adds rows of reals.
+  subroutine append_reals(store, table, values, error)
+    type(store_type), intent(in) :: store
+    type(table_type), intent(inout) :: table
+    real(DP), intent(in), target, contiguous :: values(:, :)   !< (width, rows)
+    type(error_type), allocatable, intent(out) :: error
+    call put_rows(store, table, H5T_NATIVE_DOUBLE, size(values, 2, kind=I64), c_loc(values), error)
+  end subroutine append_reals
+
+
+  !> Adds one text; what is longer than the table's texts is cut off.
+  subroutine append_text(store, table, text, error)
+    type(store_type), intent(in) :: store
+    type(table_type), intent(inout) :: table
+    character(*), intent(in) :: text
+    type(error_type), allocatable, intent(out) :: error
+    character(table%form%width), target :: buffer
+    integer(HID_T) :: file_type, memory_type
+    integer :: s(1)
+    buffer = with_nulls(text, table%form%width)
+    call open_types(table%form, file_type, memory_type, s(1))
+    call put_rows(store, table, memory_type, 1_I64, c_loc(buffer(1:1)), error)
+    call close_types(table%form, file_type)
+  end subroutine append_text
+
+
+  !> Makes a table longer and writes the new rows.
+  subroutine put_rows(store, table, memory_type, n_rows, buffer, error)
+    type(store_type), intent(in) :: store
+    type(table_type), intent(inout) :: table
+    integer(HID_T), intent(in) :: memory_type
+    integer(I64), intent(in) :: n_rows
+    type(c_ptr), intent(in) :: buffer
+    type(error_type), allocatable, intent(out) :: error
+    integer(HID_T) :: file_space, memory_space
+    integer(HSIZE_T) :: count(2), start(2)
+    integer :: s(6), rank, unused
+    if (n_rows == 0) return
+    s = 0
+    rank = rank_of(table%form)
+    start = 0
+    start(rank) = table%n_rows
+    count = extent_of(table%form, n_rows)
+    call h5dset_extent_f(table%id, extent_of(table%form, table%n_rows + n_rows), s(1))
+    if (s(1) >= 0) then
+      call h5dget_space_f(table%id, file_space, s(2))
+      call h5sselect_hyperslab_f(file_space, H5S_SELECT_SET_F, start(:rank), count(:rank), s(3))
+      call h5screate_simple_f(rank, count, memory_space, s(4))
+      if (all(s >= 0)) call h5dwrite_f(table%id, memory_type, buffer, s(5), memory_space, file_space)
+      call h5sclose_f(memory_space, unused)
+      call h5sclose_f(file_space, unused)
+    end if
+    call judge(store, s, 'add rows to ' // table%name // ' (is the disk full?)', error)
+    if (.not. allocated(error)) table%n_rows = table%n_rows + n_rows
+  end subroutine put_rows
+
+
+  !> Attributes `unit` and `description`.
+  subroutine write_label(store, name, unit, description, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: name, unit, description
+    type(error_type), allocatable, intent(out) :: error
+    call write_attribute_text(store, name, 'unit', trim(unit), error)
+    if (allocated(error)) return
+    call write_attribute_text(store, name, 'description', trim(description), error)
+  end subroutine write_label
+
+
+  !> Chunk size and compression. A chunk holds what is added at a time, or an equal part of it if that is large.
+  subroutine set_chunks(list, form, status)
+    integer(HID_T), intent(in) :: list            !< property list of a data set to be
+    type(form_type), intent(in) :: form
+    integer, intent(out) :: status                !< negative: it failed
+    integer(HSIZE_T) :: extent(2)
+    integer(I64) :: rows, width, n_chunks, least
+    integer :: s(3)
+    logical :: is_column
+    width = int(merge(1, form%width, form%storage == STORE_TEXT), I64)
+    is_column = form%n_rows_hint == 1
+    rows = int(form%n_rows_hint, I64)
+    n_chunks = (rows * width + LARGEST_CHUNK - 1_I64) / LARGEST_CHUNK
+    rows = (rows + n_chunks - 1_I64) / n_chunks
+    least = int(merge(SMALLEST_COLUMN, SMALLEST_CHUNK, is_column), I64) / width
+    extent = extent_of(form, max(rows, least, 1_I64))
+    s = 0
+    call h5pset_chunk_f(list, rank_of(form), extent, s(1))
+    if (form%storage == STORE_TEXT .or. .not. is_column) then
+      call h5pset_shuffle_f(list, s(2))
+      call h5pset_deflate_f(list, GZIP_LEVEL, s(3))
+    end if
+    status = minval(s)
+  end subroutine set_chunks
+
+
+  !> Dimensions of the data set, in Fortran's order.
+  pure function rank_of(form) result(rank)
+    type(form_type), intent(in) :: form
+    integer :: rank
+    rank = merge(2, 1, form%is_matrix .or. (form%width > 1 .and. form%storage /= STORE_TEXT))
+  end function rank_of
+
+
+  !> Extent of a data set with some rows, in Fortran's order; only the first rank numbers count.
+  pure function extent_of(form, n_rows) result(extent)
+    type(form_type), intent(in) :: form
+    integer(I64), intent(in) :: n_rows
+    integer(HSIZE_T) :: extent(2)
+    if (rank_of(form) == 2) then
+      extent = [int(form%width, HSIZE_T), int(n_rows, HSIZE_T)]
+    else
+      extent = [int(n_rows, HSIZE_T), 0_HSIZE_T]
+    end if
+  end function extent_of
+
+
+  !> The HDF5 types of a form in the file and in memory. To be given back with close_types.
+  subroutine open_types(form, file_type, memory_type, status)
+    type(form_type), intent(in) :: form
+    integer(HID_T), intent(out) :: file_type, memory_type
+    integer, intent(out) :: status
+    status = 0
+    memory_type = H5T_NATIVE_INTEGER
+    select case (form%storage)
+    case (STORE_REAL)
+      file_type = H5T_IEEE_F64LE
+      memory_type = H5T_NATIVE_DOUBLE
+    case (STORE_I64)
+      file_type = H5T_STD_I64LE
+    case (STORE_U8)
+      file_type = H5T_STD_U8LE
+    case (STORE_TEXT)
+      call make_text_type(form%width, file_type, status)
+      memory_type = file_type
+    case default
+      file_type = H5T_STD_I32LE
+    end select
+  end subroutine open_types
+
+
+  !> Closes the type that open_types made.
+  subroutine close_types(form, file_type)
+    type(form_type), intent(in) :: form
+    integer(HID_T), intent(in) :: file_type
+    integer :: unused
+    if (form%storage == STORE_TEXT) call h5tclose_f(file_type, unused)
+  end subroutine close_types
+
+
+  !> A type of texts of one length.
+  subroutine make_text_type(length, type, status)
+    integer, intent(in) :: length                 !< bytes, at least 1
+    integer(HID_T), intent(out) :: type
+    integer, intent(out) :: status                !< negative: it failed
+    integer :: s(4)
+    call h5tcopy_f(H5T_FORTRAN_S1, type, s(1))
+    call h5tset_size_f(type, int(length, SIZE_T), s(2))
+    call h5tset_strpad_f(type, H5T_STR_NULLPAD_F, s(3))
+    call h5tset_cset_f(type, H5T_CSET_UTF8_F, s(4))
+    status = minval(s)
+  end subroutine make_text_type
+
+
+  !> A text filled up with NUL instead of blanks, or cut off.
+  pure function with_nulls(text, length) result(filled)
+    character(*), intent(in) :: text
+    integer, intent(in) :: length
+    character(length) :: filled
+    integer :: i, n
+    n = min(length, len_trim(text))
+    filled = text
+    do i = n + 1, length
+      filled(i:i) = c_null_char
+    end do
+  end function with_nulls
+
+
+  !> Makes an error if any of the status values is negative.
+  subroutine judge(store, statuses, doing, error)
+    type(store_type), intent(in) :: store
+    integer, intent(in) :: statuses(:)            !< what HDF5 returned
+    character(*), intent(in) :: doing             !< what was tried, to follow 'cannot'
+    type(error_type), allocatable, intent(out) :: error
+    if (any(statuses < 0)) call set_error(error, EXIT_IO, 'Result file ' // store%path // ': cannot ' // doing // '.')
+  end subroutine judge
+
+end module amontons_store
