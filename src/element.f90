@@ -1,0 +1,533 @@
+!> Element: internal forces, tangent, body force and pressure of one element or facet; plain, B-bar or F-bar.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory and symbols: doc/theory/elements.md. Force and tangent are the first and second derivative of the element's strain
+!! energy, so the tangent is symmetric, at finite strain and with mean dilatation too. Inside, arrays run over the nodes first:
+!! that is the loop the compiler turns into vector instructions.
+module amontons_element
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use amontons_kinds, only: DP
+  use amontons_materials, only: material_type
+  use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
+  use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, logarithm_1p, STRESS_OK, STRESS_INVERTED
+  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, cross_product, determinant_minus_one, invert, pack_voigt
+  use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_NODES, MAX_POINTS, MAX_FACE_NODES, &
+    KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R, N_KINDS
+  implicit none
+  private
+  public :: points_type, element_system, element_forces, element_tangent
+  public :: element_volume, element_body_force, facet_pressure
+  public :: ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
+
+  integer, parameter :: ELEMENT_OK = 0             !< all is well
+  integer, parameter :: ELEMENT_INVERTED = 1       !< det F is not positive at an integration point
+  integer, parameter :: ELEMENT_NOT_FINITE = 2     !< a displacement is NaN, infinite or beyond all bounds
+  integer, parameter :: ELEMENT_DEGENERATE = 3     !< the undeformed element has no positive volume at an integration point
+
+  ! The table of module topology once more as constants, so that the loops have known lengths (a unit test compares them).
+  integer, parameter :: N_NODES(N_KINDS) = [4, 6, 8, 8, 10, 20, 20]
+  integer, parameter :: N_POINTS(N_KINDS) = [1, 2, 8, 8, 4, 27, 8]
+  logical, parameter :: IS_MEAN(N_KINDS) = [.false., .false., .true., .false., .false., .false., .false.]
+
+  !> What is known at the integration points of one element; entries past its points are undefined.
+  type :: points_type
+    real(DP) :: stress(6, MAX_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]
+    real(DP) :: strain(6, MAX_POINTS)              !< small or logarithmic strain, tensor components [-]
+    real(DP) :: energy(MAX_POINTS)                 !< strain energy per reference volume [stress]
+    real(DP) :: volume(MAX_POINTS)                 !< reference volume of the point: weight times determinant [length^3]
+  end type points_type
+
+  !> How an element has moved: what its forces and its tangent need.
+  type :: motion_type
+    real(DP) :: gradient(MAX_NODES, 3, MAX_POINTS) !< dN_a/dx_j, current under NLGEOM [1/length]
+    real(DP) :: mean(MAX_NODES, 3)                 !< their mean over the (current) volume [1/length]
+    real(DP) :: H(3, 3, MAX_POINTS)                !< displacement gradient du_i/dX_j, that of F-bar with mean dilatation [-]
+    real(DP) :: j(MAX_POINTS)                      !< det(1 + H) - 1 [-]
+    real(DP) :: reference(MAX_POINTS)              !< reference volumes of the points [length^3]
+    real(DP) :: current(MAX_POINTS)                !< their current volumes [length^3]
+  end type motion_type
+
+contains
+
+  !> Internal force, tangent and point values of an element together: the way of a Newton iteration.
+  pure subroutine element_system(kind, material, X, u, is_nlgeom, force, stiffness, points, status)
+    integer, intent(in) :: kind                    !< KIND_...
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
+    logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
+    real(DP), intent(out) :: force(3, MAX_NODES)   !< internal force, zero past the nodes [force]
+    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric, defined up to 3 * nodes
+    type(points_type), intent(out) :: points
+    integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
+    select case (kind)                             ! constants here make loops of known length there
+    case (KIND_C3D4)
+      call evaluate(KIND_C3D4, material, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_C3D6)
+      call evaluate(KIND_C3D6, material, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_C3D8)
+      call evaluate(KIND_C3D8, material, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_C3D8_FULL)
+      call evaluate(KIND_C3D8_FULL, material, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_C3D10)
+      call evaluate(KIND_C3D10, material, X, u, is_nlgeom, force, points, status, stiffness)
+    case default
+      call evaluate(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+    end select
+  end subroutine element_system
+
+
+  !> Internal force and point values of an element: the way of a residual.
+  pure subroutine element_forces(kind, material, X, u, is_nlgeom, force, points, status)
+    integer, intent(in) :: kind                    !< KIND_...
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
+    logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
+    real(DP), intent(out) :: force(3, MAX_NODES)   !< internal force, zero past the nodes [force]
+    type(points_type), intent(out) :: points
+    integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
+    if (kind == KIND_C3D8) then
+      call evaluate(KIND_C3D8, material, X, u, is_nlgeom, force, points, status)
+    else
+      call evaluate(kind, material, X, u, is_nlgeom, force, points, status)
+    end if
+  end subroutine element_forces
+
+
+  !> The tangent of an element alone.
+  pure subroutine element_tangent(kind, material, X, u, is_nlgeom, stiffness, status)
+    integer, intent(in) :: kind                    !< KIND_...
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
+    logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
+    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric, defined up to 3 * nodes
+    integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
+    real(DP) :: force(3, MAX_NODES)
+    type(points_type) :: points
+    call element_system(kind, material, X, u, is_nlgeom, force, stiffness, points, status)
+  end subroutine element_tangent
+
+
+  !> Volume of an element in the coordinates given, and whether it is positive everywhere.
+  pure subroutine element_volume(kind, X, volume, status)
+    integer, intent(in) :: kind                    !< KIND_...
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
+    real(DP), intent(out) :: volume                !< [length^3]
+    integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
+    type(motion_type) :: motion
+    call set_reference(kind, X, motion, status)
+    volume = sum(motion%reference(:N_POINTS(kind)))
+  end subroutine element_volume
+
+
+  !> Consistent nodal forces of a body force: force_a = sum over points of N_a b w.
+  pure subroutine element_body_force(kind, X, b, force)
+    integer, intent(in) :: kind                    !< KIND_...
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
+    real(DP), intent(in) :: b(3)                   !< force per reference volume [force/length^3]
+    real(DP), intent(out) :: force(3, MAX_NODES)   !< zero past the nodes [force]
+    type(motion_type) :: motion
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
+    integer :: n_rule, p, a, status
+    call set_reference(kind, X, motion, status)
+    call quadrature(kind, n_rule, xi, w)
+    force = 0
+    do p = 1, n_rule
+      call shape_functions(kind, xi(:, p), N, dN)
+      do a = 1, N_NODES(kind)
+        force(:, a) = force(:, a) + (N(a) * motion%reference(p)) * b
+      end do
+    end do
+  end subroutine element_body_force
+
+
+  !> Consistent nodal forces of a pressure on a facet in its current place, and their derivative, the load stiffness:
+  !! force_a = -pressure * integral of N_a (dx/dxi1 x dx/dxi2).
+  !! Positive pressure pushes against the normal of the right-hand rule. The derivative is not symmetric for an open surface.
+  !! Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed., section 8.5.
+  pure subroutine facet_pressure(facet_kind, x, pressure, force, stiffness)
+    integer, intent(in) :: facet_kind              !< FACET_...
+    real(DP), intent(in) :: x(:, :)                !< (3, nodes) current coordinates [length]
+    real(DP), intent(in) :: pressure               !< [stress]
+    real(DP), intent(out) :: force(3, MAX_FACE_NODES)   !< zero past the nodes [force]
+    real(DP), intent(out) :: stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)   !< d force/d x, zero past 3 * nodes
+    type(facet_kind_type) :: facet
+    real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
+    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), along(3, 2), turn(3, 3)
+    integer :: n_rule, p, a, b
+    facet = topology_of_facet(facet_kind)
+    force = 0
+    stiffness = 0
+    call facet_quadrature(facet_kind, n_rule, xi, w)
+    do p = 1, n_rule
+      call facet_shapes(facet_kind, xi(:, p), N, dN, ddN)
+      along = 0
+      do a = 2, facet%n_nodes
+        along(:, 1) = along(:, 1) + (x(:, a) - x(:, 1)) * dN(1, a)
+        along(:, 2) = along(:, 2) + (x(:, a) - x(:, 1)) * dN(2, a)
+      end do
+      N = -pressure * w(p) * N
+      do b = 1, facet%n_nodes
+        force(:, b) = force(:, b) + N(b) * cross_product(along(:, 1), along(:, 2))
+        turn = cross_matrix(dN(1, b) * along(:, 2) - dN(2, b) * along(:, 1))
+        do a = 1, facet%n_nodes
+          associate (block => stiffness(3 * a - 2:3 * a, 3 * b - 2:3 * b))
+            block = block + N(a) * turn
+          end associate
+        end do
+      end do
+    end do
+  end subroutine facet_pressure
+
+
+  !> The matrix with entries e_ijk y_k: its product with z is z x y.
+  pure function cross_matrix(y) result(matrix)
+    real(DP), intent(in) :: y(3)
+    real(DP) :: matrix(3, 3)
+    matrix(:, 1) = [0.0_DP, -y(3), y(2)]
+    matrix(:, 2) = [y(3), 0.0_DP, -y(1)]
+    matrix(:, 3) = [-y(2), y(1), 0.0_DP]
+  end function cross_matrix
+
+
+  !> Forces, point values and, if wanted, the tangent of an element of a kind known to the compiler.
+  pure subroutine evaluate(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+    integer, intent(in) :: kind
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: X(:, :), u(:, :)
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: force(3, MAX_NODES)
+    type(points_type), intent(out) :: points
+    integer, intent(out) :: status
+    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    type(motion_type) :: motion
+    real(DP) :: tau(6, MAX_POINTS), tangent(6, 6, MAX_POINTS)
+    force = 0
+    call set_reference(kind, X, motion, status)
+    if (status == ELEMENT_OK) call move(kind, u, is_nlgeom, motion, status)
+    if (status /= ELEMENT_OK) return
+    call set_stresses(kind, material, is_nlgeom, present(stiffness), motion, tau, tangent, points, status)
+    if (status /= ELEMENT_OK) return
+    call add_forces(N_NODES(kind), N_POINTS(kind), IS_MEAN(kind), motion, tau, force)
+    if (.not. present(stiffness)) return
+    if (.not. is_nlgeom) tau = 0
+    call set_stiffness(N_NODES(kind), N_POINTS(kind), IS_MEAN(kind), motion, tau, tangent, stiffness)
+  end subroutine evaluate
+
+
+  !> Derivatives of the shape functions by the coordinates given, and the volumes of the points.
+  pure subroutine set_reference(kind, X, motion, status)
+    integer, intent(in) :: kind
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) [length]
+    type(motion_type), intent(out) :: motion       !< gradient, reference, current are set
+    integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
+    real(DP) :: jacobian(3, 3), inverse(3, 3), det
+    integer :: n_rule, p, a, j
+    status = ELEMENT_OK
+    call quadrature(kind, n_rule, xi, w)
+    do p = 1, N_POINTS(kind)
+      call shape_functions(kind, xi(:, p), N, dN)
+      jacobian = 0
+      do a = 2, N_NODES(kind)
+        do j = 1, 3
+          jacobian(:, j) = jacobian(:, j) + (X(:, a) - X(:, 1)) * dN(j, a)
+        end do
+      end do
+      call invert(jacobian, inverse, det)
+      if (.not. det > 0) status = ELEMENT_DEGENERATE
+      motion%reference(p) = w(p) * det
+      motion%current(p) = w(p) * det
+      do j = 1, 3
+        do a = 1, N_NODES(kind)
+          motion%gradient(a, j, p) = dN(1, a) * inverse(1, j) + dN(2, a) * inverse(2, j) + dN(3, a) * inverse(3, j)
+        end do
+      end do
+    end do
+  end subroutine set_reference
+
+
+  !> Displacement gradients; under NLGEOM current gradients and volumes; with mean dilatation the mean gradients and F-bar.
+  !! Displacements count from node 1, so that a translation gives exactly nothing.
+  pure subroutine move(kind, u, is_nlgeom, motion, status)
+    integer, intent(in) :: kind
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes) [length]
+    logical, intent(in) :: is_nlgeom
+    type(motion_type), intent(inout) :: motion
+    integer, intent(out) :: status                 !< ELEMENT_...
+    integer :: p, a, j
+    status = ELEMENT_NOT_FINITE
+    if (.not. all(ieee_is_finite(u(:, :N_NODES(kind))))) return
+    status = ELEMENT_OK
+    do p = 1, N_POINTS(kind)
+      motion%H(:, :, p) = 0
+      do a = 2, N_NODES(kind)
+        do j = 1, 3
+          motion%H(:, j, p) = motion%H(:, j, p) + (u(:, a) - u(:, 1)) * motion%gradient(a, j, p)
+        end do
+      end do
+    end do
+    if (is_nlgeom) call push_forward(N_NODES(kind), N_POINTS(kind), motion, status)
+    if (status /= ELEMENT_OK .or. .not. IS_MEAN(kind)) return
+    motion%mean = 0
+    do p = 1, N_POINTS(kind)
+      do j = 1, 3
+        do a = 1, N_NODES(kind)
+          motion%mean(a, j) = motion%mean(a, j) + motion%current(p) * motion%gradient(a, j, p)
+        end do
+      end do
+    end do
+    motion%mean = motion%mean / sum(motion%current(:N_POINTS(kind)))
+    if (is_nlgeom) call set_mean_dilatation(N_POINTS(kind), motion)
+  end subroutine move
+
+
+  !> Turns reference gradients and volumes into current ones: dN/dx = dN/dX F^-1, dv = J dV.
+  pure subroutine push_forward(n, n_rule, motion, status)
+    integer, intent(in) :: n, n_rule               !< nodes, points
+    type(motion_type), intent(inout) :: motion
+    integer, intent(out) :: status                 !< ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE
+    real(DP), parameter :: LARGEST_GRADIENT = 1.0e40_DP   ! larger ones overflow on the way
+    real(DP) :: inverse(3, 3), det, g1, g2, g3
+    integer :: p, a
+    do p = 1, n_rule
+      status = ELEMENT_NOT_FINITE
+      if (.not. all(abs(motion%H(:, :, p)) <= LARGEST_GRADIENT)) return
+      motion%j(p) = determinant_minus_one(motion%H(:, :, p))
+      status = ELEMENT_INVERTED
+      call invert(IDENTITY + motion%H(:, :, p), inverse, det)
+      if (.not. (motion%j(p) > -1 .and. det > 0)) return
+      motion%current(p) = (1 + motion%j(p)) * motion%reference(p)
+      do a = 1, n
+        g1 = motion%gradient(a, 1, p)
+        g2 = motion%gradient(a, 2, p)
+        g3 = motion%gradient(a, 3, p)
+        motion%gradient(a, 1, p) = g1 * inverse(1, 1) + g2 * inverse(2, 1) + g3 * inverse(3, 1)
+        motion%gradient(a, 2, p) = g1 * inverse(1, 2) + g2 * inverse(2, 2) + g3 * inverse(3, 2)
+        motion%gradient(a, 3, p) = g1 * inverse(1, 3) + g2 * inverse(2, 3) + g3 * inverse(3, 3)
+      end do
+    end do
+    status = ELEMENT_OK
+  end subroutine push_forward
+
+
+  !> Replaces H by that of F-bar = r F, r^3 = Jbar/J, Jbar = current over reference volume of the element.
+  pure subroutine set_mean_dilatation(n_rule, motion)
+    integer, intent(in) :: n_rule                  !< points
+    type(motion_type), intent(inout) :: motion     !< H and j change
+    real(DP) :: mean, cube, r, r_minus_one
+    integer :: p
+    mean = sum(motion%j(:n_rule) * motion%reference(:n_rule)) / sum(motion%reference(:n_rule))
+    do p = 1, n_rule
+      cube = (mean - motion%j(p)) / (1 + motion%j(p))          ! r^3 - 1
+      r = exp(logarithm_1p(cube) / 3)
+      r_minus_one = cube / (1 + r + r * r)
+      motion%H(:, :, p) = motion%H(:, :, p) + r_minus_one * (IDENTITY + motion%H(:, :, p))
+      motion%j(p) = mean
+    end do
+  end subroutine set_mean_dilatation
+
+
+  !> Stress (Hooke or Kirchhoff), tangent and point values at all points.
+  pure subroutine set_stresses(kind, material, is_nlgeom, is_tangent, motion, tau, tangent, points, status)
+    integer, intent(in) :: kind
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom, is_tangent
+    type(motion_type), intent(in) :: motion
+    real(DP), intent(out) :: tau(6, MAX_POINTS)    !< [stress]
+    real(DP), intent(out) :: tangent(6, 6, MAX_POINTS)   !< defined if is_tangent [stress]
+    type(points_type), intent(out) :: points
+    integer, intent(out) :: status                 !< ELEMENT_...
+    real(DP) :: strain(6), dilatation
+    integer :: p
+    status = STRESS_OK
+    dilatation = 0
+    if (IS_MEAN(kind) .and. .not. is_nlgeom) dilatation = mean_divergence(N_POINTS(kind), motion)
+    do p = 1, N_POINTS(kind)
+      if (.not. is_nlgeom) then
+        strain = pack_voigt(motion%H(:, :, p))
+        if (IS_MEAN(kind)) strain = strain + ((dilatation - sum(strain(:3))) / 3) * VOIGT_IDENTITY
+        points%strain(:, p) = strain
+        call stress_small(material, strain, tau(:, p), tangent(:, :, p), points%energy(p))
+        points%stress(:, p) = tau(:, p)
+      else
+        if (is_tangent) then
+          call stress_finite(material, motion%H(:, :, p), tau(:, p), tangent(:, :, p), points%strain(:, p), &
+            points%energy(p), status)
+        else
+          call kirchhoff_stress(material, motion%H(:, :, p), tau(:, p), points%strain(:, p), points%energy(p), status)
+        end if
+        if (status /= STRESS_OK) exit
+        points%stress(:, p) = tau(:, p) / (1 + motion%j(p))
+      end if
+      points%volume(p) = motion%reference(p)
+    end do
+    if (status /= STRESS_OK) status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, status == STRESS_INVERTED)
+  end subroutine set_stresses
+
+
+  !> Mean of div u over the reference volume.
+  pure function mean_divergence(n_rule, motion) result(divergence)
+    integer, intent(in) :: n_rule                  !< points
+    type(motion_type), intent(in) :: motion
+    real(DP) :: divergence
+    integer :: p
+    divergence = 0
+    do p = 1, n_rule
+      divergence = divergence + motion%reference(p) * (motion%H(1, 1, p) + motion%H(2, 2, p) + motion%H(3, 3, p))
+    end do
+    divergence = divergence / sum(motion%reference(:n_rule))
+  end function mean_divergence
+
+
+  !> Internal forces: force_a = sum of w tau g_a; with mean dilatation sum of w (tau - p 1) g_a + (sum of w p) gbar_a.
+  pure subroutine add_forces(n, n_rule, is_mean_dilatation, motion, tau, force)
+    integer, intent(in) :: n, n_rule               !< nodes, points
+    logical, intent(in) :: is_mean_dilatation
+    type(motion_type), intent(in) :: motion
+    real(DP), intent(in) :: tau(6, MAX_POINTS)     !< [stress]
+    real(DP), intent(inout) :: force(3, MAX_NODES) !< [force]
+    real(DP) :: t(6), pressure, total, f(MAX_NODES, 3)
+    integer :: p, a
+    f = 0
+    total = 0
+    do p = 1, n_rule
+      t = motion%reference(p) * tau(:, p)
+      if (is_mean_dilatation) then
+        pressure = (t(1) + t(2) + t(3)) / 3
+        t(:3) = t(:3) - pressure
+        total = total + pressure
+      end if
+      do a = 1, n
+        f(a, 1) = f(a, 1) + t(1) * motion%gradient(a, 1, p) + t(4) * motion%gradient(a, 2, p) + t(6) * motion%gradient(a, 3, p)
+        f(a, 2) = f(a, 2) + t(4) * motion%gradient(a, 1, p) + t(2) * motion%gradient(a, 2, p) + t(5) * motion%gradient(a, 3, p)
+        f(a, 3) = f(a, 3) + t(6) * motion%gradient(a, 1, p) + t(5) * motion%gradient(a, 2, p) + t(3) * motion%gradient(a, 3, p)
+      end do
+    end do
+    if (is_mean_dilatation) f(:n, :) = f(:n, :) + total * motion%mean(:n, :)
+    force(:, :n) = force(:, :n) + transpose(f(:n, :))
+  end subroutine add_forces
+
+
+  !> The tangent: sum over the points of B^T c B + (g . tau g) 1; the terms of the mean dilatation are folded into c and tau
+  !! but for three products of vectors of the element.
+  pure subroutine set_stiffness(n, n_rule, is_mean_dilatation, motion, tau, tangent, stiffness)
+    integer, intent(in) :: n, n_rule               !< nodes, points
+    logical, intent(in) :: is_mean_dilatation
+    type(motion_type), intent(in) :: motion
+    real(DP), intent(inout) :: tau(6, MAX_POINTS)  !< Kirchhoff stress, zero at small strain; spoiled [stress]
+    real(DP), intent(inout) :: tangent(6, 6, MAX_POINTS)   !< spoiled [stress]
+    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< set up to 3 n
+    real(DP) :: remainder(MAX_NODES, 3), factor, m(MAX_NODES, 3, MAX_POINTS), column(MAX_NODES)
+    integer :: p, b, i, j, k
+    factor = 0
+    if (is_mean_dilatation) then
+      call fold_mean_dilatation(n, n_rule, motion, tau, tangent, remainder, factor)
+    else
+      do p = 1, n_rule
+        tangent(:, :, p) = motion%reference(p) * tangent(:, :, p)
+        tau(:, p) = motion%reference(p) * tau(:, p)
+      end do
+    end if
+    do j = 1, 3
+      do i = j, 3
+        call multiply_gradients(n, n_rule, i, j, motion%gradient, tau, tangent, m)
+        do b = 1, n
+          column(:n) = 0
+          do p = 1, n_rule
+            do k = 1, 3
+              column(:n) = column(:n) + m(b, k, p) * motion%gradient(:n, k, p)
+            end do
+          end do
+          if (is_mean_dilatation) column(:n) = column(:n) + (remainder(b, j) + factor * motion%mean(b, j)) * motion%mean(:n, i) &
+            + motion%mean(b, j) * remainder(:n, i)
+          call scatter(n, b, i, j, column, stiffness)
+        end do
+      end do
+    end do
+  end subroutine set_stiffness
+
+
+  !> m_bk = (c_ikjl + tau_kl delta_ij) g_bl at all points, for one pair of directions.
+  pure subroutine multiply_gradients(n, n_rule, i, j, g, tau, tangent, m)
+    integer, intent(in) :: n, n_rule, i, j
+    real(DP), intent(in) :: g(MAX_NODES, 3, MAX_POINTS), tau(6, MAX_POINTS), tangent(6, 6, MAX_POINTS)
+    real(DP), intent(out) :: m(MAX_NODES, 3, MAX_POINTS)
+    real(DP) :: c(3, 3)
+    integer :: p, k, l
+    do p = 1, n_rule
+      do l = 1, 3
+        do k = 1, 3
+          c(k, l) = tangent(VOIGT_INDEX(i, k), VOIGT_INDEX(j, l), p)
+          if (i == j) c(k, l) = c(k, l) + tau(VOIGT_INDEX(k, l), p)
+        end do
+      end do
+      do k = 1, 3
+        m(:n, k, p) = c(k, 1) * g(:n, 1, p) + c(k, 2) * g(:n, 2, p) + c(k, 3) * g(:n, 3, p)
+      end do
+    end do
+  end subroutine multiply_gradients
+
+
+  !> Writes a column of the block (i, j), i >= j, and its mirror image: the matrix is symmetric to the last bit.
+  pure subroutine scatter(n, b, i, j, column, stiffness)
+    integer, intent(in) :: n, b, i, j
+    real(DP), intent(in) :: column(MAX_NODES)
+    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    integer :: a
+    do a = merge(b, 1, i == j), n
+      stiffness(3 * a - 3 + i, 3 * b - 3 + j) = column(a)
+      stiffness(3 * b - 3 + j, 3 * a - 3 + i) = column(a)
+    end do
+  end subroutine scatter
+
+
+  !> Folds the terms of the mean dilatation into tangent and stress (both times the volumes), and gives what is left:
+  !! remainder r and factor k of  gbar r^T + r gbar^T + k gbar gbar^T.
+  !! Derivation: doc/theory/elements.md, section "Mean dilatation: the tangent".
+  pure subroutine fold_mean_dilatation(n, n_rule, motion, tau, tangent, remainder, factor)
+    integer, intent(in) :: n, n_rule               !< nodes, points
+    type(motion_type), intent(in) :: motion
+    real(DP), intent(inout) :: tau(6, MAX_POINTS), tangent(6, 6, MAX_POINTS)
+    real(DP), intent(out) :: remainder(MAX_NODES, 3), factor
+    real(DP), parameter :: TWICE_SYMMETRIC(6) = [real(DP) :: 2, 2, 2, 1, 1, 1]
+    real(DP) :: total, pressure, q(6), beta, omega, dilatation, w
+    integer :: p, i, a
+    total = 0
+    do p = 1, n_rule
+      total = total + motion%reference(p) * (tau(1, p) + tau(2, p) + tau(3, p)) / 3
+    end do
+    remainder(:n, :) = 0
+    factor = -total
+    do p = 1, n_rule
+      w = motion%reference(p)
+      pressure = (tau(1, p) + tau(2, p) + tau(3, p)) / 3
+      dilatation = total * motion%current(p) / sum(motion%current(:n_rule))
+      omega = w * pressure - dilatation
+      q = w * ((tangent(:, 1, p) + tangent(:, 2, p) + tangent(:, 3, p)) + 2 * tau(:, p)) / 3
+      beta = (q(1) + q(2) + q(3)) / 3
+      factor = factor + beta
+      tangent(:, :, p) = w * tangent(:, :, p)
+      do i = 1, 3
+        tangent(:, i, p) = tangent(:, i, p) - q
+        tangent(i, :, p) = tangent(i, :, p) - q
+        tangent(:3, i, p) = tangent(:3, i, p) + beta + dilatation
+      end do
+      do i = 1, 6
+        tangent(i, i, p) = tangent(i, i, p) + omega * TWICE_SYMMETRIC(i)
+      end do
+      tau(:, p) = w * tau(:, p) - omega * VOIGT_IDENTITY
+      q(:3) = q(:3) - beta
+      do a = 1, n
+        associate (g => motion%gradient(a, :, p))
+          remainder(a, 1) = remainder(a, 1) + q(1) * g(1) + q(4) * g(2) + q(6) * g(3)
+          remainder(a, 2) = remainder(a, 2) + q(4) * g(1) + q(2) * g(2) + q(5) * g(3)
+          remainder(a, 3) = remainder(a, 3) + q(6) * g(1) + q(5) * g(2) + q(3) * g(3)
+        end associate
+      end do
+    end do
+  end subroutine fold_mean_dilatation
+
+end module amontons_element

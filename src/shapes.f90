@@ -1,0 +1,491 @@
+!> Shapes: shape functions, quadrature and extrapolation of the elements, and shape functions of the facets.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Natural coordinates: hexahedra -1..1 in xi, eta, zeta; tetrahedra 0..1 with node 1 at the origin; wedges 0..1 in the
+!! triangle (xi, eta), -1..1 along zeta. Integration points are ordered as CalculiX prints them: xi fastest, then eta, then zeta.
+module amontons_shapes
+  use amontons_kinds, only: DP
+  use amontons_topology, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R, &
+    FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
+  implicit none
+  private
+  public :: shape_functions, quadrature, node_coordinates, extrapolation_matrix
+  public :: facet_shapes, facet_quadrature, facet_node_coordinates
+  public :: MAX_FACET_POINTS
+
+  integer, parameter :: MAX_FACET_POINTS = 9       !< most integration points of a facet
+
+  ! Corners of the hexahedron, then the middles of its edges, as signs.
+  real(DP), parameter :: HEXAHEDRON(3, 20) = reshape([real(DP) :: &
+    -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1, &
+    0, -1, -1, 1, 0, -1, 0, 1, -1, -1, 0, -1, 0, -1, 1, 1, 0, 1, 0, 1, 1, -1, 0, 1, &
+    -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], [3, 20])
+  real(DP), parameter :: TETRAHEDRON(3, 10) = reshape([real(DP) :: 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, &
+    0.5_DP, 0, 0, 0.5_DP, 0.5_DP, 0, 0, 0.5_DP, 0, 0, 0, 0.5_DP, 0.5_DP, 0, 0.5_DP, 0, 0.5_DP, 0.5_DP], [3, 10])
+  real(DP), parameter :: WEDGE(3, 6) = reshape([real(DP) :: 0, 0, -1, 1, 0, -1, 0, 1, -1, 0, 0, 1, 1, 0, 1, 0, 1, 1], [3, 6])
+  real(DP), parameter :: SQUARE(2, 8) = reshape([real(DP) :: &
+    -1, -1, 1, -1, 1, 1, -1, 1, 0, -1, 1, 0, 0, 1, -1, 0], [2, 8])
+  real(DP), parameter :: TRIANGLE(2, 6) = reshape([real(DP) :: &
+    0, 0, 1, 0, 0, 1, 0.5_DP, 0, 0.5_DP, 0.5_DP, 0, 0.5_DP], [2, 6])
+
+  ! The two corners of each mid-side node.
+  integer, parameter :: TETRAHEDRON_EDGES(2, 5:10) = reshape([1, 2, 2, 3, 3, 1, 1, 4, 2, 4, 3, 4], [2, 6])
+
+  real(DP), parameter :: GAUSS_2 = sqrt(3.0_DP) / 3
+  real(DP), parameter :: GAUSS_3 = sqrt(15.0_DP) / 5
+  ! Four points of a tetrahedron, degree 2. P. C. Hammer, A. H. Stroud, MTAC 10 (1956) 137-139.
+  real(DP), parameter :: TETRA_A = (5 - sqrt(5.0_DP)) / 20, TETRA_B = (5 + 3 * sqrt(5.0_DP)) / 20
+  ! Six points of a triangle, degree 4. G. R. Cowper, Gaussian quadrature formulas for triangles, IJNME 7 (1973) 405-408.
+  real(DP), parameter :: COWPER_A = 0.44594849091596489_DP, COWPER_B = 0.09157621350977074_DP
+  real(DP), parameter :: COWPER_WA = 0.11169079483900573_DP, COWPER_WB = 0.054975871827660934_DP
+
+contains
+
+  !> Shape functions of an element and their derivatives by the natural coordinates; entries past its nodes are zero.
+  !! Reference: O. C. Zienkiewicz, R. L. Taylor, J. Z. Zhu, The finite element method, 7th ed., chapter 6.
+  pure subroutine shape_functions(kind, xi, N, dN)
+    integer, intent(in) :: kind                    !< KIND_...
+    real(DP), intent(in) :: xi(3)                  !< natural coordinates [-]
+    real(DP), intent(out) :: N(MAX_NODES)          !< values [-]
+    real(DP), intent(out) :: dN(3, MAX_NODES)      !< derivatives by xi, eta, zeta [-]
+    N = 0
+    dN = 0
+    select case (kind)
+    case (KIND_C3D4)
+      N(:4) = [1 - xi(1) - xi(2) - xi(3), xi(1), xi(2), xi(3)]
+      dN(:, :4) = reshape([real(DP) :: -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 4])
+    case (KIND_C3D6)
+      call wedge_shapes(xi, N(:6), dN(:, :6))
+    case (KIND_C3D8, KIND_C3D8_FULL)
+      call trilinear_shapes(xi, N(:8), dN(:, :8))
+    case (KIND_C3D10)
+      call tetrahedron_shapes(xi, N(:10), dN(:, :10))
+    case (KIND_C3D20, KIND_C3D20R)
+      call serendipity_shapes(xi, N, dN)
+    end select
+  end subroutine shape_functions
+
+
+  pure subroutine trilinear_shapes(xi, N, dN)
+    real(DP), intent(in) :: xi(3)
+    real(DP), intent(out) :: N(8), dN(3, 8)
+    real(DP) :: x, y, z
+    integer :: a
+    do a = 1, 8
+      x = 1 + HEXAHEDRON(1, a) * xi(1)
+      y = 1 + HEXAHEDRON(2, a) * xi(2)
+      z = 1 + HEXAHEDRON(3, a) * xi(3)
+      N(a) = 0.125_DP * x * y * z
+      dN(1, a) = 0.125_DP * HEXAHEDRON(1, a) * y * z
+      dN(2, a) = 0.125_DP * HEXAHEDRON(2, a) * x * z
+      dN(3, a) = 0.125_DP * HEXAHEDRON(3, a) * x * y
+    end do
+  end subroutine trilinear_shapes
+
+
+  pure subroutine serendipity_shapes(xi, N, dN)
+    real(DP), intent(in) :: xi(3)
+    real(DP), intent(out) :: N(20), dN(3, 20)
+    real(DP) :: s(3), f(3), df(3), t
+    integer :: a
+    do a = 1, 8
+      s = HEXAHEDRON(:, a)
+      f = 1 + s * xi
+      t = f(1) + f(2) + f(3) - 5
+      N(a) = 0.125_DP * f(1) * f(2) * f(3) * t
+      dN(1, a) = 0.125_DP * s(1) * f(2) * f(3) * (t + f(1))
+      dN(2, a) = 0.125_DP * s(2) * f(1) * f(3) * (t + f(2))
+      dN(3, a) = 0.125_DP * s(3) * f(1) * f(2) * (t + f(3))
+    end do
+    do a = 9, 20
+      s = HEXAHEDRON(:, a)
+      f = merge(1 - xi**2, 1 + s * xi, abs(s) < 0.5_DP)
+      df = merge(-2 * xi, s, abs(s) < 0.5_DP)
+      N(a) = 0.25_DP * f(1) * f(2) * f(3)
+      dN(1, a) = 0.25_DP * df(1) * f(2) * f(3)
+      dN(2, a) = 0.25_DP * f(1) * df(2) * f(3)
+      dN(3, a) = 0.25_DP * f(1) * f(2) * df(3)
+    end do
+  end subroutine serendipity_shapes
+
+
+  pure subroutine wedge_shapes(xi, N, dN)
+    real(DP), intent(in) :: xi(3)
+    real(DP), intent(out) :: N(6), dN(3, 6)
+    real(DP), parameter :: SLOPE(2, 3) = reshape([real(DP) :: -1, -1, 1, 0, 0, 1], [2, 3])
+    real(DP) :: area(3), z
+    integer :: a, corner
+    area = [1 - xi(1) - xi(2), xi(1), xi(2)]
+    do a = 1, 6
+      corner = 1 + mod(a - 1, 3)
+      z = WEDGE(3, a)
+      N(a) = 0.5_DP * area(corner) * (1 + z * xi(3))
+      dN(:2, a) = 0.5_DP * SLOPE(:, corner) * (1 + z * xi(3))
+      dN(3, a) = 0.5_DP * area(corner) * z
+    end do
+  end subroutine wedge_shapes
+
+
+  pure subroutine tetrahedron_shapes(xi, N, dN)
+    real(DP), intent(in) :: xi(3)
+    real(DP), intent(out) :: N(10), dN(3, 10)
+    real(DP), parameter :: SLOPE(3, 4) = reshape([real(DP) :: -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 4])
+    real(DP) :: volume(4)
+    integer :: a, i, j
+    volume = [1 - xi(1) - xi(2) - xi(3), xi(1), xi(2), xi(3)]
+    do a = 1, 4
+      N(a) = volume(a) * (2 * volume(a) - 1)
+      dN(:, a) = SLOPE(:, a) * (4 * volume(a) - 1)
+    end do
+    do a = 5, 10
+      i = TETRAHEDRON_EDGES(1, a)
+      j = TETRAHEDRON_EDGES(2, a)
+      N(a) = 4 * volume(i) * volume(j)
+      dN(:, a) = 4 * (SLOPE(:, i) * volume(j) + volume(i) * SLOPE(:, j))
+    end do
+  end subroutine tetrahedron_shapes
+
+
+  !> Integration points and weights of an element. The weights add up to the volume of the parent element.
+  !!
+  !!   C3D4 1 point (degree 1), C3D6 2 points, C3D8 and C3D20R 2x2x2 (degree 3 each way), C3D10 4 points (degree 2),
+  !!   C3D20 3x3x3 (degree 5 each way)
+  pure subroutine quadrature(kind, n, xi, w)
+    integer, intent(in) :: kind                    !< KIND_...
+    integer, intent(out) :: n                      !< number of points
+    real(DP), intent(out) :: xi(3, MAX_POINTS)     !< natural coordinates [-], zero past n
+    real(DP), intent(out) :: w(MAX_POINTS)         !< weights [-], zero past n
+    xi = 0
+    w = 0
+    n = 0
+    select case (kind)
+    case (KIND_C3D4)
+      n = 1
+      xi(:, 1) = 0.25_DP
+      w(1) = 1.0_DP / 6
+    case (KIND_C3D10)
+      n = 4
+      xi(:, :4) = TETRA_A
+      xi(1, 2) = TETRA_B
+      xi(2, 3) = TETRA_B
+      xi(3, 4) = TETRA_B
+      w(:4) = 1.0_DP / 24
+    case (KIND_C3D6)
+      n = 2
+      xi(:2, :2) = 1.0_DP / 3
+      xi(3, :2) = [-GAUSS_2, GAUSS_2]
+      w(:2) = 0.5_DP
+    case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D20R)
+      n = 8
+      call tensor_rule([-GAUSS_2, GAUSS_2], [1.0_DP, 1.0_DP], xi, w)
+    case (KIND_C3D20)
+      n = 27
+      call tensor_rule([-GAUSS_3, 0.0_DP, GAUSS_3], [5.0_DP, 8.0_DP, 5.0_DP] / 9, xi, w)
+    end select
+  end subroutine quadrature
+
+
+  !> The product rule on the cube, xi fastest.
+  pure subroutine tensor_rule(x, weight, xi, w)
+    real(DP), intent(in) :: x(:)                   !< points on the line
+    real(DP), intent(in) :: weight(:)              !< their weights
+    real(DP), intent(inout) :: xi(3, MAX_POINTS), w(MAX_POINTS)
+    integer :: i, j, k, p
+    p = 0
+    do k = 1, size(x)
+      do j = 1, size(x)
+        do i = 1, size(x)
+          p = p + 1
+          xi(:, p) = [x(i), x(j), x(k)]
+          w(p) = weight(i) * weight(j) * weight(k)
+        end do
+      end do
+    end do
+  end subroutine tensor_rule
+
+
+  !> Natural coordinates of the nodes of an element.
+  pure subroutine node_coordinates(kind, xi)
+    integer, intent(in) :: kind                    !< KIND_...
+    real(DP), intent(out) :: xi(3, MAX_NODES)      !< [-], zero past its nodes
+    xi = 0
+    select case (kind)
+    case (KIND_C3D4)
+      xi(:, :4) = TETRAHEDRON(:, :4)
+    case (KIND_C3D10)
+      xi(:, :10) = TETRAHEDRON
+    case (KIND_C3D6)
+      xi(:, :6) = WEDGE
+    case (KIND_C3D8, KIND_C3D8_FULL)
+      xi(:, :8) = HEXAHEDRON(:, :8)
+    case (KIND_C3D20, KIND_C3D20R)
+      xi = HEXAHEDRON
+    end select
+  end subroutine node_coordinates
+
+
+  !> The matrix that carries values at the integration points to the nodes, as CalculiX does: nodes = matrix * points.
+  !!
+  !! | kind            | to the corners                                      | to the mid-side nodes |
+  !! |-----------------|-----------------------------------------------------|-----------------------|
+  !! | C3D4            | the one value                                       |                       |
+  !! | C3D6            | linear through the 2 points                         |                       |
+  !! | C3D8            | trilinear through the 8 points                      |                       |
+  !! | C3D20R          | trilinear through the 8 points                      | mean of the 2 corners |
+  !! | C3D10           | linear through the 4 points                         | mean of the 2 corners |
+  !! | C3D20           | least squares fit of the 20 shape functions to the 27 points            | the same    |
+  pure subroutine extrapolation_matrix(kind, matrix, n_nodes, n_points)
+    integer, intent(in) :: kind                    !< KIND_...
+    real(DP), intent(out) :: matrix(MAX_NODES, MAX_POINTS)   !< [-], zero past n_nodes, n_points
+    integer, intent(out) :: n_nodes, n_points
+    matrix = 0
+    n_nodes = 0
+    n_points = 0
+    select case (kind)
+    case (KIND_C3D4)
+      n_nodes = 4
+      n_points = 1
+      matrix(:4, 1) = 1
+    case (KIND_C3D6)
+      n_nodes = 6
+      n_points = 2
+      matrix(:6, 1) = 0.5_DP * (1 - WEDGE(3, :) / GAUSS_2)
+      matrix(:6, 2) = 0.5_DP * (1 + WEDGE(3, :) / GAUSS_2)
+    case (KIND_C3D8, KIND_C3D8_FULL)
+      n_nodes = 8
+      n_points = 8
+      call extrapolate_trilinear(8, matrix)
+    case (KIND_C3D20R)
+      n_nodes = 20
+      n_points = 8
+      call extrapolate_trilinear(20, matrix)
+    case (KIND_C3D10)
+      n_nodes = 10
+      n_points = 4
+      call extrapolate_tetrahedron(matrix)
+    case (KIND_C3D20)
+      n_nodes = 20
+      n_points = 27
+      call extrapolate_serendipity(matrix)
+    end select
+  end subroutine extrapolation_matrix
+
+
+  !> Trilinear through the points of the 2x2x2 rule. A trilinear function is, on an edge's middle, the mean of the corners.
+  pure subroutine extrapolate_trilinear(n_nodes, matrix)
+    integer, intent(in) :: n_nodes
+    real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
+    integer, parameter :: CORNER(8) = [1, 2, 4, 3, 5, 6, 8, 7]   ! the corner next to each point
+    integer :: a, p
+    do p = 1, 8
+      do a = 1, n_nodes
+        matrix(a, p) = 0.125_DP * product(1 + HEXAHEDRON(:, CORNER(p)) * HEXAHEDRON(:, a) / GAUSS_2)
+      end do
+    end do
+  end subroutine extrapolate_trilinear
+
+
+  !> Linear through the four points; the matrix TETRA_A + (TETRA_B - TETRA_A) delta inverted in closed form.
+  pure subroutine extrapolate_tetrahedron(matrix)
+    real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
+    integer :: a
+    matrix(:4, :4) = -TETRA_A / (TETRA_B - TETRA_A)
+    do a = 1, 4
+      matrix(a, a) = (1 - TETRA_A) / (TETRA_B - TETRA_A)
+    end do
+    do a = 5, 10
+      matrix(a, :4) = 0.5_DP * (matrix(TETRAHEDRON_EDGES(1, a), :4) + matrix(TETRAHEDRON_EDGES(2, a), :4))
+    end do
+  end subroutine extrapolate_tetrahedron
+
+
+  !> Least squares fit of the serendipity functions to 27 points: (N N^T)^-1 N, by Cholesky.
+  pure subroutine extrapolate_serendipity(matrix)
+    real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), shapes(20, 27), dN(3, 20), L(20, 20)
+    integer :: p, n, i, j
+    call quadrature(KIND_C3D20, n, xi, w)
+    do p = 1, n
+      call serendipity_shapes(xi(:, p), shapes(:, p), dN)
+    end do
+    L = matmul(shapes, transpose(shapes))
+    do j = 1, 20
+      do i = 1, j - 1
+        L(j:, j) = L(j:, j) - L(j, i) * L(j:, i)
+      end do
+      L(j:, j) = L(j:, j) / sqrt(L(j, j))
+    end do
+    do i = 1, 20
+      do j = 1, i - 1
+        shapes(i, :) = shapes(i, :) - L(i, j) * shapes(j, :)
+      end do
+      shapes(i, :) = shapes(i, :) / L(i, i)
+    end do
+    do i = 20, 1, -1
+      do j = i + 1, 20
+        shapes(i, :) = shapes(i, :) - L(j, i) * shapes(j, :)
+      end do
+      shapes(i, :) = shapes(i, :) / L(i, i)
+    end do
+    matrix = shapes
+  end subroutine extrapolate_serendipity
+
+
+  !> Shape functions of a facet with first and second derivatives; entries past its nodes are zero.
+  pure subroutine facet_shapes(facet_kind, xi, N, dN, ddN)
+    integer, intent(in) :: facet_kind              !< FACET_...
+    real(DP), intent(in) :: xi(2)                  !< natural coordinates: triangles 0..1, node 1 at the origin; squares -1..1 [-]
+    real(DP), intent(out) :: N(MAX_FACE_NODES)     !< values [-]
+    real(DP), intent(out) :: dN(2, MAX_FACE_NODES) !< derivatives by xi(1), xi(2) [-]
+    real(DP), intent(out) :: ddN(3, MAX_FACE_NODES)   !< second derivatives 11, 22, 12 [-]
+    N = 0
+    dN = 0
+    ddN = 0
+    select case (facet_kind)
+    case (FACET_TRI3)
+      N(:3) = [1 - xi(1) - xi(2), xi(1), xi(2)]
+      dN(:, :3) = reshape([real(DP) :: -1, -1, 1, 0, 0, 1], [2, 3])
+    case (FACET_QUAD4)
+      call bilinear_shapes(xi, N(:4), dN(:, :4), ddN(:, :4))
+    case (FACET_TRI6)
+      call triangle_shapes(xi, N(:6), dN(:, :6), ddN(:, :6))
+    case (FACET_QUAD8)
+      call square_shapes(xi, N, dN, ddN)
+    end select
+  end subroutine facet_shapes
+
+
+  pure subroutine bilinear_shapes(xi, N, dN, ddN)
+    real(DP), intent(in) :: xi(2)
+    real(DP), intent(out) :: N(4), dN(2, 4), ddN(3, 4)
+    real(DP) :: x, y
+    integer :: a
+    do a = 1, 4
+      x = 1 + SQUARE(1, a) * xi(1)
+      y = 1 + SQUARE(2, a) * xi(2)
+      N(a) = 0.25_DP * x * y
+      dN(:, a) = 0.25_DP * [SQUARE(1, a) * y, x * SQUARE(2, a)]
+      ddN(:, a) = [0.0_DP, 0.0_DP, 0.25_DP * SQUARE(1, a) * SQUARE(2, a)]
+    end do
+  end subroutine bilinear_shapes
+
+
+  pure subroutine triangle_shapes(xi, N, dN, ddN)
+    real(DP), intent(in) :: xi(2)
+    real(DP), intent(out) :: N(6), dN(2, 6), ddN(3, 6)
+    real(DP), parameter :: SLOPE(2, 3) = reshape([real(DP) :: -1, -1, 1, 0, 0, 1], [2, 3])
+    integer, parameter :: EDGES(2, 4:6) = reshape([1, 2, 2, 3, 3, 1], [2, 3])
+    real(DP) :: area(3), p(2), q(2)
+    integer :: a
+    area = [1 - xi(1) - xi(2), xi(1), xi(2)]
+    do a = 1, 3
+      p = SLOPE(:, a)
+      N(a) = area(a) * (2 * area(a) - 1)
+      dN(:, a) = p * (4 * area(a) - 1)
+      ddN(:, a) = 4 * [p(1) * p(1), p(2) * p(2), p(1) * p(2)]
+    end do
+    do a = 4, 6
+      p = SLOPE(:, EDGES(1, a))
+      q = SLOPE(:, EDGES(2, a))
+      N(a) = 4 * area(EDGES(1, a)) * area(EDGES(2, a))
+      dN(:, a) = 4 * (p * area(EDGES(2, a)) + q * area(EDGES(1, a)))
+      ddN(:, a) = 4 * [2 * p(1) * q(1), 2 * p(2) * q(2), p(1) * q(2) + p(2) * q(1)]
+    end do
+  end subroutine triangle_shapes
+
+
+  pure subroutine square_shapes(xi, N, dN, ddN)
+    real(DP), intent(in) :: xi(2)
+    real(DP), intent(out) :: N(8), dN(2, 8), ddN(3, 8)
+    real(DP) :: s, t, x, y
+    integer :: a
+    do a = 1, 8
+      s = SQUARE(1, a)
+      t = SQUARE(2, a)
+      x = 1 + s * xi(1)
+      y = 1 + t * xi(2)
+      if (a <= 4) then
+        N(a) = 0.25_DP * x * y * (x + y - 3)
+        dN(:, a) = 0.25_DP * [s * y * (2 * x + y - 3), t * x * (x + 2 * y - 3)]
+        ddN(:, a) = 0.25_DP * [2 * s * s * y, 2 * t * t * x, s * t * (2 * x + 2 * y - 3)]
+      else if (abs(s) < 0.5_DP) then
+        N(a) = 0.5_DP * (1 - xi(1)**2) * y
+        dN(:, a) = [-xi(1) * y, 0.5_DP * (1 - xi(1)**2) * t]
+        ddN(:, a) = [-y, 0.0_DP, -xi(1) * t]
+      else
+        N(a) = 0.5_DP * x * (1 - xi(2)**2)
+        dN(:, a) = [0.5_DP * s * (1 - xi(2)**2), -xi(2) * x]
+        ddN(:, a) = [0.0_DP, -x, -xi(2) * s]
+      end if
+    end do
+  end subroutine square_shapes
+
+
+  !> Integration points and weights of a facet, enough to integrate N times the normal of any (curved) facet exactly.
+  !!
+  !!   tri3 3 points (degree 2), quad4 2x2 (degree 3 each way), tri6 6 points (degree 4), quad8 3x3 (degree 5 each way)
+  pure subroutine facet_quadrature(facet_kind, n, xi, w)
+    integer, intent(in) :: facet_kind              !< FACET_...
+    integer, intent(out) :: n                      !< number of points
+    real(DP), intent(out) :: xi(2, MAX_FACET_POINTS)   !< natural coordinates [-], zero past n
+    real(DP), intent(out) :: w(MAX_FACET_POINTS)   !< weights [-], zero past n; sum 1/2 (triangles) or 4 (squares)
+    real(DP), parameter :: THREE(3) = [-GAUSS_3, 0.0_DP, GAUSS_3]
+    real(DP), parameter :: WEIGHT(3) = [5.0_DP, 8.0_DP, 5.0_DP] / 9
+    integer :: p, i, j
+    xi = 0
+    w = 0
+    n = 0
+    select case (facet_kind)
+    case (FACET_TRI3)
+      n = 3
+      call triangle_orbit(1.0_DP / 6, 1.0_DP / 6, xi(:, 1:3), w(1:3))
+    case (FACET_TRI6)
+      n = 6
+      call triangle_orbit(COWPER_A, COWPER_WA, xi(:, 1:3), w(1:3))
+      call triangle_orbit(COWPER_B, COWPER_WB, xi(:, 4:6), w(4:6))
+    case (FACET_QUAD4)
+      n = 4
+      xi(1, :4) = GAUSS_2 * SQUARE(1, [1, 2, 4, 3])
+      xi(2, :4) = GAUSS_2 * SQUARE(2, [1, 2, 4, 3])
+      w(:4) = 1
+    case (FACET_QUAD8)
+      n = 9
+      do p = 1, n
+        i = 1 + mod(p - 1, 3)
+        j = 1 + (p - 1) / 3
+        xi(:, p) = [THREE(i), THREE(j)]
+        w(p) = WEIGHT(i) * WEIGHT(j)
+      end do
+    end select
+  end subroutine facet_quadrature
+
+
+  !> The three points of a triangle with area coordinates a, a, 1 - 2 a.
+  pure subroutine triangle_orbit(a, weight, xi, w)
+    real(DP), intent(in) :: a, weight
+    real(DP), intent(out) :: xi(2, 3), w(3)
+    xi = a
+    xi(1, 2) = 1 - 2 * a
+    xi(2, 3) = 1 - 2 * a
+    w = weight
+  end subroutine triangle_orbit
+
+
+  !> Natural coordinates of the nodes of a facet.
+  pure subroutine facet_node_coordinates(facet_kind, xi)
+    integer, intent(in) :: facet_kind              !< FACET_...
+    real(DP), intent(out) :: xi(2, MAX_FACE_NODES) !< [-], zero past its nodes
+    xi = 0
+    select case (facet_kind)
+    case (FACET_TRI3)
+      xi(:, :3) = TRIANGLE(:, :3)
+    case (FACET_TRI6)
+      xi(:, :6) = TRIANGLE
+    case (FACET_QUAD4)
+      xi(:, :4) = SQUARE(:, :4)
+    case (FACET_QUAD8)
+      xi = SQUARE
+    end select
+  end subroutine facet_node_coordinates
+
+end module amontons_shapes
