@@ -1,0 +1,633 @@
+!> Gap: projection of a slave node on the master along its smooth normal, the gap, and all derivatives of both.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! The projection is the ray along the interpolated normal (doc/theory/contact.md):
+!!
+!!     x_s = x_m(xi) + g n(xi),   x_m = sum N_i x_i,   n = s/|s|,   s = sum N_i n_i
+!!     n_i = m_i/|m_i|,   m_i = sum over the star of vertex i of A_0 (x,1 x x,2) there,   A_0 the area of the natural square or triangle
+!!
+!! with the unknowns xi and g. Point and normal are continuous over smooth edges, so the projection is too, and it leaves no
+!! gaps between facets. `x` is always the array of the coordinates of all mesh nodes, (3, n_nodes).
+module amontons_gap
+  use amontons_kinds, only: DP
+  use amontons_tensor, only: cross_product, invert
+  use amontons_topology, only: FACET_TRI3, FACET_TRI6, MAX_FACE_NODES
+  use amontons_shapes, only: facet_shapes, facet_node_coordinates
+  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
+  use amontons_search, only: search_type, near_facets
+  implicit none
+  private
+  public :: projection_type, gap_derivative_type
+  public :: project_point, find_projection, gap_derivative, fixed_point, vertex_normal, smooth_normal, excess_over_edges
+  public :: PROJECT_ON, PROJECT_OFF, PROJECT_FAILED
+
+  integer, parameter :: PROJECT_ON = 0       !< the point is on a facet (or in its extension zone)
+  integer, parameter :: PROJECT_OFF = 1      !< the point is beyond a free edge or a crease that sticks out
+  integer, parameter :: PROJECT_FAILED = 2   !< no projection found: too far from the facet, or too strongly bent
+
+  real(DP), parameter :: EXTENSION = 0.1_DP       !< a node this far beyond a free edge is still on, in lengths of the facet [-]
+  real(DP), parameter :: ON_EDGE = 1.0e-8_DP      !< a node less than this beyond an edge is on the facet, the same unit [-]
+  real(DP), parameter :: FARTHEST = 0.6_DP        !< the Newton iteration is kept within this excess, the same unit [-]
+  real(DP), parameter :: LONGEST_STEP = 0.5_DP    !< longest step of a natural coordinate, in lengths of the facet [-]
+  real(DP), parameter :: SAME = 1.0e-9_DP         !< distances that differ by less than this part of an edge are equal [-]
+  real(DP), parameter :: NEARLY_DONE = 1.0e-8_DP  !< steps this small that do not shrink any more are rounding [-]
+  integer, parameter :: MOST_ITERATIONS = 40      !< of Newton on one facet
+  integer, parameter :: MOST_STEPS = 400          !< longest walk, in facets
+
+  !> Where a point is on a surface.
+  type :: projection_type
+    integer :: status = PROJECT_FAILED       !< PROJECT_...
+    integer :: facet = 0                     !< 0: none
+    real(DP) :: xi(2) = 0                    !< natural coordinates [-]
+    real(DP) :: gap = 0                      !< signed distance along the normal, negative is penetration [length]
+    real(DP) :: normal(3) = 0                !< unit normal out of the master [-]
+  end type projection_type
+
+  !> Exact first derivatives of projection, gap and normal by the slave node and by all nodes of the facet's stencil.
+  !! The nodes that carry weight, those of the facet, come first.
+  type :: gap_derivative_type
+    integer :: n_nodes = 0                       !< nodes of the stencil
+    integer :: n_weights = 0                     !< of them, those of the facet
+    integer, allocatable :: nodes(:)             !< (n_nodes) mesh nodes
+    real(DP), allocatable :: weights(:)          !< (n_weights) N_i(xi) [-]
+    real(DP), allocatable :: d_weights(:, :)     !< (2, n_weights) dN_i/dxi [-]
+    real(DP) :: n(3) = 0                         !< unit normal [-]
+    real(DP) :: d_gap_slave(3) = 0               !< dg/dx_s [-]
+    real(DP), allocatable :: d_gap(:, :)         !< (3, n_nodes) dg/dx_j [-]
+    real(DP) :: d_xi_slave(2, 3) = 0             !< dxi/dx_s [1/length]
+    real(DP), allocatable :: d_xi(:, :, :)       !< (2, 3, n_nodes) dxi/dx_j [1/length]
+    real(DP) :: d_n_slave(3, 3) = 0              !< dn/dx_s [1/length]
+    real(DP), allocatable :: d_n(:, :, :)        !< (3, 3, n_nodes) dn/dx_j; first index: component of n [1/length]
+  end type gap_derivative_type
+
+  !> One facet in one configuration.
+  type :: frame_type
+    integer :: kind = 0                          !< FACET_...
+    integer :: n = 0                             !< nodes
+    integer :: nodes(MAX_FACE_NODES) = 0
+    real(DP) :: x(3, MAX_FACE_NODES) = 0         !< their coordinates [length]
+    real(DP) :: m(3, MAX_FACE_NODES) = 0         !< their vertex normals, area weighted [length^2]
+    real(DP) :: normal(3, MAX_FACE_NODES) = 0    !< their unit vertex normals [-]
+    real(DP) :: size = 1                         !< a length of the facet [length]
+  end type frame_type
+
+  !> Point, normal and their slopes at natural coordinates of a frame.
+  type :: place_type
+    real(DP) :: N(MAX_FACE_NODES) = 0            !< shape functions [-]
+    real(DP) :: dN(2, MAX_FACE_NODES) = 0        !< their slopes [-]
+    real(DP) :: x(3) = 0                         !< x_m [length]
+    real(DP) :: normal(3) = 0                    !< n [-]
+    real(DP) :: length = 0                       !< |s| [-]
+    real(DP) :: dx(3, 2) = 0                     !< x_m,1 and x_m,2 [length]
+    real(DP) :: dn_dxi(3, 2) = 0                 !< n,1 and n,2 [-]
+  end type place_type
+
+contains
+
+  !> Follows a point from a facet over the neighbours to where it is now.
+  !!
+  !! It walks over smooth edges and valleys. At a free edge, or a crease that sticks out, the facet reaches up to a tenth
+  !! of its length beyond itself (as Abaqus's extension zone); past that the walk tries the other side of a crease, else the
+  !! point is OFF. The result does not depend on the xi and g that went in. On anything but ON, f is the last facet looked at.
+  pure subroutine project_point(facets, x, point, f, xi, g, n, status)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    real(DP), intent(in) :: point(3)             !< x_s [length]
+    integer, intent(inout) :: f                  !< facet where the walk starts; out: where it ends
+    real(DP), intent(out) :: xi(2)               !< natural coordinates [-]
+    real(DP), intent(out) :: g                   !< gap [length]
+    real(DP), intent(out) :: n(3)                !< unit normal [-]
+    integer, intent(out) :: status               !< PROJECT_...
+    type(projection_type) :: here, previous
+    real(DP) :: excess(4)
+    integer :: step, edge, before
+    before = 0
+    do step = 1, MOST_STEPS
+      here = project_on_facet(facets, x, point, f)
+      excess = excess_over_edges(facets%kind(f), here%xi)
+      call choose_edge(facets, f, excess, here%status, edge)
+      if (edge == 0) exit
+      if (facets%neighbour(edge, f) == before) then
+        here = nearer_of_two(facets, here, previous)
+        exit
+      end if
+      before = f
+      previous = here
+      f = facets%neighbour(edge, f)
+    end do
+    if (step > MOST_STEPS) here%status = PROJECT_FAILED
+    f = here%facet
+    xi = here%xi
+    g = here%gap
+    n = here%normal
+    status = here%status
+  end subroutine project_point
+
+
+  !> The projection of a point that has none yet: of all facets near it that it projects on, the one with the shortest way.
+  !!
+  !! The way is the gap, and beyond an edge (extension zone) also the length beyond it. Facets that face the slave go
+  !! before those that do not. Between equal ways the lowest facet number is taken. After: status ON, or
+  !! OFF with facet 0 if there is none within max_distance. Before: the margin of the search is at least max_distance.
+  pure subroutine find_projection(facets, search, x, point, max_distance, projection, slave_normal)
+    type(facets_type), intent(in) :: facets
+    type(search_type), intent(in) :: search
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    real(DP), intent(in) :: point(3)             !< x_s [length]
+    real(DP), intent(in) :: max_distance         !< largest |g| [length]
+    type(projection_type), intent(out) :: projection
+    real(DP), intent(in), optional :: slave_normal(3)   !< out of the slave; zero: unknown [-]
+    type(projection_type) :: candidate
+    integer, allocatable :: list(:)
+    real(DP) :: way, shortest, least, same_way
+    integer :: i, n, nearest
+    logical :: is_facing, has_facing
+    projection%status = PROJECT_OFF
+    shortest = huge(1.0_DP)
+    least = huge(1.0_DP)
+    has_facing = .false.
+    nearest = 0
+    call near_facets(search, point, list, n)
+    do i = 1, n
+      candidate = project_on_facet(facets, x, point, list(i))
+      if (candidate%status /= PROJECT_ON) cycle
+      same_way = SAME * facets%edge_length(list(i))
+      way = way_to_facet(facets, candidate)
+      if (way < least - same_way) nearest = list(i)
+      least = min(way, least)
+      if (abs(candidate%gap) > max_distance .or. .not. holds_point(facets, candidate)) cycle
+      is_facing = faces_slave(candidate%normal, slave_normal)
+      if (has_facing .and. .not. is_facing) cycle
+      if ((has_facing .eqv. is_facing) .and. way > shortest - same_way) cycle
+      has_facing = is_facing
+      shortest = way
+      projection = candidate
+    end do
+    if (projection%facet == 0 .and. nearest > 0) call walk_from(facets, x, point, max_distance, nearest, projection)
+  end subroutine find_projection
+
+
+  !> The projection from a facet that is near but does not hold the point; stays as it is if that leads nowhere.
+  pure subroutine walk_from(facets, x, point, max_distance, f, projection)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
+    real(DP), intent(in) :: point(3)             !< x_s [length]
+    real(DP), intent(in) :: max_distance         !< largest |g| [length]
+    integer, intent(in) :: f                     !< facet
+    type(projection_type), intent(inout) :: projection
+    type(projection_type) :: found
+    found%facet = f
+    call project_point(facets, x, point, found%facet, found%xi, found%gap, found%normal, found%status)
+    if (found%status == PROJECT_ON .and. abs(found%gap) <= max_distance) projection = found
+  end subroutine walk_from
+
+
+  !> The exact derivatives of xi, g and n at a projection (any g).
+  !!
+  !! The equation of the ray differentiated, with A = x_m,xi + g n,xi and the normal at fixed xi written dn|xi:
+  !!
+  !!     A dxi + n dg = dx_s - sum N_i dx_i - g dn|xi,    dn = dn|xi + n,xi dxi
+  pure subroutine gap_derivative(facets, x, f, xi, g, derivative)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    integer, intent(in) :: f                     !< facet
+    real(DP), intent(in) :: xi(2)                !< natural coordinates of the projection [-]
+    real(DP), intent(in) :: g                    !< gap [length]
+    type(gap_derivative_type), intent(out) :: derivative
+    type(frame_type) :: frame
+    type(place_type) :: place
+    real(DP) :: inverse(3, 3), det, b(3, 3)
+    integer :: j, i
+    call make_frame(facets, x, f, frame)
+    call evaluate(frame, xi, place)
+    call start_derivative(facets, f, frame, place, derivative)
+    call add_normal_derivatives(facets, x, f, frame, place, derivative)
+    call invert(reshape([place%dx + g * place%dn_dxi, place%normal], [3, 3]), inverse, det)
+    derivative%d_xi_slave = inverse(:2, :)
+    derivative%d_gap_slave = inverse(3, :)
+    derivative%d_n_slave = matmul(place%dn_dxi, inverse(:2, :))
+    do j = 1, derivative%n_nodes
+      b = -g * derivative%d_n(:, :, j)
+      if (j <= derivative%n_weights) then
+        do i = 1, 3
+          b(i, i) = b(i, i) - derivative%weights(j)
+        end do
+      end if
+      derivative%d_xi(:, :, j) = matmul(inverse(:2, :), b)
+      derivative%d_gap(:, j) = matmul(inverse(3, :), b)
+      derivative%d_n(:, :, j) = derivative%d_n(:, :, j) + matmul(place%dn_dxi, derivative%d_xi(:, :, j))
+    end do
+  end subroutine gap_derivative
+
+
+  !> Where a material point of the master is now.
+  pure subroutine fixed_point(facets, x, f, xi, xm)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    integer, intent(in) :: f                     !< facet
+    real(DP), intent(in) :: xi(2)                !< natural coordinates [-]
+    real(DP), intent(out) :: xm(3)               !< [length]
+    real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    integer :: n, nodes(MAX_FACE_NODES), i
+    call facet_nodes(facets, f, n, nodes)
+    call facet_shapes(facets%kind(f), xi, N_i, dN, ddN)
+    xm = 0
+    do i = 1, n
+      xm = xm + N_i(i) * x(:, nodes(i))
+    end do
+  end subroutine fixed_point
+
+
+  !> The area-weighted normal of a vertex: the sum over its star.
+  pure function vertex_normal(facets, x, vertex) result(m)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    integer, intent(in) :: vertex                !< number of the vertex, as in facets%vertex
+    real(DP) :: m(3)                             !< [length^2]
+    real(DP) :: tangents(3, 2), xi(2, MAX_FACE_NODES)
+    integer :: s, f
+    m = 0
+    do s = facets%star_first(vertex), facets%star_first(vertex + 1) - 1
+      f = facets%star_facet(s)
+      call facet_node_coordinates(facets%kind(f), xi)
+      call facet_tangents(facets, x, f, xi(:, facets%star_local(s)), tangents)
+      m = m + natural_area(facets%kind(f)) * cross_product(tangents(:, 1), tangents(:, 2))
+    end do
+  end function vertex_normal
+
+
+  !> The unit normal n(xi) of the smooth surface.
+  pure subroutine smooth_normal(facets, x, f, xi, n)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    integer, intent(in) :: f                     !< facet
+    real(DP), intent(in) :: xi(2)                !< natural coordinates [-]
+    real(DP), intent(out) :: n(3)                !< [-]
+    type(frame_type) :: frame
+    type(place_type) :: place
+    call make_frame(facets, x, f, frame)
+    call evaluate(frame, xi, place)
+    n = place%normal
+  end subroutine smooth_normal
+
+
+  !> How far a point is beyond each edge, in lengths of the facet across that edge; negative inside. Edge 4 of a triangle: -1.
+  pure function excess_over_edges(kind, xi) result(excess)
+    integer, intent(in) :: kind                  !< FACET_...
+    real(DP), intent(in) :: xi(2)                !< natural coordinates [-]
+    real(DP) :: excess(4)
+    if (is_triangle(kind)) then
+      excess = [-xi(2), xi(1) + xi(2) - 1, -xi(1), -1.0_DP]
+    else
+      excess = 0.5_DP * [-1 - xi(2), xi(1) - 1, xi(2) - 1, -1 - xi(1)]
+    end if
+  end function excess_over_edges
+
+
+  !> The edge over which the walk goes on; 0 if it ends here, and then the status says how.
+  pure subroutine choose_edge(facets, f, excess, status, edge)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f                     !< facet
+    real(DP), intent(in) :: excess(4)            !< over its edges [-]
+    integer, intent(inout) :: status             !< of the projection on this facet alone; out: OFF beyond the extension zone
+    integer, intent(out) :: edge
+    logical :: is_out(4), is_open(4)
+    integer :: k
+    edge = 0
+    do k = 1, 4
+      is_open(k) = facets%edge(k, f) == EDGE_SMOOTH .or. facets%edge(k, f) == EDGE_CONCAVE
+    end do
+    is_out = excess > ON_EDGE
+    if (any(is_out .and. is_open)) then
+      edge = maxloc(excess, dim=1, mask=is_out .and. is_open)
+    else if (any(excess > EXTENSION)) then
+      is_out = is_out .and. facets%edge(:, f) == EDGE_CONVEX
+      if (any(is_out)) edge = maxloc(excess, dim=1, mask=is_out)
+      if (status == PROJECT_ON) status = PROJECT_OFF
+    end if
+  end subroutine choose_edge
+
+
+  !> A walk came straight back: the point is beyond the common edge on both sides (a valley from below, a ridge from above).
+  !! The side where it is less beyond holds it if that is within the extension zone.
+  pure function nearer_of_two(facets, one, two) result(nearer)
+    type(facets_type), intent(in) :: facets
+    type(projection_type), intent(in) :: one, two
+    type(projection_type) :: nearer
+    real(DP) :: beyond(2)
+    beyond(1) = maxval(excess_over_edges(facets%kind(one%facet), one%xi))
+    beyond(2) = maxval(excess_over_edges(facets%kind(two%facet), two%xi))
+    if (one%status == PROJECT_FAILED) beyond(1) = huge(1.0_DP)
+    if (two%status == PROJECT_FAILED) beyond(2) = huge(1.0_DP)
+    nearer = two
+    if (beyond(1) < beyond(2) .or. (.not. beyond(2) < beyond(1) .and. one%facet < two%facet)) nearer = one
+    if (nearer%status == PROJECT_FAILED) return
+    nearer%status = merge(PROJECT_ON, PROJECT_OFF, minval(beyond) <= EXTENSION)
+  end function nearer_of_two
+
+
+  !> Does the facet by itself hold the point: inside, or in the extension zone of a free edge or a crease that sticks out?
+  pure function holds_point(facets, projection) result(holds)
+    type(facets_type), intent(in) :: facets
+    type(projection_type), intent(in) :: projection
+    logical :: holds
+    real(DP) :: excess(4)
+    integer :: f
+    f = projection%facet
+    excess = excess_over_edges(facets%kind(f), projection%xi)
+    holds = all(excess <= ON_EDGE .or. &
+      (excess <= EXTENSION .and. (facets%edge(:, f) == EDGE_FREE .or. facets%edge(:, f) == EDGE_CONVEX)))
+  end function holds_point
+
+
+  !> The length of the way from a point to a facet: the gap, and what the projection is beyond an edge.
+  pure function way_to_facet(facets, projection) result(way)
+    type(facets_type), intent(in) :: facets
+    type(projection_type), intent(in) :: projection
+    real(DP) :: way                              !< [length]
+    real(DP) :: beyond
+    beyond = max(maxval(excess_over_edges(facets%kind(projection%facet), projection%xi)), 0.0_DP)
+    way = hypot(projection%gap, beyond * facets%edge_length(projection%facet))
+  end function way_to_facet
+
+
+  !> Do the normals of master and slave face each other? Without a slave normal they do.
+  pure function faces_slave(normal, slave_normal) result(faces)
+    real(DP), intent(in) :: normal(3)            !< of the master [-]
+    real(DP), intent(in), optional :: slave_normal(3)
+    logical :: faces
+    faces = .true.
+    if (.not. present(slave_normal)) return
+    faces = dot_product(normal, slave_normal) < 0 .or. all(abs(slave_normal) <= 0)
+  end function faces_slave
+
+
+  !> The projection of a point on one facet, extended beyond its edges: Newton on the ray, 3 equations.
+  !!
+  !! Start: the closest point of the plane through the centre. Steps are limited, and shortened while the residual rises. A
+  !! point so far beyond an edge that the facet's extension means nothing ends at the border (FARTHEST) with its xi there:
+  !! enough to know which edge to cross. Status ON or FAILED.
+  pure function project_on_facet(facets, x, point, f) result(projection)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    real(DP), intent(in) :: point(3)             !< x_s [length]
+    integer, intent(in) :: f                     !< facet
+    type(projection_type) :: projection
+    type(frame_type) :: frame
+    type(place_type) :: place
+    real(DP) :: xi(2), g, step(3), moved, before, tolerance
+    integer :: iteration
+    logical :: is_at_border, was_at_border
+    call make_frame(facets, x, f, frame)
+    call start_projection(frame, point, xi, g)
+    call evaluate(frame, xi, place)
+    projection%facet = f
+    tolerance = max(1.0e-12_DP, 16 * epsilon(1.0_DP) * maxval(abs(point)) / frame%size)
+    was_at_border = .false.
+    before = huge(1.0_DP)
+    do iteration = 1, MOST_ITERATIONS
+      call newton_step(frame, point, g, place, step)
+      call limit_step(frame%kind, xi, step, is_at_border)
+      call take_step(frame, point, step, xi, g, place)
+      if (is_at_border .and. was_at_border) exit
+      was_at_border = is_at_border
+      moved = max(maxval(abs(step(:2))), abs(step(3)) / frame%size)
+      if (is_at_border) cycle
+      if (moved <= tolerance .or. (moved <= NEARLY_DONE .and. moved >= 0.5_DP * before)) exit
+      before = moved
+    end do
+    if (iteration <= MOST_ITERATIONS) projection%status = PROJECT_ON
+    projection%xi = xi
+    projection%gap = g
+    projection%normal = place%normal
+  end function project_on_facet
+
+
+  !> The Newton step of the ray equation; zero where its matrix is singular (the centre of curvature).
+  pure subroutine newton_step(frame, point, g, place, step)
+    type(frame_type), intent(in) :: frame
+    real(DP), intent(in) :: point(3)             !< x_s [length]
+    real(DP), intent(in) :: g                    !< gap [length]
+    type(place_type), intent(in) :: place
+    real(DP), intent(out) :: step(3)             !< of xi and g
+    real(DP) :: inverse(3, 3), det
+    call invert(reshape([place%dx + g * place%dn_dxi, place%normal], [3, 3]), inverse, det)
+    step = matmul(inverse, point - place%x - g * place%normal)
+    if (abs(det) > 1.0e-10_DP * frame%size**2) return
+    step(:2) = 0
+    step(3) = dot_product(place%normal, point - place%x) - g
+  end subroutine newton_step
+
+
+  !> Shortens a step that is too long or leads too far beyond the facet.
+  pure subroutine limit_step(kind, xi, step, is_at_border)
+    integer, intent(in) :: kind                  !< FACET_...
+    real(DP), intent(in) :: xi(2)                !< [-]
+    real(DP), intent(inout) :: step(3)           !< of xi and g
+    logical, intent(out) :: is_at_border         !< the step ends at the border and wanted to go on
+    real(DP) :: longest, excess(4), wanted(4), part
+    integer :: k
+    longest = maxval(abs(step(:2))) * merge(1.0_DP, 0.5_DP, is_triangle(kind))
+    if (longest > LONGEST_STEP) step = step * LONGEST_STEP / longest
+    excess = excess_over_edges(kind, xi)
+    wanted = excess_over_edges(kind, xi + step(:2))
+    part = 1
+    do k = 1, 4
+      if (wanted(k) > FARTHEST) part = min(part, max(FARTHEST - excess(k), 0.0_DP) / (wanted(k) - excess(k)))
+    end do
+    is_at_border = part < 1
+    step = part * step
+  end subroutine limit_step
+
+
+  !> Takes a step, halved (at most four times) while the distance from the ray rises.
+  pure subroutine take_step(frame, point, step, xi, g, place)
+    type(frame_type), intent(in) :: frame
+    real(DP), intent(in) :: point(3)             !< x_s [length]
+    real(DP), intent(inout) :: step(3)           !< of xi and g; out: as taken
+    real(DP), intent(inout) :: xi(2), g
+    type(place_type), intent(inout) :: place
+    real(DP) :: before
+    integer :: halving
+    before = norm2(point - place%x - g * place%normal)
+    do halving = 0, 4
+      call evaluate(frame, xi + step(:2), place)
+      if (norm2(point - place%x - (g + step(3)) * place%normal) <= before + 1.0e-12_DP * frame%size) exit
+      if (halving < 4) step = 0.5_DP * step
+    end do
+    xi = xi + step(:2)
+    g = g + step(3)
+  end subroutine take_step
+
+
+  !> Where Newton starts: the closest point on the plane through the facet's centre, brought back to the facet.
+  pure subroutine start_projection(frame, point, xi, g)
+    type(frame_type), intent(in) :: frame
+    real(DP), intent(in) :: point(3)             !< x_s [length]
+    real(DP), intent(out) :: xi(2)               !< [-]
+    real(DP), intent(out) :: g                   !< [length]
+    type(place_type) :: place
+    real(DP) :: inverse(3, 3), det, normal(3), step(3)
+    xi = merge(1.0_DP / 3.0_DP, 0.0_DP, is_triangle(frame%kind))
+    call evaluate(frame, xi, place)
+    normal = cross_product(place%dx(:, 1), place%dx(:, 2))
+    normal = normal / max(norm2(normal), tiny(1.0_DP))
+    call invert(reshape([place%dx, normal], [3, 3]), inverse, det)
+    step = matmul(inverse, point - place%x)
+    if (is_triangle(frame%kind)) then
+      xi = min(max(xi + step(:2), 0.0_DP), 1.0_DP)
+      if (sum(xi) > 1) xi = xi / sum(xi)
+    else
+      xi = min(max(step(:2), -1.0_DP), 1.0_DP)
+    end if
+    call evaluate(frame, xi, place)
+    g = dot_product(place%normal, point - place%x)
+  end subroutine start_projection
+
+
+  !> Coordinates and vertex normals of a facet's nodes.
+  pure subroutine make_frame(facets, x, f, frame)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
+    integer, intent(in) :: f                     !< facet
+    type(frame_type), intent(out) :: frame
+    real(DP) :: length
+    integer :: i
+    frame%kind = facets%kind(f)
+    frame%size = facets%edge_length(f)
+    call facet_nodes(facets, f, frame%n, frame%nodes)
+    do i = 1, frame%n
+      frame%x(:, i) = x(:, frame%nodes(i))
+      frame%m(:, i) = vertex_normal(facets, x, facets%vertex(facets%first(f) + i - 1))
+      length = norm2(frame%m(:, i))
+      if (length > 0) frame%normal(:, i) = frame%m(:, i) / length
+    end do
+  end subroutine make_frame
+
+
+  !> Point, normal and slopes at natural coordinates.
+  pure subroutine evaluate(frame, xi, place)
+    type(frame_type), intent(in) :: frame
+    real(DP), intent(in) :: xi(2)                !< [-]
+    type(place_type), intent(out) :: place
+    real(DP) :: s(3), ddN(3, MAX_FACE_NODES), slope(3)
+    integer :: k
+    call facet_shapes(frame%kind, xi, place%N, place%dN, ddN)
+    place%x = matmul(frame%x, place%N)
+    s = matmul(frame%normal, place%N)
+    place%length = max(norm2(s), tiny(1.0_DP))
+    place%normal = s / place%length
+    do k = 1, 2
+      place%dx(:, k) = matmul(frame%x, place%dN(k, :))
+      slope = matmul(frame%normal, place%dN(k, :)) / place%length
+      place%dn_dxi(:, k) = slope - dot_product(place%normal, slope) * place%normal
+    end do
+  end subroutine evaluate
+
+
+  !> Nodes, weights and room for the derivatives. A node that a collapsed facet names twice gets both weights.
+  pure subroutine start_derivative(facets, f, frame, place, derivative)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f                     !< facet
+    type(frame_type), intent(in) :: frame
+    type(place_type), intent(in) :: place
+    type(gap_derivative_type), intent(inout) :: derivative
+    integer :: i, j, n
+    derivative%nodes = facets%stencil(facets%stencil_first(f):facets%stencil_first(f + 1) - 1)
+    n = size(derivative%nodes)
+    derivative%n_nodes = n
+    derivative%n = place%normal
+    do i = 1, frame%n
+      derivative%n_weights = max(derivative%n_weights, findloc(derivative%nodes, frame%nodes(i), dim=1))
+    end do
+    allocate (derivative%weights(derivative%n_weights), derivative%d_weights(2, derivative%n_weights), source=0.0_DP)
+    allocate (derivative%d_gap(3, n), derivative%d_xi(2, 3, n), derivative%d_n(3, 3, n), source=0.0_DP)
+    do i = 1, frame%n
+      j = findloc(derivative%nodes, frame%nodes(i), dim=1)
+      derivative%weights(j) = derivative%weights(j) + place%N(i)
+      derivative%d_weights(:, j) = derivative%d_weights(:, j) + place%dN(:, i)
+    end do
+  end subroutine start_derivative
+
+
+  !> Adds dn|xi, the derivative of the normal at fixed xi, to d_n: through the vertex normals to all nodes of the stars.
+  !!
+  !!     dn|xi = (1 - n n')/|s| sum N_i dn_i,   dn_i = (1 - n_i n_i')/|m_i| dm_i,
+  !!     dm_i  = sum over the star, sum over j, A_0 (N_j,2 [x,1]x - N_j,1 [x,2]x) dx_j
+  pure subroutine add_normal_derivatives(facets, x, f, frame, place, derivative)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
+    integer, intent(in) :: f                     !< facet
+    type(frame_type), intent(in) :: frame
+    type(place_type), intent(in) :: place
+    type(gap_derivative_type), intent(inout) :: derivative
+    real(DP) :: project(3, 3), to_vertex(3, 3), length
+    integer :: i, v, s
+    project = projector(place%normal) / place%length
+    do i = 1, frame%n
+      length = norm2(frame%m(:, i))
+      if (length <= 0) cycle
+      to_vertex = matmul(project, projector(frame%normal(:, i))) * (place%N(i) / length)
+      v = facets%vertex(facets%first(f) + i - 1)
+      do s = facets%star_first(v), facets%star_first(v + 1) - 1
+        call add_star_facet(facets, x, facets%star_facet(s), facets%star_local(s), to_vertex, derivative)
+      end do
+    end do
+  end subroutine add_normal_derivatives
+
+
+  !> One facet of a star: to_vertex times the derivative of its A_0 (x,1 x x,2) at one of its nodes.
+  pure subroutine add_star_facet(facets, x, f, local, to_vertex, derivative)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
+    integer, intent(in) :: f, local              !< facet of the star, local number of the vertex's node
+    real(DP), intent(in) :: to_vertex(3, 3)      !< d n|xi / d m_i [1/length^2]
+    type(gap_derivative_type), intent(inout) :: derivative
+    real(DP) :: xi(2, MAX_FACE_NODES), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), tangents(3, 2)
+    integer :: n, nodes(MAX_FACE_NODES), i, j
+    call facet_nodes(facets, f, n, nodes)
+    call facet_node_coordinates(facets%kind(f), xi)
+    call facet_shapes(facets%kind(f), xi(:, local), N_i, dN, ddN)
+    tangents = matmul(x(:, nodes(:n)), transpose(dN(:, :n)))
+    do i = 1, n
+      j = findloc(derivative%nodes, nodes(i), dim=1)
+      derivative%d_n(:, :, j) = derivative%d_n(:, :, j) + natural_area(facets%kind(f)) * &
+        matmul(to_vertex, skew(dN(2, i) * tangents(:, 1) - dN(1, i) * tangents(:, 2)))
+    end do
+  end subroutine add_star_facet
+
+
+  !> 1 - n n'.
+  pure function projector(n) result(P)
+    real(DP), intent(in) :: n(3)                 !< unit vector
+    real(DP) :: P(3, 3)
+    integer :: i
+    P = -spread(n, 2, 3) * spread(n, 1, 3)
+    do i = 1, 3
+      P(i, i) = P(i, i) + 1
+    end do
+  end function projector
+
+
+  !> [a]x, the matrix with [a]x b = a x b.
+  pure function skew(a) result(matrix)
+    real(DP), intent(in) :: a(3)
+    real(DP) :: matrix(3, 3)
+    matrix = reshape([0.0_DP, a(3), -a(2), -a(3), 0.0_DP, a(1), a(2), -a(1), 0.0_DP], [3, 3])
+  end function skew
+
+
+  pure function natural_area(kind) result(area)
+    integer, intent(in) :: kind                  !< FACET_...
+    real(DP) :: area
+    area = merge(0.5_DP, 4.0_DP, is_triangle(kind))
+  end function natural_area
+
+
+  pure function is_triangle(kind) result(is)
+    integer, intent(in) :: kind                  !< FACET_...
+    logical :: is
+    is = kind == FACET_TRI3 .or. kind == FACET_TRI6
+  end function is_triangle
+
+end module amontons_gap
