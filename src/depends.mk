@@ -5,6 +5,7 @@
 # 0 ground: numbers, errors, text, and the one place that writes for people
 uses_kinds =
 uses_errors =
+uses_version =
 uses_text = kinds
 uses_lookup = kinds text
 uses_tensor = kinds
