@@ -1,0 +1,259 @@
+!> Dense: LAPACK for small matrices: solve, eigenvalues, singular values, rank, null space, least squares.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Arguments are copied, never overwritten. LAPACK makes NaN on purpose when it tests the machine: traps are masked
+!! around its calls. Reference: Anderson et al., LAPACK Users' Guide, 3rd ed., SIAM 1999.
+module amontons_dense
+  use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_status, ieee_set_halting_mode, ieee_set_status, &
+    ieee_status_type
+  use amontons_kinds, only: DP
+  implicit none
+  private
+  public :: solve_small, symmetric_eigen, singular_values, rank_of, null_space, least_squares
+  public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
+
+  integer, parameter :: DENSE_OK = 0
+  integer, parameter :: DENSE_SINGULAR = 1     !< no unique solution
+  integer, parameter :: DENSE_FAILED = 2       !< NaN or infinity in the matrix, or the iteration did not converge
+
+  !> A x = b for one or several right-hand sides.
+  interface solve_small
+    module procedure solve_vector, solve_matrix
+  end interface solve_small
+
+  interface
+    subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
+      import :: DP
+      integer, intent(in) :: n, nrhs, lda, ldb
+      real(DP), intent(inout) :: a(lda, *), b(ldb, *)
+      integer, intent(out) :: ipiv(*), info
+    end subroutine dgesv
+
+    subroutine dgecon(norm, n, a, lda, anorm, rcond, work, iwork, info)
+      import :: DP
+      character(1), intent(in) :: norm
+      integer, intent(in) :: n, lda
+      real(DP), intent(in) :: a(lda, *), anorm
+      real(DP), intent(out) :: rcond, work(*)
+      integer, intent(out) :: iwork(*), info
+    end subroutine dgecon
+
+    subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
+      import :: DP
+      character(1), intent(in) :: jobz, uplo
+      integer, intent(in) :: n, lda, lwork
+      real(DP), intent(inout) :: a(lda, *)
+      real(DP), intent(out) :: w(*), work(*)
+      integer, intent(out) :: info
+    end subroutine dsyev
+
+    subroutine dgesdd(jobz, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, iwork, info)
+      import :: DP
+      character(1), intent(in) :: jobz
+      integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
+      real(DP), intent(inout) :: a(lda, *)
+      real(DP), intent(out) :: s(*), u(ldu, *), vt(ldvt, *), work(*)
+      integer, intent(out) :: iwork(*), info
+    end subroutine dgesdd
+
+    subroutine dgelsd(m, n, nrhs, a, lda, b, ldb, s, rcond, rank, work, lwork, iwork, info)
+      import :: DP
+      integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
+      real(DP), intent(inout) :: a(lda, *), b(ldb, *)
+      real(DP), intent(in) :: rcond
+      real(DP), intent(out) :: s(*), work(*)
+      integer, intent(out) :: rank, iwork(*), info
+    end subroutine dgelsd
+  end interface
+
+contains
+
+  !> x = A^-1 b by LU with partial pivoting.
+  subroutine solve_vector(a, b, x, status)
+    real(DP), intent(in) :: a(:, :)            !< (n, n)
+    real(DP), intent(in) :: b(:)               !< (n)
+    real(DP), intent(out) :: x(:)              !< (n) 0 if the status is not DENSE_OK
+    integer, intent(out) :: status             !< DENSE_...
+    real(DP) :: solution(size(b), 1)
+    call solve_matrix(a, reshape(b, [size(b), 1]), solution, status)
+    x = solution(:, 1)
+  end subroutine solve_vector
+
+
+  !> X = A^-1 B by LU with partial pivoting. Singular means: to working precision, by an estimate of the condition.
+  subroutine solve_matrix(a, b, x, status)
+    real(DP), intent(in) :: a(:, :)            !< (n, n)
+    real(DP), intent(in) :: b(:, :)            !< (n, columns)
+    real(DP), intent(out) :: x(:, :)           !< (n, columns) 0 if the status is not DENSE_OK
+    integer, intent(out) :: status             !< DENSE_...
+    real(DP) :: lu(size(a, 1), size(a, 1)), work(4 * size(a, 1)), norm, condition
+    integer :: pivot(size(a, 1)), iwork(size(a, 1)), n, info
+    type(ieee_status_type) :: environment
+    n = size(a, 1)
+    lu = a
+    x = b
+    status = DENSE_OK
+    if (n == 0) return
+    norm = maxval(sum(abs(a), 1))
+    if (.not. all_finite(a) .or. .not. all_finite(b)) then
+      status = DENSE_FAILED
+    else
+      call mask_traps(environment)
+      call dgesv(n, size(b, 2), lu, n, pivot, x, n, info)
+      condition = 0
+      if (info == 0) call dgecon('1', n, lu, n, norm, condition, work, iwork, info)
+      if (.not. condition > epsilon(condition)) status = DENSE_SINGULAR
+      call ieee_set_status(environment)
+    end if
+    if (status /= DENSE_OK) x = 0
+  end subroutine solve_matrix
+
+
+  !> Eigenvalues in ascending order and orthonormal eigenvectors of a symmetric matrix.
+  subroutine symmetric_eigen(a, values, vectors, status)
+    real(DP), intent(in) :: a(:, :)            !< (n, n) the upper triangle is read
+    real(DP), intent(out) :: values(:)         !< (n) ascending
+    real(DP), intent(out) :: vectors(:, :)     !< (n, n) in columns
+    integer, intent(out) :: status             !< DENSE_OK or DENSE_FAILED
+    real(DP), allocatable :: work(:)
+    type(ieee_status_type) :: environment
+    integer :: n, info
+    n = size(a, 1)
+    vectors = a
+    values = 0
+    status = DENSE_OK
+    if (n == 0) return
+    status = DENSE_FAILED
+    if (.not. all_finite(a)) return
+    allocate (work(34 * n))                    ! (NB + 2) n with the usual block size NB = 32
+    call mask_traps(environment)
+    call dsyev('V', 'U', n, vectors, n, values, work, size(work), info)
+    call ieee_set_status(environment)
+    if (info == 0) status = DENSE_OK
+  end subroutine symmetric_eigen
+
+
+  !> Singular values in descending order.
+  subroutine singular_values(a, values, status)
+    real(DP), intent(in) :: a(:, :)            !< (m, n)
+    real(DP), intent(out) :: values(:)         !< (min(m, n)) descending
+    integer, intent(out) :: status             !< DENSE_OK or DENSE_FAILED
+    real(DP) :: right(1, 1)
+    call decompose(a, 'N', values, right, status)
+  end subroutine singular_values
+
+
+  !> Singular values and, if asked, right singular vectors.
+  subroutine decompose(a, job, values, right, status)
+    real(DP), intent(in) :: a(:, :)            !< (m, n)
+    character(1), intent(in) :: job            !< 'N' values only, 'A' vectors also
+    real(DP), intent(out) :: values(:)         !< (min(m, n)) descending
+    real(DP), intent(out) :: right(:, :)       !< (n, n) vectors in rows if job is 'A'
+    integer, intent(out) :: status
+    real(DP) :: copy(size(a, 1), size(a, 2)), best(1)
+    real(DP) :: left(merge(size(a, 1), 1, job == 'A'), merge(size(a, 1), 1, job == 'A'))
+    real(DP), allocatable :: work(:)
+    integer :: iwork(8 * size(values)), m, n, info
+    type(ieee_status_type) :: environment
+    m = size(a, 1)
+    n = size(a, 2)
+    copy = a
+    values = 0
+    right = 0
+    status = DENSE_OK
+    if (size(a) == 0) return
+    status = DENSE_FAILED
+    if (.not. all_finite(a)) return
+    call mask_traps(environment)
+    call dgesdd(job, m, n, copy, m, values, left, size(left, 1), right, size(right, 1), best, -1, iwork, info)
+    allocate (work(nint(best(1))))
+    call dgesdd(job, m, n, copy, m, values, left, size(left, 1), right, size(right, 1), work, size(work), iwork, info)
+    call ieee_set_status(environment)
+    if (info == 0) status = DENSE_OK
+  end subroutine decompose
+
+
+  !> Number of singular values above a part of the largest.
+  subroutine rank_of(a, tolerance, rank, status)
+    real(DP), intent(in) :: a(:, :)            !< (m, n)
+    real(DP), intent(in) :: tolerance          !< part of the largest singular value below which one counts as 0 [-]
+    integer, intent(out) :: rank
+    integer, intent(out) :: status             !< DENSE_OK or DENSE_FAILED
+    real(DP) :: values(min(size(a, 1), size(a, 2)))
+    rank = 0
+    call singular_values(a, values, status)
+    if (size(values) > 0) rank = count(values > tolerance * values(1))
+  end subroutine rank_of
+
+
+  !> Orthonormal basis of all x with A x = 0: what a set of constraints leaves free.
+  subroutine null_space(a, tolerance, basis, status)
+    real(DP), intent(in) :: a(:, :)                    !< (m, n)
+    real(DP), intent(in) :: tolerance                  !< part of the largest singular value that counts as 0 [-]
+    real(DP), allocatable, intent(out) :: basis(:, :)  !< (n, n - rank) in columns
+    integer, intent(out) :: status                     !< DENSE_OK or DENSE_FAILED
+    real(DP) :: values(min(size(a, 1), size(a, 2))), right(size(a, 2), size(a, 2))
+    integer :: rank, n, k
+    n = size(a, 2)
+    if (size(a) == 0) then
+      right = reshape([(merge(1.0_DP, 0.0_DP, mod(k, n + 1) == 0), k=0, n * n - 1)], [n, n])
+      rank = 0
+      status = DENSE_OK
+    else
+      call decompose(a, 'A', values, right, status)
+      rank = count(values > tolerance * values(1))
+    end if
+    basis = transpose(right(rank + 1:, :))
+  end subroutine null_space
+
+
+  !> The x that makes |A x - b| smallest, and is itself smallest among those (by the singular value decomposition).
+  subroutine least_squares(a, b, tolerance, x, rank, status)
+    real(DP), intent(in) :: a(:, :)            !< (m, n)
+    real(DP), intent(in) :: b(:)               !< (m)
+    real(DP), intent(in) :: tolerance          !< part of the largest singular value that counts as 0 [-]
+    real(DP), intent(out) :: x(:)              !< (n)
+    integer, intent(out) :: rank               !< of A
+    integer, intent(out) :: status             !< DENSE_OK or DENSE_FAILED
+    real(DP) :: copy(size(a, 1), size(a, 2)), right(max(size(a, 1), size(a, 2)), 1)
+    real(DP) :: values(min(size(a, 1), size(a, 2))), best(1)
+    real(DP), allocatable :: work(:)
+    integer, allocatable :: iwork(:)
+    integer :: m, n, n_iwork(1), info
+    type(ieee_status_type) :: environment
+    m = size(a, 1)
+    n = size(a, 2)
+    x = 0
+    rank = 0
+    status = DENSE_OK
+    if (size(a) == 0) return
+    status = DENSE_FAILED
+    if (.not. all_finite(a) .or. .not. all_finite(reshape(b, [m, 1]))) return
+    copy = a
+    right = 0
+    right(:m, 1) = b
+    call mask_traps(environment)
+    call dgelsd(m, n, 1, copy, m, right, size(right), values, tolerance, rank, best, -1, n_iwork, info)
+    allocate (work(nint(best(1))), iwork(n_iwork(1)))
+    call dgelsd(m, n, 1, copy, m, right, size(right), values, tolerance, rank, work, size(work), iwork, info)
+    call ieee_set_status(environment)
+    if (info == 0) status = DENSE_OK
+    if (info == 0) x = right(:n, 1)
+  end subroutine least_squares
+
+
+  !> Saves the state of the floating-point unit and lets nothing trap until it is set back.
+  subroutine mask_traps(environment)
+    type(ieee_status_type), intent(out) :: environment
+    call ieee_get_status(environment)
+    call ieee_set_halting_mode(ieee_all, .false.)
+  end subroutine mask_traps
+
+
+  !> Neither NaN nor infinities.
+  pure logical function all_finite(a)
+    real(DP), intent(in) :: a(:, :)
+    all_finite = all(abs(a) <= huge(a))
+  end function all_finite
+
+end module amontons_dense

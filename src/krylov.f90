@@ -1,0 +1,385 @@
+!> Krylov: flexible GMRES and conjugate gradients, matrix-free, preconditioned by any operator such as a factor.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Both measure the true residual b - A x in the 2-norm, never one seen through the preconditioner. Sums run in a fixed
+!! order: results repeat bitwise. Nothing they return is ever NaN: when something breaks, x is the best so far.
+!! References: Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., SIAM 2003, sec. 6.5, 6.7, 9.4;
+!! Saad, SIAM J. Sci. Comput. 14 (1993) 461 (flexible GMRES); Giraud and Langou, IMA J. Numer. Anal. 22 (2002) 521.
+module amontons_krylov
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, set_error, EXIT_SOLVER
+  use amontons_sparse, only: sparse_type, multiply_symmetric
+  use amontons_factor, only: factor_type, solve
+  implicit none
+  private
+  public :: operator_type, matrix_operator_type, factor_operator_type
+  public :: krylov_options_type, krylov_report_type, gmres, conjugate_gradients
+  public :: KRYLOV_CONVERGED, KRYLOV_TOO_MANY, KRYLOV_STAGNATED, KRYLOV_INDEFINITE, KRYLOV_NOT_FINITE
+
+  integer, parameter :: KRYLOV_CONVERGED = 0    !< the residual is within the tolerance
+  integer, parameter :: KRYLOV_TOO_MANY = 1     !< the iterations were used up
+  integer, parameter :: KRYLOV_STAGNATED = 2    !< no direction is left that lowers the residual: singular, or rounding
+  integer, parameter :: KRYLOV_INDEFINITE = 3   !< conjugate gradients met a direction of no or negative energy
+  integer, parameter :: KRYLOV_NOT_FINITE = 4   !< the operator, the preconditioner or b gave NaN or an infinity
+
+  real(DP), parameter :: PROGRESS = 0.99_DP     !< a cycle that leaves more of the residual than this has stagnated
+
+  !> A linear map of n numbers to n numbers.
+  type, abstract :: operator_type
+  contains
+    procedure(apply_interface), deferred :: apply
+  end type operator_type
+
+  abstract interface
+    !> y = A x.
+    subroutine apply_interface(self, x, y)
+      import :: operator_type, DP
+      class(operator_type), intent(inout) :: self   !< may keep workspace and count
+      real(DP), intent(in) :: x(:)                  !< (n)
+      real(DP), intent(out) :: y(:)                 !< (n)
+    end subroutine apply_interface
+  end interface
+
+  !> A symmetric matrix as an operator.
+  type, extends(operator_type) :: matrix_operator_type
+    type(sparse_type), pointer :: matrix => null()  !< upper triangle, not owned
+  contains
+    procedure :: apply => apply_matrix
+  end type matrix_operator_type
+
+  !> The inverse of a factorised matrix as an operator: the preconditioner.
+  type, extends(operator_type) :: factor_operator_type
+    type(factor_type), pointer :: factor => null()  !< ready, not owned
+  contains
+    procedure :: apply => apply_factor
+  end type factor_operator_type
+
+  !> When to stop. The residual must come below max(tolerance |b|, floor).
+  type :: krylov_options_type
+    real(DP) :: tolerance = 1.0e-8_DP       !< of |b| [-]
+    real(DP) :: floor = 0                   !< absolute [as b]
+    integer :: max_iterations = 200
+    integer :: restart = 100                !< most vectors kept by gmres
+  end type krylov_options_type
+
+  !> What happened.
+  type :: krylov_report_type
+    integer :: status = KRYLOV_CONVERGED    !< KRYLOV_...
+    integer :: n_iterations = 0             !< applications of the preconditioner
+    real(DP) :: residual = 0                !< |b - A x| / |b|, computed anew at the end [-]
+  end type krylov_report_type
+
+  !> The vectors and the small least-squares problem of one cycle of GMRES.
+  type :: cycle_type
+    real(DP), allocatable :: v(:, :)        !< (n, m + 1) orthonormal
+    real(DP), allocatable :: z(:, :)        !< (n, m) preconditioned
+    real(DP), allocatable :: h(:, :)        !< (m + 1, m) Hessenberg matrix, made triangular by rotations
+    real(DP), allocatable :: c(:), s(:)     !< (m) cosines and sines of the rotations
+    real(DP), allocatable :: g(:)           !< (m + 1) rotated right-hand side; |g(k + 1)| is the residual after k steps
+  end type cycle_type
+
+contains
+
+  !> Solves A x = b with A of any kind by restarted flexible GMRES, preconditioned from the right.
+  !> Cost of an iteration: one application of each operator, and k vector operations in the k-th.
+  subroutine gmres(operator, preconditioner, b, x, options, report, error)
+    class(operator_type), intent(inout) :: operator         !< A
+    class(operator_type), intent(inout) :: preconditioner   !< an approximate inverse of A; may change between calls
+    real(DP), intent(in) :: b(:)                            !< (n)
+    real(DP), intent(inout) :: x(:)                         !< (n) in: first guess; out: solution
+    type(krylov_options_type), intent(in) :: options
+    type(krylov_report_type), intent(out) :: report
+    type(error_type), allocatable, intent(out) :: error
+    type(cycle_type) :: basis
+    real(DP) :: r(size(b)), goal, size_of_b, before
+    call start(operator, b, x, options, r, size_of_b, goal, report)
+    if (report%status /= KRYLOV_TOO_MANY) return
+    call allocate_cycle(basis, size(b), min(options%restart, options%max_iterations), error)
+    if (.not. allocated(basis%g)) return
+    before = norm(r)
+    do while (report%status == KRYLOV_TOO_MANY .and. report%n_iterations < options%max_iterations)
+      call run_cycle(operator, preconditioner, r, goal, options, basis, x, report)
+      if (report%status == KRYLOV_NOT_FINITE) exit
+      call residual_of(operator, b, x, r)
+      if (norm(r) <= goal) then
+        report%status = KRYLOV_CONVERGED
+      else if (.not. norm(r) < PROGRESS * before) then
+        report%status = KRYLOV_STAGNATED
+      end if
+      before = norm(r)
+    end do
+    report%residual = before / size_of_b
+  end subroutine gmres
+
+
+  !> First residual, and the cases in which there is nothing to do. Status KRYLOV_TOO_MANY means: go on.
+  subroutine start(operator, b, x, options, r, size_of_b, goal, report)
+    class(operator_type), intent(inout) :: operator
+    real(DP), intent(in) :: b(:)
+    real(DP), intent(inout) :: x(:)
+    type(krylov_options_type), intent(in) :: options
+    real(DP), intent(out) :: r(:)                           !< b - A x
+    real(DP), intent(out) :: size_of_b, goal                !< |b| and the residual to come below
+    type(krylov_report_type), intent(out) :: report
+    size_of_b = norm(b)
+    goal = max(options%tolerance * size_of_b, options%floor)
+    r = b
+    if (.not. is_finite(size_of_b)) then
+      report%status = KRYLOV_NOT_FINITE
+      x = 0
+      report%residual = 1
+    else if (size_of_b <= options%floor) then
+      x = 0
+    else
+      report%status = KRYLOV_TOO_MANY
+      if (.not. all(abs(x) <= 0)) call residual_of(operator, b, x, r)
+      if (.not. norm(r) <= size_of_b) then             ! a guess worse than none, or NaN
+        x = 0
+        r = b
+      end if
+      report%residual = norm(r) / size_of_b
+      if (norm(r) <= goal) report%status = KRYLOV_CONVERGED
+    end if
+  end subroutine start
+
+
+  !> Allocates the vectors of GMRES. The system gives memory only as the vectors are touched.
+  subroutine allocate_cycle(basis, n, m, error)
+    type(cycle_type), intent(out) :: basis
+    integer, intent(in) :: n                                !< unknowns
+    integer, intent(in) :: m                                !< iterations before a restart
+    type(error_type), allocatable, intent(out) :: error
+    integer :: status
+    allocate (basis%v(n, m + 1), basis%z(n, m), basis%h(m + 1, m), basis%c(m), basis%s(m), stat=status)
+    if (status == 0) allocate (basis%g(m + 1), stat=status)
+    if (status /= 0) call set_error(error, EXIT_SOLVER, 'Not enough memory for the vectors of GMRES.')
+  end subroutine allocate_cycle
+
+
+  !> One cycle: builds the basis until the residual is small or the vectors are used up, and corrects x.
+  subroutine run_cycle(operator, preconditioner, r, goal, options, basis, x, report)
+    class(operator_type), intent(inout) :: operator, preconditioner
+    real(DP), intent(in) :: r(:)                            !< b - A x
+    real(DP), intent(in) :: goal
+    type(krylov_options_type), intent(in) :: options
+    type(cycle_type), intent(inout) :: basis
+    real(DP), intent(inout) :: x(:)
+    type(krylov_report_type), intent(inout) :: report
+    real(DP) :: length
+    integer :: k, n_steps
+    n_steps = 0
+    basis%g = 0
+    basis%g(1) = norm(r)
+    basis%v(:, 1) = r / basis%g(1)
+    do k = 1, size(basis%c)
+      if (report%n_iterations == options%max_iterations .or. abs(basis%g(k)) <= goal) exit
+      call preconditioner%apply(basis%v(:, k), basis%z(:, k))
+      call operator%apply(basis%z(:, k), basis%v(:, k + 1))
+      report%n_iterations = report%n_iterations + 1
+      call orthogonalise(basis, k, length)
+      if (.not. is_finite(length)) then
+        report%status = KRYLOV_NOT_FINITE
+        exit
+      end if
+      call rotate(basis, k)
+      if (.not. abs(basis%h(k, k)) > 0) exit                ! A z is nothing: this direction cannot help
+      n_steps = k
+      if (.not. length > 0) exit                            ! the space is complete: the solution lies in it
+      basis%v(:, k + 1) = basis%v(:, k + 1) / length
+    end do
+    call correct(basis, n_steps, x)
+  end subroutine run_cycle
+
+
+  !> Modified Gram-Schmidt of v(k + 1) against those before, a second time if the first cancelled digits ("twice is
+  !> enough"). Fills column k of h. A length that is rounding noise of the vector becomes 0.
+  subroutine orthogonalise(basis, k, length)
+    type(cycle_type), intent(inout) :: basis
+    integer, intent(in) :: k
+    real(DP), intent(out) :: length                         !< what is left of the vector
+    real(DP) :: before, first, overlap
+    integer :: pass, i
+    basis%h(:, k) = 0
+    first = norm(basis%v(:, k + 1))
+    length = first
+    do pass = 1, 2
+      before = length
+      do i = 1, k
+        overlap = inner(basis%v(:, i), basis%v(:, k + 1))
+        basis%v(:, k + 1) = basis%v(:, k + 1) - overlap * basis%v(:, i)
+        basis%h(i, k) = basis%h(i, k) + overlap
+      end do
+      length = norm(basis%v(:, k + 1))
+      if (length > 0.7_DP * before) exit
+    end do
+    if (length <= 4 * epsilon(length) * first) length = 0
+    basis%h(k + 1, k) = length
+  end subroutine orthogonalise
+
+
+  !> Applies the old rotations to column k of h and makes the new one that removes h(k + 1, k).
+  pure subroutine rotate(basis, k)
+    type(cycle_type), intent(inout) :: basis
+    integer, intent(in) :: k
+    real(DP) :: upper, radius
+    integer :: i
+    associate (h => basis%h, c => basis%c, s => basis%s, g => basis%g)
+      do i = 1, k - 1
+        upper = c(i) * h(i, k) + s(i) * h(i + 1, k)
+        h(i + 1, k) = -s(i) * h(i, k) + c(i) * h(i + 1, k)
+        h(i, k) = upper
+      end do
+      radius = hypot(h(k, k), h(k + 1, k))
+      c(k) = 1
+      s(k) = 0
+      if (radius > 0) then
+        c(k) = h(k, k) / radius
+        s(k) = h(k + 1, k) / radius
+      end if
+      h(k, k) = radius
+      h(k + 1, k) = 0
+      g(k + 1) = -s(k) * g(k)
+      g(k) = c(k) * g(k)
+    end associate
+  end subroutine rotate
+
+
+  !> Adds to x the combination of the preconditioned vectors with the smallest residual.
+  subroutine correct(basis, n_steps, x)
+    type(cycle_type), intent(in) :: basis
+    integer, intent(in) :: n_steps
+    real(DP), intent(inout) :: x(:)
+    real(DP) :: y(n_steps), correction(size(x))
+    integer :: k
+    do k = n_steps, 1, -1
+      y(k) = (basis%g(k) - dot_product(basis%h(k, k + 1:n_steps), y(k + 1:))) / basis%h(k, k)
+    end do
+    correction = 0
+    do k = 1, n_steps
+      correction = correction + y(k) * basis%z(:, k)
+    end do
+    if (is_finite(norm(correction))) x = x + correction
+  end subroutine correct
+
+
+  !> Solves A x = b with A symmetric positive definite by preconditioned conjugate gradients. When the recurrence says
+  !> that it is done, the true residual is computed; if that is not small, it starts again from there.
+  subroutine conjugate_gradients(operator, preconditioner, b, x, options, report)
+    class(operator_type), intent(inout) :: operator         !< A
+    class(operator_type), intent(inout) :: preconditioner   !< symmetric positive definite, like the inverse of A
+    real(DP), intent(in) :: b(:)                            !< (n)
+    real(DP), intent(inout) :: x(:)                         !< (n) in: first guess; out: solution
+    type(krylov_options_type), intent(in) :: options
+    type(krylov_report_type), intent(out) :: report
+    real(DP) :: r(size(b)), goal, size_of_b, before
+    call start(operator, b, x, options, r, size_of_b, goal, report)
+    if (report%status /= KRYLOV_TOO_MANY) return
+    before = norm(r)
+    do while (report%status == KRYLOV_TOO_MANY .and. report%n_iterations < options%max_iterations)
+      call run_descent(operator, preconditioner, goal, options, r, x, report)
+      call residual_of(operator, b, x, r)
+      if (norm(r) <= goal) then
+        report%status = KRYLOV_CONVERGED
+      else if (report%status == KRYLOV_TOO_MANY .and. .not. norm(r) < PROGRESS * before) then
+        report%status = KRYLOV_STAGNATED
+      end if
+      before = norm(r)
+    end do
+    report%residual = before / size_of_b
+  end subroutine conjugate_gradients
+
+
+  !> Conjugate gradients until the residual of the recurrence is small or something breaks.
+  subroutine run_descent(operator, preconditioner, goal, options, r, x, report)
+    class(operator_type), intent(inout) :: operator, preconditioner
+    real(DP), intent(in) :: goal
+    type(krylov_options_type), intent(in) :: options
+    real(DP), intent(inout) :: r(:)                         !< b - A x; out: as the recurrence has it
+    real(DP), intent(inout) :: x(:)
+    type(krylov_report_type), intent(inout) :: report
+    real(DP), dimension(size(r)) :: z, p, a_p
+    real(DP) :: rho, rho_old, energy, alpha
+    p = 0
+    rho_old = 1
+    do while (report%n_iterations < options%max_iterations .and. norm(r) > goal)
+      call preconditioner%apply(r, z)
+      report%n_iterations = report%n_iterations + 1
+      rho = inner(r, z)
+      p = z + rho / rho_old * p
+      call operator%apply(p, a_p)
+      energy = inner(p, a_p)
+      if (.not. (is_finite(rho) .and. is_finite(energy))) then
+        report%status = KRYLOV_NOT_FINITE
+      else if (rho <= 0 .or. energy <= 0) then
+        report%status = KRYLOV_INDEFINITE
+      end if
+      if (report%status /= KRYLOV_TOO_MANY) return
+      alpha = rho / energy
+      x = x + alpha * p
+      r = r - alpha * a_p
+      rho_old = rho
+    end do
+  end subroutine run_descent
+
+
+  !> r = b - A x.
+  subroutine residual_of(operator, b, x, r)
+    class(operator_type), intent(inout) :: operator
+    real(DP), intent(in) :: b(:), x(:)
+    real(DP), intent(out) :: r(:)
+    call operator%apply(x, r)
+    r = b - r
+  end subroutine residual_of
+
+
+  !> The scalar product in four interleaved sums: the order is fixed, and the processor need not wait for each addition.
+  pure function inner(x, y) result(product)
+    real(DP), intent(in), contiguous :: x(:), y(:)          !< (n)
+    real(DP) :: product
+    real(DP) :: part(4)
+    integer :: k, n
+    n = size(x) - mod(size(x), 4)
+    part = 0
+    do k = 1, n, 4
+      part = part + x(k:k + 3) * y(k:k + 3)
+    end do
+    product = (part(1) + part(2)) + (part(3) + part(4))
+    do k = n + 1, size(x)
+      product = product + x(k) * y(k)
+    end do
+  end function inner
+
+
+  !> The 2-norm.
+  pure function norm(x) result(length)
+    real(DP), intent(in), contiguous :: x(:)                !< (n)
+    real(DP) :: length
+    length = sqrt(inner(x, x))
+  end function norm
+
+
+  !> Neither NaN nor an infinity.
+  pure logical function is_finite(x)
+    real(DP), intent(in) :: x
+    is_finite = abs(x) <= huge(x)
+  end function is_finite
+
+
+  !> y = A x.
+  subroutine apply_matrix(self, x, y)
+    class(matrix_operator_type), intent(inout) :: self
+    real(DP), intent(in) :: x(:)                            !< (n)
+    real(DP), intent(out) :: y(:)                           !< (n)
+    call multiply_symmetric(self%matrix, x, y)
+  end subroutine apply_matrix
+
+
+  !> y = A^-1 x.
+  subroutine apply_factor(self, x, y)
+    class(factor_operator_type), intent(inout) :: self
+    real(DP), intent(in) :: x(:)                            !< (n)
+    real(DP), intent(out) :: y(:)                           !< (n)
+    call solve(self%factor, x, y)
+  end subroutine apply_factor
+
+end module amontons_krylov

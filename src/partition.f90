@@ -1,0 +1,282 @@
+!> Partition: METIS: parts of the mesh for threads, and the fill-reducing order of the unknowns.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! METIS runs with its default options, which fix the seed of its random numbers: the same input gives the same parts.
+!! It draws them from the C library's one generator, so two threads must not call this module at the same time.
+!! Reference: Karypis and Kumar, SIAM J. Scientific Computing 20 (1998) 359.
+module amontons_partition
+  use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_null_ptr, c_ptr
+  use amontons_errors, only: error_type, set_error, EXIT_SOLVER, EXIT_INTERNAL
+  use amontons_sparse, only: sparse_type
+  implicit none
+  private
+  public :: partition_mesh, order_nodes, order_unknowns
+
+  integer, parameter :: METIS_OK = 1             !< of metis.h
+  integer, parameter :: METIS_NO_MEMORY = -3     !< of metis.h
+  integer(c_int32_t), parameter :: SHARED_NODES = 3    !< elements with so many common nodes are neighbours: a face
+  integer, parameter :: MOST_BISECTED = 8        !< METIS advises bisection up to 8 parts, k-way beyond
+
+  interface
+    function metis_mesh_to_dual(n_elements, n_nodes, first, nodes, n_common, numbering, graph_first, neighbours) &
+      bind(C, name='METIS_MeshToDual') result(status)
+      import :: c_int32_t, c_int, c_ptr
+      integer(c_int32_t), intent(in) :: n_elements, n_nodes, first(*), nodes(*), n_common, numbering
+      type(c_ptr), intent(out) :: graph_first, neighbours
+      integer(c_int) :: status
+    end function metis_mesh_to_dual
+
+    function metis_bisect(n, n_weights, first, neighbours, weight, vsize, edge_weight, n_parts, targets, balance, &
+                          options, cut, part) bind(C, name='METIS_PartGraphRecursive') result(status)
+      import :: c_int32_t, c_int, c_ptr
+      integer(c_int32_t), intent(in) :: n, n_weights
+      type(c_ptr), value :: first, neighbours
+      integer(c_int32_t), intent(in), optional :: weight(*)
+      type(c_ptr), value :: vsize, edge_weight
+      integer(c_int32_t), intent(in) :: n_parts
+      type(c_ptr), value :: targets, balance, options
+      integer(c_int32_t), intent(out) :: cut, part(*)
+      integer(c_int) :: status
+    end function metis_bisect
+
+    function metis_kway(n, n_weights, first, neighbours, weight, vsize, edge_weight, n_parts, targets, balance, &
+                        options, cut, part) bind(C, name='METIS_PartGraphKway') result(status)
+      import :: c_int32_t, c_int, c_ptr
+      integer(c_int32_t), intent(in) :: n, n_weights
+      type(c_ptr), value :: first, neighbours
+      integer(c_int32_t), intent(in), optional :: weight(*)
+      type(c_ptr), value :: vsize, edge_weight
+      integer(c_int32_t), intent(in) :: n_parts
+      type(c_ptr), value :: targets, balance, options
+      integer(c_int32_t), intent(out) :: cut, part(*)
+      integer(c_int) :: status
+    end function metis_kway
+
+    function metis_node_nd(n, first, neighbours, weight, options, order, place) &
+      bind(C, name='METIS_NodeND') result(status)
+      import :: c_int32_t, c_int, c_ptr
+      integer(c_int32_t), intent(in) :: n, first(*), neighbours(*)
+      integer(c_int32_t), intent(in), optional :: weight(*)
+      type(c_ptr), value :: options
+      integer(c_int32_t), intent(out) :: order(*), place(*)
+      integer(c_int) :: status
+    end function metis_node_nd
+
+    function metis_free(memory) bind(C, name='METIS_Free') result(status)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: memory
+      integer(c_int) :: status
+    end function metis_free
+  end interface
+
+contains
+
+  !> Divides the elements into connected parts of about equal work with few nodes between them.
+  subroutine partition_mesh(n_elements, first, nodes, n_nodes, n_parts, part, weight, error)
+    integer, intent(in) :: n_elements
+    integer, intent(in) :: first(:)                    !< (n_elements + 1) start of an element's nodes
+    integer, intent(in) :: nodes(:)                    !< node indices, from 1
+    integer, intent(in) :: n_nodes
+    integer, intent(in) :: n_parts
+    integer, allocatable, intent(out) :: part(:)       !< (n_elements) 1 to n_parts
+    integer, intent(in), optional :: weight(:)         !< (n_elements) work of each element; default equal
+    type(error_type), allocatable, intent(out) :: error
+    type(c_ptr) :: graph_first, neighbours
+    integer(c_int32_t) :: cut
+    integer :: status, e
+    part = [(min(e, n_parts), e=1, n_elements)]
+    if (n_parts <= 1 .or. n_elements <= n_parts) return
+    status = metis_mesh_to_dual(n_elements, n_nodes, first - 1, nodes - 1, SHARED_NODES, 0, graph_first, neighbours)
+    call check_status(status, error)
+    if (allocated(error)) return
+    if (n_parts <= MOST_BISECTED) then
+      status = metis_bisect(n_elements, 1, graph_first, neighbours, weight, c_null_ptr, c_null_ptr, n_parts, &
+                            c_null_ptr, c_null_ptr, c_null_ptr, cut, part)
+    else
+      status = metis_kway(n_elements, 1, graph_first, neighbours, weight, c_null_ptr, c_null_ptr, n_parts, &
+                          c_null_ptr, c_null_ptr, c_null_ptr, cut, part)
+    end if
+    part = part + 1
+    call check_status(status, error)
+    status = metis_free(graph_first)
+    status = metis_free(neighbours)
+  end subroutine partition_mesh
+
+
+  !> Fill-reducing order of the vertices of a graph by nested dissection.
+  subroutine order_nodes(graph, order, weight, error)
+    type(sparse_type), intent(in) :: graph             !< upper triangle of the pattern; its values are not looked at
+    integer, allocatable, intent(out) :: order(:)      !< (n) vertex that comes k-th
+    integer, intent(in), optional :: weight(:)         !< (n) unknowns of each vertex; default equal
+    type(error_type), allocatable, intent(out) :: error
+    integer(c_int32_t), allocatable :: first(:), neighbours(:)
+    integer(c_int32_t) :: place(graph%n_rows)
+    integer :: status
+    allocate (order(graph%n_rows))
+    if (graph%n_rows == 0) return
+    call both_directions(graph, first, neighbours)
+    if (size(neighbours) == 0) then
+      order = [(status, status=1, graph%n_rows)]
+      return
+    end if
+    status = metis_node_nd(graph%n_rows, first, neighbours, weight, c_null_ptr, order, place)
+    order = order + 1
+    call check_status(status, error)
+  end subroutine order_nodes
+
+
+  !> The graph as METIS wants it: from 0, both directions, no loops, no pair twice.
+  pure subroutine both_directions(graph, first, neighbours)
+    type(sparse_type), intent(in) :: graph             !< pairs in one direction; some may stand in both
+    integer(c_int32_t), allocatable, intent(out) :: first(:) !< (n + 1)
+    integer(c_int32_t), allocatable, intent(out) :: neighbours(:)
+    integer :: next(graph%n_rows), i, j, p
+    allocate (first(graph%n_rows + 1))
+    first = 0
+    do i = 1, graph%n_rows
+      do p = graph%first(i), graph%first(i + 1) - 1
+        j = graph%column(p)
+        if (j == i) cycle
+        first(i + 1) = first(i + 1) + 1
+        first(j + 1) = first(j + 1) + 1
+      end do
+    end do
+    do i = 1, graph%n_rows
+      first(i + 1) = first(i) + first(i + 1)
+    end do
+    next = first(:graph%n_rows) + 1
+    allocate (neighbours(first(graph%n_rows + 1)))
+    do i = 1, graph%n_rows
+      do p = graph%first(i), graph%first(i + 1) - 1
+        j = graph%column(p)
+        if (j == i) cycle
+        neighbours(next(i)) = j - 1
+        neighbours(next(j)) = i - 1
+        next(i) = next(i) + 1
+        next(j) = next(j) + 1
+      end do
+    end do
+    call drop_repeated(graph%n_rows, first, neighbours)
+  end subroutine both_directions
+
+
+  !> Keeps each neighbour once.
+  pure subroutine drop_repeated(n, first, neighbours)
+    integer, intent(in) :: n
+    integer(c_int32_t), intent(inout) :: first(:)            !< (n + 1) from 0
+    integer(c_int32_t), allocatable, intent(inout) :: neighbours(:)
+    integer :: seen(n), i, p, n_kept, start
+    seen = 0
+    n_kept = 0
+    start = 0
+    do i = 1, n
+      do p = start + 1, first(i + 1)
+        if (seen(neighbours(p) + 1) == i) cycle
+        seen(neighbours(p) + 1) = i
+        n_kept = n_kept + 1
+        neighbours(n_kept) = neighbours(p)
+      end do
+      start = first(i + 1)
+      first(i + 1) = n_kept
+    end do
+    neighbours = neighbours(:n_kept)
+  end subroutine drop_repeated
+
+
+  !> Fill-reducing order of unknowns that come in groups (those of a node): the groups are ordered, weighted by their
+  !> sizes, and each is expanded. It is the permutation that `analyse` of factor takes.
+  subroutine order_unknowns(matrix, group, n_groups, order, error)
+    type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle
+    integer, intent(in) :: group(:)                    !< (n) group of each unknown, 1 to n_groups
+    integer, intent(in) :: n_groups                    !< groups may be empty
+    integer, allocatable, intent(out) :: order(:)      !< (n) unknown that comes k-th
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: graph
+    integer, allocatable :: group_order(:), first(:), members(:)
+    integer :: g, k, n
+    if (size(group) /= matrix%n_rows .or. any(group < 1) .or. any(group > n_groups)) then
+      call set_error(error, EXIT_INTERNAL, 'The groups of the unknowns do not fit the matrix.')
+      return
+    end if
+    call gather_members(group, n_groups, first, members)
+    call group_graph(matrix, group, n_groups, first, members, graph)
+    call order_nodes(graph, group_order, max(1, first(2:) - first(:n_groups)), error)
+    if (allocated(error)) return
+    allocate (order(matrix%n_rows))
+    n = 0
+    do k = 1, n_groups
+      g = group_order(k)
+      order(n + 1:n + first(g + 1) - first(g)) = members(first(g):first(g + 1) - 1)
+      n = n + first(g + 1) - first(g)
+    end do
+  end subroutine order_unknowns
+
+
+  !> The members of each group, ascending.
+  pure subroutine gather_members(group, n_groups, first, members)
+    integer, intent(in) :: group(:)                    !< (n)
+    integer, intent(in) :: n_groups
+    integer, allocatable, intent(out) :: first(:)      !< (n_groups + 1)
+    integer, allocatable, intent(out) :: members(:)    !< (n)
+    integer :: next(n_groups), k
+    allocate (first(n_groups + 1), members(size(group)))
+    first = 0
+    first(1) = 1
+    do k = 1, size(group)
+      first(group(k) + 1) = first(group(k) + 1) + 1
+    end do
+    do k = 1, n_groups
+      first(k + 1) = first(k) + first(k + 1)
+    end do
+    next = first(:n_groups)
+    do k = 1, size(group)
+      members(next(group(k))) = k
+      next(group(k)) = next(group(k)) + 1
+    end do
+  end subroutine gather_members
+
+
+  !> Which groups are coupled by a matrix of their members. A pair may be met from either side, or from both.
+  pure subroutine group_graph(matrix, group, n_groups, first, members, graph)
+    type(sparse_type), intent(in) :: matrix            !< upper triangle
+    integer, intent(in) :: group(:), n_groups, first(:), members(:)
+    type(sparse_type), intent(out) :: graph            !< pattern only; columns not sorted
+    integer :: seen(n_groups), pass, g, h, m, p, n
+    graph%n_rows = n_groups
+    graph%n_columns = n_groups
+    allocate (graph%first(n_groups + 1))
+    do pass = 1, 2   ! count, then fill
+      seen = 0
+      n = 0
+      do g = 1, n_groups
+        graph%first(g) = n + 1
+        do m = first(g), first(g + 1) - 1
+          do p = matrix%first(members(m)), matrix%first(members(m) + 1) - 1
+            h = group(matrix%column(p))
+            if (h == g .or. seen(h) == g) cycle
+            seen(h) = g
+            n = n + 1
+            if (pass == 2) graph%column(n) = h
+          end do
+        end do
+      end do
+      graph%first(n_groups + 1) = n + 1
+      if (pass == 1) allocate (graph%column(n))
+    end do
+  end subroutine group_graph
+
+
+  !> The error behind a status of METIS.
+  subroutine check_status(status, error)
+    integer, intent(in) :: status
+    type(error_type), allocatable, intent(out) :: error
+    select case (status)
+    case (METIS_OK)
+    case (METIS_NO_MEMORY)
+      call set_error(error, EXIT_SOLVER, 'Not enough memory for METIS.')
+    case default
+      call set_error(error, EXIT_INTERNAL, 'METIS did not accept the mesh or graph.')
+    end select
+  end subroutine check_status
+
+end module amontons_partition

@@ -1,0 +1,782 @@
+!> Sparse: compressed matrices: pattern, entries, products, and the reduction C' K C of a symmetric matrix.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! A matrix is stored by compressed rows with ascending columns. A symmetric matrix keeps its upper triangle by rows
+!! (column >= row), diagonal always present; the same arrays are its lower triangle by columns, as CHOLMOD wants it.
+!! Every sum runs in a fixed order: results repeat bitwise (for a given number of threads where threads are used).
+!! Working arrays and linear-time algorithms after Davis, Direct Methods for Sparse Linear Systems, SIAM 2006, ch. 2.
+module amontons_sparse
+  use amontons_kinds, only: DP, I64
+  use amontons_errors, only: error_type, set_error, EXIT_SOLVER, EXIT_INTERNAL
+  !$ use omp_lib, only: omp_get_max_threads
+  implicit none
+  private
+  public :: sparse_type, reduction_type
+  public :: from_triplets, symmetric_pattern, expand_pattern, entry_position, transpose_of, full_of, product_of
+  public :: multiply, multiply_transpose, multiply_symmetric
+  public :: analyse_reduction, reduce_matrix
+
+  integer, parameter :: THREADS_PAY = 200000   !< entries below which threads cost more than they give
+
+  !> A sparse matrix by compressed rows. Row i holds the entries first(i) to first(i + 1) - 1.
+  type :: sparse_type
+    integer :: n_rows = 0
+    integer :: n_columns = 0
+    integer, allocatable :: first(:)           !< (n_rows + 1)
+    integer, allocatable :: column(:)          !< (nnz) ascending within a row
+    real(DP), allocatable :: value(:)          !< (nnz)
+  end type sparse_type
+
+  !> How A = C' K C is summed: made once for a pattern of K and C, used for every change of their values.
+  !> Rows of C with at most one entry are the rule: their entries of K go straight to one entry of A.
+  type :: reduction_type
+    private
+    integer :: n_entries_k = 0                 !< of K, to recognise a wrong matrix
+    integer :: n_entries_c = 0                 !< of C
+    integer, allocatable :: target(:)          !< (nnz of K) entry of A; negative: counts twice; 0: nowhere or expanded
+    integer, allocatable :: row(:)             !< rows of K that have expanded entries
+    integer, allocatable :: row_first(:)       !< (size(row) + 1) start of a row's entries in entry(:)
+    integer, allocatable :: entry(:)           !< expanded entries of K
+    integer, allocatable :: pair(:)            !< entry of A for each pair of C's entries; negative: counts twice
+  end type reduction_type
+
+  !> A list of integers that grows.
+  type :: list_type
+    integer, allocatable :: items(:)
+    integer :: n = 0
+    integer :: capacity = 0
+    logical :: is_full = .false.               !< an item did not fit: default integers cannot count them
+  contains
+    procedure :: append => append_item
+    procedure :: to_array => list_to_array
+  end type list_type
+
+contains
+
+  !> Makes a matrix from triplets; duplicates are summed in the order given. Cost: linear, no comparison sort.
+  subroutine from_triplets(n_rows, n_columns, row, column, value, matrix, error)
+    integer, intent(in) :: n_rows, n_columns
+    integer, intent(in) :: row(:)              !< (n) 1 to n_rows
+    integer, intent(in) :: column(:)           !< (n) 1 to n_columns
+    real(DP), intent(in) :: value(:)           !< (n)
+    type(sparse_type), intent(out) :: matrix
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: by_columns
+    if (size(row) /= size(column) .or. size(row) /= size(value)) then
+      call set_error(error, EXIT_INTERNAL, 'Triplets of unequal length.')
+    else if (any(row < 1) .or. any(row > n_rows) .or. any(column < 1) .or. any(column > n_columns)) then
+      call set_error(error, EXIT_INTERNAL, 'A triplet lies outside the matrix.')
+    end if
+    if (allocated(error)) return
+    ! Two stable bucket sorts, by column and then by row, leave equal entries side by side in the order given.
+    call bucket_sort(n_columns, n_rows, column, row, value, by_columns)
+    matrix = transpose_of(by_columns)
+    call sum_duplicates(matrix)
+  end subroutine from_triplets
+
+
+  !> Sorts triplets into rows, stable.
+  pure subroutine bucket_sort(n_rows, n_columns, row, column, value, matrix)
+    integer, intent(in) :: n_rows, n_columns
+    integer, intent(in) :: row(:), column(:)   !< (n)
+    real(DP), intent(in) :: value(:)           !< (n)
+    type(sparse_type), intent(out) :: matrix   !< columns as they come
+    integer :: next(n_rows), k, p
+    call allocate_matrix(matrix, n_rows, n_columns, size(row))
+    call count_items(row, n_rows, matrix%first)
+    next = matrix%first(:n_rows)
+    do k = 1, size(row)
+      p = next(row(k))
+      next(row(k)) = p + 1
+      matrix%column(p) = column(k)
+      matrix%value(p) = value(k)
+    end do
+  end subroutine bucket_sort
+
+
+  !> Row starts from the rows of entries: first(i + 1) - first(i) entries lie in row i.
+  pure subroutine count_items(row, n_rows, first)
+    integer, intent(in) :: row(:)              !< row of each entry
+    integer, intent(in) :: n_rows
+    integer, intent(out) :: first(:)           !< (n_rows + 1)
+    integer :: k
+    first = 0
+    first(1) = 1
+    do k = 1, size(row)
+      first(row(k) + 1) = first(row(k) + 1) + 1
+    end do
+    do k = 1, n_rows
+      first(k + 1) = first(k) + first(k + 1)
+    end do
+  end subroutine count_items
+
+
+  !> Sums entries of equal column that stand side by side in a row.
+  pure subroutine sum_duplicates(matrix)
+    type(sparse_type), intent(inout) :: matrix !< columns ascending, perhaps repeated
+    integer :: i, p, n, start
+    n = 0
+    do i = 1, matrix%n_rows
+      start = n
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        if (n > start) then
+          if (matrix%column(n) == matrix%column(p)) then
+            matrix%value(n) = matrix%value(n) + matrix%value(p)
+            cycle
+          end if
+        end if
+        n = n + 1
+        matrix%column(n) = matrix%column(p)
+        matrix%value(n) = matrix%value(p)
+      end do
+      matrix%first(i) = start + 1
+    end do
+    matrix%first(matrix%n_rows + 1) = n + 1
+    matrix%column = matrix%column(:n)
+    matrix%value = matrix%value(:n)
+  end subroutine sum_duplicates
+
+
+  !> Allocates the arrays of a matrix; the values are 0.
+  pure subroutine allocate_matrix(matrix, n_rows, n_columns, n_entries)
+    type(sparse_type), intent(out) :: matrix
+    integer, intent(in) :: n_rows, n_columns, n_entries
+    matrix%n_rows = n_rows
+    matrix%n_columns = n_columns
+    allocate (matrix%first(n_rows + 1), matrix%column(n_entries), matrix%value(n_entries))
+    matrix%first = 1
+    matrix%value = 0
+  end subroutine allocate_matrix
+
+
+  !> Upper triangle of the pattern in which all items of a list are coupled with each other (the unknowns or nodes of
+  !> an element). The diagonal is always present. Cost: linear in the sum of squares of the list lengths.
+  subroutine symmetric_pattern(n, n_lists, first, items, matrix, error)
+    integer, intent(in) :: n                   !< rows and columns
+    integer, intent(in) :: n_lists
+    integer, intent(in) :: first(:)            !< (n_lists + 1) start of each list in items
+    integer, intent(in) :: items(:)            !< 1 to n
+    type(sparse_type), intent(out) :: matrix   !< values 0
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: list_first(:), lists(:)
+    type(list_type) :: below
+    integer, allocatable :: below_first(:)
+    integer :: n_items
+    n_items = first(n_lists + 1) - 1
+    if (any(items(:n_items) < 1) .or. any(items(:n_items) > n)) then
+      call set_error(error, EXIT_INTERNAL, 'An item of a pattern lies outside the matrix.')
+      return
+    end if
+    call invert_lists(n, n_lists, first, items, list_first, lists)
+    call gather_below(n, first, items, list_first, lists, below_first, below)
+    call rows_from_below(n, below_first, below, matrix, error)
+  end subroutine symmetric_pattern
+
+
+  !> Turns lists of items into lists of lists: which lists hold an item.
+  pure subroutine invert_lists(n, n_lists, first, items, list_first, lists)
+    integer, intent(in) :: n, n_lists
+    integer, intent(in) :: first(:), items(:)
+    integer, allocatable, intent(out) :: list_first(:)   !< (n + 1)
+    integer, allocatable, intent(out) :: lists(:)
+    integer :: next(n), l, p, i
+    allocate (list_first(n + 1), lists(first(n_lists + 1) - 1))
+    call count_items(items(:first(n_lists + 1) - 1), n, list_first)
+    next = list_first(:n)
+    do l = 1, n_lists
+      do p = first(l), first(l + 1) - 1
+        i = items(p)
+        lists(next(i)) = l
+        next(i) = next(i) + 1
+      end do
+    end do
+  end subroutine invert_lists
+
+
+  !> For each item the smaller items that share a list with it, unsorted.
+  pure subroutine gather_below(n, first, items, list_first, lists, below_first, below)
+    integer, intent(in) :: n
+    integer, intent(in) :: first(:), items(:), list_first(:), lists(:)
+    integer, allocatable, intent(out) :: below_first(:)  !< (n + 1)
+    type(list_type), intent(out) :: below
+    integer :: seen(n), i, p, q
+    allocate (below_first(n + 1))
+    seen = 0
+    do i = 1, n
+      below_first(i) = below%n + 1
+      seen(i) = i
+      do p = list_first(i), list_first(i + 1) - 1
+        do q = first(lists(p)), first(lists(p) + 1) - 1
+          if (items(q) > i) cycle
+          if (seen(items(q)) == i) cycle
+          seen(items(q)) = i
+          call below%append(items(q))
+        end do
+      end do
+    end do
+    below_first(n + 1) = below%n + 1
+  end subroutine gather_below
+
+
+  !> The upper triangle whose transpose has the given unsorted rows below the diagonal: walking down these rows meets
+  !> the columns of each upper row in ascending order, so nothing has to be sorted. The diagonal is added.
+  subroutine rows_from_below(n, below_first, below, matrix, error)
+    integer, intent(in) :: n
+    integer, intent(in) :: below_first(:)      !< (n + 1)
+    type(list_type), intent(in) :: below       !< strictly smaller columns of each row
+    type(sparse_type), intent(out) :: matrix
+    type(error_type), allocatable, intent(out) :: error
+    integer :: next(n), i, p, j
+    if (below%is_full .or. below%n > huge(n) - n) then
+      call set_too_large(error)
+      return
+    end if
+    call allocate_matrix(matrix, n, n, below%n + n)
+    if (below%n > 0) call count_items(below%items(:below%n), n, matrix%first)
+    matrix%first = matrix%first + [(i - 1, i=1, n + 1)]
+    next = matrix%first(:n)
+    do i = 1, n
+      matrix%column(next(i)) = i
+      next(i) = next(i) + 1
+      do p = below_first(i), below_first(i + 1) - 1
+        j = below%items(p)
+        matrix%column(next(j)) = i
+        next(j) = next(j) + 1
+      end do
+    end do
+  end subroutine rows_from_below
+
+
+  !> The pattern of unknowns from the pattern of nodes, `block` unknowns to a node, numbered node by node.
+  !> Cheaper by the square of `block` than asking symmetric_pattern for the unknowns.
+  subroutine expand_pattern(nodes, block, matrix, error)
+    type(sparse_type), intent(in) :: nodes     !< upper triangle with diagonal
+    integer, intent(in) :: block               !< unknowns to a node
+    type(sparse_type), intent(out) :: matrix   !< upper triangle, values 0
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i, a, b, p, n
+    integer(I64) :: n_entries
+    n_entries = size(nodes%column, kind=I64) * int(block**2, I64)
+    n_entries = n_entries - int(nodes%n_rows, I64) * int((block**2 - block) / 2, I64)   ! lower halves of the diagonal
+    if (n_entries > int(huge(n), I64)) then
+      call set_too_large(error)
+      return
+    end if
+    call allocate_matrix(matrix, nodes%n_rows * block, nodes%n_rows * block, int(n_entries))
+    n = 0
+    do i = 1, nodes%n_rows
+      do a = 1, block
+        matrix%first((i - 1) * block + a) = n + 1
+        do b = a, block
+          n = n + 1
+          matrix%column(n) = (i - 1) * block + b
+        end do
+        do p = nodes%first(i) + 1, nodes%first(i + 1) - 1
+          matrix%column(n + 1:n + block) = [((nodes%column(p) - 1) * block + b, b=1, block)]
+          n = n + block
+        end do
+      end do
+    end do
+    matrix%first(matrix%n_rows + 1) = n + 1
+  end subroutine expand_pattern
+
+
+  !> Where an entry stands in column(:) and value(:); 0 if the pattern does not have it. Cost: binary search.
+  pure function entry_position(matrix, row, column) result(position)
+    type(sparse_type), intent(in) :: matrix
+    integer, intent(in) :: row
+    integer, intent(in) :: column
+    integer :: position
+    integer :: low, high
+    low = matrix%first(row)
+    high = matrix%first(row + 1) - 1
+    do while (low < high)
+      position = low + (high - low) / 2
+      if (matrix%column(position) < column) then
+        low = position + 1
+      else
+        high = position
+      end if
+    end do
+    position = 0
+    if (low > high) return
+    if (matrix%column(low) == column) position = low
+  end function entry_position
+
+
+  !> The transpose. Entries of equal place keep their order. Cost: linear.
+  pure function transpose_of(matrix) result(transposed)
+    type(sparse_type), intent(in) :: matrix
+    type(sparse_type) :: transposed
+    integer :: next(matrix%n_columns), i, j, p
+    call allocate_matrix(transposed, matrix%n_columns, matrix%n_rows, size(matrix%column))
+    call count_items(matrix%column, matrix%n_columns, transposed%first)
+    next = transposed%first(:matrix%n_columns)
+    do i = 1, matrix%n_rows
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        j = matrix%column(p)
+        transposed%column(next(j)) = i
+        transposed%value(next(j)) = matrix%value(p)
+        next(j) = next(j) + 1
+      end do
+    end do
+  end function transpose_of
+
+
+  !> Both triangles of a symmetric matrix that is stored by its upper one.
+  pure function full_of(matrix) result(full)
+    type(sparse_type), intent(in) :: matrix    !< upper triangle
+    type(sparse_type) :: full
+    type(sparse_type) :: lower
+    integer :: i, n, n_below, n_above
+    lower = transpose_of(matrix)
+    call allocate_matrix(full, matrix%n_rows, matrix%n_rows, 2 * size(matrix%column) - matrix%n_rows)
+    n = 0
+    do i = 1, matrix%n_rows
+      full%first(i) = n + 1
+      n_below = lower%first(i + 1) - lower%first(i) - 1
+      n_above = matrix%first(i + 1) - matrix%first(i)
+      full%column(n + 1:n + n_below) = lower%column(lower%first(i):lower%first(i + 1) - 2)
+      full%value(n + 1:n + n_below) = lower%value(lower%first(i):lower%first(i + 1) - 2)
+      n = n + n_below
+      full%column(n + 1:n + n_above) = matrix%column(matrix%first(i):matrix%first(i + 1) - 1)
+      full%value(n + 1:n + n_above) = matrix%value(matrix%first(i):matrix%first(i + 1) - 1)
+      n = n + n_above
+    end do
+    full%first(matrix%n_rows + 1) = n + 1
+  end function full_of
+
+
+  !> The product of two matrices, row by row (Gustavson, ACM Trans. Math. Software 4, 1978). Cost: its multiplications.
+  pure function product_of(left, right) result(matrix)
+    type(sparse_type), intent(in) :: left      !< (n x k)
+    type(sparse_type), intent(in) :: right     !< (k x m)
+    type(sparse_type) :: matrix                !< (n x m)
+    integer :: place(right%n_columns)
+    integer :: i, p, q, n, start
+    call allocate_matrix(matrix, left%n_rows, right%n_columns, n_distinct(left, right))
+    place = 0
+    n = 0
+    do i = 1, left%n_rows
+      start = n
+      matrix%first(i) = start + 1
+      do p = left%first(i), left%first(i + 1) - 1
+        do q = right%first(left%column(p)), right%first(left%column(p) + 1) - 1
+          if (place(right%column(q)) <= start) then
+            n = n + 1
+            place(right%column(q)) = n
+            matrix%column(n) = right%column(q)
+          end if
+          associate (entry => matrix%value(place(right%column(q))))
+            entry = entry + left%value(p) * right%value(q)
+          end associate
+        end do
+      end do
+    end do
+    matrix%first(left%n_rows + 1) = n + 1
+    matrix = transpose_of(transpose_of(matrix))   ! sorts the columns
+  end function product_of
+
+
+  !> Entries of a product.
+  pure integer function n_distinct(left, right) result(n)
+    type(sparse_type), intent(in) :: left, right
+    integer :: seen(right%n_columns), i, p, q
+    seen = 0
+    n = 0
+    do i = 1, left%n_rows
+      do p = left%first(i), left%first(i + 1) - 1
+        do q = right%first(left%column(p)), right%first(left%column(p) + 1) - 1
+          if (seen(right%column(q)) == i) cycle
+          seen(right%column(q)) = i
+          n = n + 1
+        end do
+      end do
+    end do
+  end function n_distinct
+
+
+  !> y = M x. Threads share the rows: bitwise the same for any number of threads.
+  subroutine multiply(matrix, x, y)
+    type(sparse_type), intent(in) :: matrix    !< (n x m)
+    real(DP), intent(in) :: x(:)               !< (m)
+    real(DP), intent(out) :: y(:)              !< (n)
+    real(DP) :: sum
+    integer :: i, p
+    !$omp parallel do private(sum, p) schedule(static) if(size(matrix%column) > THREADS_PAY)
+    do i = 1, matrix%n_rows
+      sum = 0
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        sum = sum + matrix%value(p) * x(matrix%column(p))
+      end do
+      y(i) = sum
+    end do
+    !$omp end parallel do
+  end subroutine multiply
+
+
+  !> y = M' x.
+  pure subroutine multiply_transpose(matrix, x, y)
+    type(sparse_type), intent(in) :: matrix    !< (n x m)
+    real(DP), intent(in) :: x(:)               !< (n)
+    real(DP), intent(out) :: y(:)              !< (m)
+    integer :: i, p
+    y = 0
+    do i = 1, matrix%n_rows
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        y(matrix%column(p)) = y(matrix%column(p)) + matrix%value(p) * x(i)
+      end do
+    end do
+  end subroutine multiply_transpose
+
+
+  !> y = M x for a symmetric matrix. Each thread takes rows of equal work into its own sum, and the sums are added in
+  !> the order of the threads: bitwise repeatable for a given number of threads.
+  subroutine multiply_symmetric(matrix, x, y)
+    type(sparse_type), intent(in) :: matrix    !< upper triangle (n x n)
+    real(DP), intent(in) :: x(:)               !< (n)
+    real(DP), intent(out) :: y(:)              !< (n)
+    real(DP), allocatable :: part(:, :)
+    integer :: n_parts, t
+    integer, allocatable :: start(:)
+    n_parts = 1
+    !$ if (size(matrix%column) > THREADS_PAY) n_parts = omp_get_max_threads()
+    if (n_parts == 1) then
+      call multiply_rows(matrix, 1, matrix%n_rows, x, y)
+      return
+    end if
+    start = equal_shares(matrix, n_parts)
+    allocate (part(matrix%n_rows, 2:n_parts))
+    !$omp parallel do schedule(static, 1) num_threads(n_parts)
+    do t = 1, n_parts
+      if (t == 1) then
+        call multiply_rows(matrix, start(t), start(t + 1) - 1, x, y)
+      else
+        call multiply_rows(matrix, start(t), start(t + 1) - 1, x, part(:, t))
+      end if
+    end do
+    !$omp end parallel do
+    do t = 2, n_parts
+      y(start(t):) = y(start(t):) + part(start(t):, t)   ! rows before start(t) got nothing: the triangle is upper
+    end do
+  end subroutine multiply_symmetric
+
+
+  !> What some rows of an upper triangle give to the product. Sets y(low:), leaves what is before.
+  pure subroutine multiply_rows(matrix, low, high, x, y)
+    type(sparse_type), intent(in) :: matrix    !< upper triangle
+    integer, intent(in) :: low, high           !< rows
+    real(DP), intent(in) :: x(:)
+    real(DP), intent(inout) :: y(:)            !< only y(low:) is set
+    real(DP) :: sum
+    integer :: i, p
+    y(low:) = 0
+    do i = low, high
+      p = matrix%first(i)
+      sum = matrix%value(p) * x(i)
+      do p = matrix%first(i) + 1, matrix%first(i + 1) - 1
+        sum = sum + matrix%value(p) * x(matrix%column(p))
+        y(matrix%column(p)) = y(matrix%column(p)) + matrix%value(p) * x(i)
+      end do
+      y(i) = y(i) + sum
+    end do
+  end subroutine multiply_rows
+
+
+  !> First rows of parts with about equal numbers of entries.
+  pure function equal_shares(matrix, n_parts) result(start)
+    type(sparse_type), intent(in) :: matrix
+    integer, intent(in) :: n_parts
+    integer :: start(n_parts + 1)
+    integer :: i, t
+    i = 1
+    do t = 1, n_parts
+      start(t) = i
+      do while (i <= matrix%n_rows)
+        if (matrix%first(i) - 1 >= size(matrix%column) / n_parts * t) exit
+        i = i + 1
+      end do
+    end do
+    start(n_parts + 1) = matrix%n_rows + 1
+  end function equal_shares
+
+
+  !> Prepares A = C' K C: the pattern of A and where every product goes. C has a row for each unknown of K: empty for a
+  !> fixed one, one entry for a free one, several for a dependent one. Entries of C may be zero: they keep a place in A.
+  !> Cost: a few passes over K and A.
+  subroutine analyse_reduction(matrix, relation, reduction, reduced, error)
+    type(sparse_type), intent(in) :: matrix    !< K, upper triangle (n x n)
+    type(sparse_type), intent(in) :: relation  !< C (n x m)
+    type(reduction_type), intent(out) :: reduction
+    type(sparse_type), intent(out) :: reduced  !< A, upper triangle (m x m), diagonal present, values 0
+    type(error_type), allocatable, intent(out) :: error
+    if (matrix%n_rows /= relation%n_rows .or. matrix%n_columns /= matrix%n_rows) then
+      call set_error(error, EXIT_INTERNAL, 'Matrix and relation of a reduction do not fit together.')
+      return
+    end if
+    call reduced_pattern(matrix, relation, reduced, error)
+    if (allocated(error)) return
+    reduction%n_entries_k = size(matrix%column)
+    reduction%n_entries_c = size(relation%column)
+    call find_targets(matrix, relation, reduced, reduction)
+    call find_pairs(matrix, relation, reduced, reduction, error)
+  end subroutine analyse_reduction
+
+
+  !> The pattern of C' K C: row a of A has the columns of row j of C for all j coupled by K with an i that depends on a.
+  subroutine reduced_pattern(matrix, relation, reduced, error)
+    type(sparse_type), intent(in) :: matrix, relation
+    type(sparse_type), intent(out) :: reduced
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: full, dependents
+    type(list_type) :: below
+    integer, allocatable :: below_first(:)
+    integer :: seen(relation%n_columns), a, d, p, q
+    full = full_of(matrix)
+    dependents = transpose_of(relation)
+    allocate (below_first(relation%n_columns + 1))
+    seen = 0
+    do a = 1, relation%n_columns
+      below_first(a) = below%n + 1
+      do d = dependents%first(a), dependents%first(a + 1) - 1
+        do p = full%first(dependents%column(d)), full%first(dependents%column(d) + 1) - 1
+          do q = relation%first(full%column(p)), relation%first(full%column(p) + 1) - 1
+            if (relation%column(q) >= a) exit
+            if (seen(relation%column(q)) == a) cycle
+            seen(relation%column(q)) = a
+            call below%append(relation%column(q))
+          end do
+        end do
+      end do
+    end do
+    below_first(relation%n_columns + 1) = below%n + 1
+    call rows_from_below(relation%n_columns, below_first, below, reduced, error)
+  end subroutine reduced_pattern
+
+
+  !> The targets of the entries of K whose row and column have one entry of C each.
+  pure subroutine find_targets(matrix, relation, reduced, reduction)
+    type(sparse_type), intent(in) :: matrix, relation, reduced
+    type(reduction_type), intent(inout) :: reduction
+    integer :: only(matrix%n_rows)             ! the one column of a row of C, else 0
+    integer :: place(relation%n_columns)       ! where row a of A has a column
+    integer :: i, p, a, b
+    only = single_columns(relation)
+    allocate (reduction%target(size(matrix%column)))
+    reduction%target = 0
+    place = 0
+    do i = 1, matrix%n_rows
+      a = only(i)
+      if (a == 0) cycle
+      call mark_row(reduced, a, place)
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        b = only(matrix%column(p))
+        if (b == 0) cycle
+        reduction%target(p) = target_of(reduced, a, b, place)
+        if (a == b .and. matrix%column(p) /= i) reduction%target(p) = -reduction%target(p)
+      end do
+    end do
+  end subroutine find_targets
+
+
+  !> The column of each row that has exactly one entry, else 0.
+  pure function single_columns(relation) result(only)
+    type(sparse_type), intent(in) :: relation
+    integer :: only(relation%n_rows)
+    integer :: i
+    do i = 1, relation%n_rows
+      only(i) = 0
+      if (relation%first(i + 1) - relation%first(i) == 1) only(i) = relation%column(relation%first(i))
+    end do
+  end function single_columns
+
+
+  !> Writes where the columns of one row stand.
+  pure subroutine mark_row(matrix, row, place)
+    type(sparse_type), intent(in) :: matrix
+    integer, intent(in) :: row
+    integer, intent(inout) :: place(:)         !< (n_columns) entries of other columns are left
+    integer :: p
+    do p = matrix%first(row), matrix%first(row + 1) - 1
+      place(matrix%column(p)) = p
+    end do
+  end subroutine mark_row
+
+
+  !> Where the upper triangle has (a, b) or (b, a).
+  pure integer function target_of(matrix, a, b, place) result(position)
+    type(sparse_type), intent(in) :: matrix    !< upper triangle
+    integer, intent(in) :: a, b
+    integer, intent(in) :: place(:)            !< as mark_row leaves it for row a
+    if (b >= a) then
+      position = place(b)
+    else
+      position = entry_position(matrix, b, a)
+    end if
+  end function target_of
+
+
+  !> The entries of K that touch a row of C with several entries, and the targets of all their pairs, in the order
+  !> row i of K, entry a of row i of C, entry of K, entry b of C.
+  subroutine find_pairs(matrix, relation, reduced, reduction, error)
+    type(sparse_type), intent(in) :: matrix, relation, reduced
+    type(reduction_type), intent(inout) :: reduction
+    type(error_type), allocatable, intent(out) :: error
+    integer :: place(relation%n_columns)
+    type(list_type) :: rows, row_first, entries, pairs
+    integer :: i, p, a, n_before
+    place = 0
+    do i = 1, matrix%n_rows
+      n_before = entries%n
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        if (width(matrix%column(p)) * width(i) > 1) call entries%append(p)
+      end do
+      if (entries%n == n_before) cycle
+      call rows%append(i)
+      call row_first%append(n_before + 1)
+      do a = relation%first(i), relation%first(i + 1) - 1
+        call mark_row(reduced, relation%column(a), place)
+        call append_pairs(matrix, relation, reduced, i, a, entries%items(n_before + 1:entries%n), place, pairs)
+      end do
+    end do
+    call row_first%append(entries%n + 1)
+    if (pairs%is_full) then
+      call set_too_large(error)
+      return
+    end if
+    call rows%to_array(reduction%row)
+    call row_first%to_array(reduction%row_first)
+    call entries%to_array(reduction%entry)
+    call pairs%to_array(reduction%pair)
+  contains
+
+    !> Entries of one row of C.
+    pure integer function width(row)
+      integer, intent(in) :: row
+      width = relation%first(row + 1) - relation%first(row)
+    end function width
+  end subroutine find_pairs
+
+
+  !> The targets of the pairs of one entry of C in row i with all entries of C that some entries of row i of K reach.
+  pure subroutine append_pairs(matrix, relation, reduced, i, a, entries, place, pairs)
+    type(sparse_type), intent(in) :: matrix, relation, reduced
+    integer, intent(in) :: i                   !< row of K
+    integer, intent(in) :: a                   !< entry of C in its row i
+    integer, intent(in) :: entries(:)          !< of row i of K
+    integer, intent(in) :: place(:)            !< as mark_row leaves it for the row of A of this entry
+    type(list_type), intent(inout) :: pairs
+    integer :: e, j, b, target
+    do e = 1, size(entries)
+      j = matrix%column(entries(e))
+      do b = merge(a, relation%first(j), j == i), relation%first(j + 1) - 1
+        target = target_of(reduced, relation%column(a), relation%column(b), place)
+        if (j /= i .and. relation%column(a) == relation%column(b)) target = -target
+        call pairs%append(target)
+      end do
+    end do
+  end subroutine append_pairs
+
+
+  !> A = C' K C for new values of K and C in the patterns analysed. Cost: one pass over K and the expanded pairs.
+  subroutine reduce_matrix(reduction, matrix, relation, reduced, error)
+    type(reduction_type), intent(in) :: reduction
+    type(sparse_type), intent(in) :: matrix    !< K, upper triangle (n x n)
+    type(sparse_type), intent(in) :: relation  !< C (n x m)
+    type(sparse_type), intent(inout) :: reduced   !< A as analyse_reduction made it; its values are overwritten
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: scale(matrix%n_rows), product
+    integer :: i, p, q
+    if (size(matrix%column) /= reduction%n_entries_k .or. size(relation%column) /= reduction%n_entries_c) then
+      call set_error(error, EXIT_INTERNAL, 'A reduction was used with other patterns than those analysed.')
+      return
+    end if
+    call single_values(relation, scale)
+    reduced%value = 0
+    do i = 1, matrix%n_rows
+      if (relation%first(i + 1) - relation%first(i) /= 1) cycle
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        q = reduction%target(p)
+        if (q == 0) cycle
+        product = scale(i) * matrix%value(p) * scale(matrix%column(p))
+        if (q < 0) product = 2 * product
+        reduced%value(abs(q)) = reduced%value(abs(q)) + product
+      end do
+    end do
+    call add_pairs(reduction, matrix, relation, reduced%value)
+  end subroutine reduce_matrix
+
+
+  !> The value of each row that has exactly one entry, else 0.
+  pure subroutine single_values(relation, scale)
+    type(sparse_type), intent(in) :: relation
+    real(DP), intent(out) :: scale(:)          !< (n_rows)
+    integer :: i
+    do i = 1, relation%n_rows
+      scale(i) = 0
+      if (relation%first(i + 1) - relation%first(i) == 1) scale(i) = relation%value(relation%first(i))
+    end do
+  end subroutine single_values
+
+
+  !> Adds what goes through rows of C with several entries, in the order of find_pairs.
+  pure subroutine add_pairs(reduction, matrix, relation, value)
+    type(reduction_type), intent(in) :: reduction
+    type(sparse_type), intent(in) :: matrix, relation
+    real(DP), intent(inout) :: value(:)        !< of A
+    real(DP) :: left, product
+    integer :: r, i, j, a, b, e, q, k
+    k = 0
+    do r = 1, size(reduction%row)
+      i = reduction%row(r)
+      do a = relation%first(i), relation%first(i + 1) - 1
+        do e = reduction%row_first(r), reduction%row_first(r + 1) - 1
+          j = matrix%column(reduction%entry(e))
+          left = relation%value(a) * matrix%value(reduction%entry(e))
+          do b = merge(a, relation%first(j), j == i), relation%first(j + 1) - 1
+            k = k + 1
+            q = reduction%pair(k)
+            product = left * relation%value(b)
+            if (q < 0) product = 2 * product
+            value(abs(q)) = value(abs(q)) + product
+          end do
+        end do
+      end do
+    end do
+  end subroutine add_pairs
+
+
+  !> Adds an item to the list. Cost: amortised constant. A list that cannot grow says so in is_full.
+  pure subroutine append_item(self, item)
+    class(list_type), intent(inout) :: self
+    integer, intent(in) :: item
+    integer, allocatable :: larger(:)
+    if (self%n == self%capacity) then
+      self%is_full = self%capacity == huge(self%n)
+      if (self%is_full) return
+      self%capacity = max(1024, self%capacity + min(self%capacity, huge(self%n) - self%capacity))
+      allocate (larger(self%capacity))
+      if (self%n > 0) larger(:self%n) = self%items
+      call move_alloc(larger, self%items)
+    end if
+    self%n = self%n + 1
+    self%items(self%n) = item
+  end subroutine append_item
+
+
+  !> The list as an array of its own length.
+  pure subroutine list_to_array(self, array)
+    class(list_type), intent(in) :: self
+    integer, allocatable, intent(out) :: array(:)
+    allocate (array(self%n))
+    if (self%n > 0) array = self%items(:self%n)
+  end subroutine list_to_array
+
+
+  !> The error of a matrix whose entries default integers cannot count.
+  subroutine set_too_large(error)
+    type(error_type), allocatable, intent(out) :: error
+    call set_error(error, EXIT_SOLVER, 'The matrix would have more than 2 147 483 647 entries: too large.')
+  end subroutine set_too_large
+
+end module amontons_sparse

@@ -1,0 +1,323 @@
+/* SuiteSparse shim: CHOLMOD and UMFPACK behind opaque handles, for factor.f90.
+ * SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * It is C because the layout of cholmod_common and cholmod_factor belongs to their C headers and changes with them
+ * (doc/developer/decisions/0001). It keeps no static data: all state lives in the handle. Indices count from 0 here.
+ * Floating-point traps are masked around library calls: the libraries make NaN and infinities on purpose. */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <fenv.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cholmod.h>
+#include <umfpack.h>
+
+/* The status codes that factor.f90 knows. */
+enum { DONE = 0, NOT_POSITIVE = 1, NEARLY_SINGULAR = 2, NOT_FINITE = 3, NO_MEMORY = 4, TOO_LARGE = 5, INVALID = 6 };
+
+typedef struct {
+  cholmod_common common;
+  cholmod_factor *factor;
+  cholmod_sparse *permuted; /* lower triangle of P A P', the diagonal entry first in each column */
+  int *target;              /* where an entry of the caller's matrix stands in permuted */
+  size_t n_entries;         /* of the caller's matrix */
+  cholmod_dense *y, *e;     /* workspace of the solves */
+} cholesky;
+
+typedef struct {
+  int n;
+  int *first, *column; /* the matrix by compressed rows: to UMFPACK the columns of its transpose */
+  double *value;
+  void *symbolic, *numeric;
+  int *work_i;
+  double *work_x;
+} lu;
+
+static int status_of_cholmod(int status)
+{
+  switch (status) {
+  case CHOLMOD_OK: return DONE;
+  case CHOLMOD_NOT_POSDEF: return NOT_POSITIVE;
+  case CHOLMOD_OUT_OF_MEMORY: return NO_MEMORY;
+  case CHOLMOD_TOO_LARGE: return TOO_LARGE;
+  default: return INVALID;
+  }
+}
+
+static int status_of_umfpack(int status)
+{
+  switch (status) {
+  case UMFPACK_OK: return DONE;
+  case UMFPACK_WARNING_singular_matrix: return NEARLY_SINGULAR;
+  case UMFPACK_ERROR_out_of_memory: return NO_MEMORY;
+  default: return INVALID;
+  }
+}
+
+static int all_finite(const double *value, size_t n)
+{
+  double sum = 0;
+  for (size_t k = 0; k < n; k++) sum += value[k] - value[k]; /* 0, or NaN if a value is not finite */
+  return sum == 0;
+}
+
+/* A new handle of a Cholesky factor; NULL without memory. */
+void *amontons_cholesky_new(void)
+{
+  cholesky *self = calloc(1, sizeof *self);
+  if (!self) return NULL;
+  cholmod_common *c = &self->common;
+  if (!cholmod_start(c)) { free(self); return NULL; }
+  c->print = 0;
+  c->error_handler = NULL;
+  c->nmethods = 1;
+  c->supernodal = CHOLMOD_SUPERNODAL;
+  c->quick_return_if_not_posdef = 1;
+  return self;
+}
+
+static void forget_matrix(cholesky *self)
+{
+  cholmod_common *c = &self->common;
+  cholmod_free_factor(&self->factor, c);
+  cholmod_free_sparse(&self->permuted, c);
+  self->target = cholmod_free(self->n_entries, sizeof(int), self->target, c);
+  cholmod_free_dense(&self->y, c);
+  cholmod_free_dense(&self->e, c);
+}
+
+void amontons_cholesky_free(void *handle)
+{
+  cholesky *self = handle;
+  if (!self) return;
+  forget_matrix(self);
+  cholmod_finish(&self->common);
+  free(self);
+}
+
+/* Builds the pattern of tril(P A P') and the place of each entry of A in it: new values then take one pass. */
+static int permute_pattern(cholesky *self, int n, int *first, int *column)
+{
+  cholmod_common *c = &self->common;
+  const int *order = self->factor->Perm;
+  self->permuted = cholmod_allocate_sparse(n, n, first[n], 0, 1, -1, CHOLMOD_REAL, c);
+  self->target = cholmod_malloc(first[n], sizeof(int), c);
+  int *place = cholmod_malloc(n, sizeof(int), c), *next = cholmod_calloc(n, sizeof(int), c);
+  self->n_entries = first[n];
+  if (self->permuted && self->target && place && next) {
+    int *p = self->permuted->p, *i = self->permuted->i;
+    for (int k = 0; k < n; k++) place[order[k]] = k;
+    for (int row = 0; row < n; row++)
+      for (int k = first[row]; k < first[row + 1]; k++) {
+        int a = place[row], b = place[column[k]];
+        next[a < b ? a : b]++;
+      }
+    p[0] = 0;
+    for (int k = 0; k < n; k++) {
+      p[k + 1] = p[k] + next[k];
+      next[k] = p[k] + 1; /* p[k] itself is for the diagonal */
+    }
+    for (int row = 0; row < n; row++)
+      for (int k = first[row]; k < first[row + 1]; k++) {
+        int a = place[row], b = place[column[k]], low = a < b ? a : b;
+        self->target[k] = a == b ? p[a] : next[low]++;
+        i[self->target[k]] = a < b ? b : a;
+      }
+  }
+  cholmod_free(n, sizeof(int), place, c);
+  cholmod_free(n, sizeof(int), next, c);
+  return c->status;
+}
+
+/* Orders and analyses a symmetric matrix: upper triangle by rows, every diagonal entry present. Without a permutation
+ * (NULL) METIS orders the unknowns. Statistics: entries of L; multiplications and additions; bytes needed for factor,
+ * permuted matrix and work; supernodes. */
+int amontons_cholesky_analyse(void *handle, int n, int *first, int *column, int *permutation, double statistics[4])
+{
+  cholesky *self = handle;
+  cholmod_common *c = &self->common;
+  fenv_t environment;
+  feholdexcept(&environment);
+  forget_matrix(self);
+  cholmod_sparse matrix = {.nrow = n, .ncol = n, .nzmax = first[n], .p = first, .i = column, .stype = -1,
+    .itype = CHOLMOD_INT, .xtype = CHOLMOD_PATTERN, .dtype = CHOLMOD_DOUBLE, .sorted = 1, .packed = 1};
+  c->method[0].ordering = permutation ? CHOLMOD_GIVEN : CHOLMOD_METIS;
+  self->factor = cholmod_analyze_p(&matrix, permutation, NULL, 0, c);
+  if (self->factor && c->status == CHOLMOD_OK) permute_pattern(self, n, first, column);
+  if (self->factor && c->status == CHOLMOD_OK) {
+    const cholmod_factor *l = self->factor;
+    self->y = cholmod_allocate_dense(n, 1, n, CHOLMOD_REAL, c);
+    self->e = cholmod_allocate_dense(l->maxesize, 1, l->maxesize, CHOLMOD_REAL, c);
+    statistics[0] = c->lnz;
+    statistics[1] = c->fl;
+    statistics[2] = 8.0 * l->xsize + 4.0 * l->ssize + 8.0 * l->maxcsize + 16.0 * first[n] + 60.0 * n;
+    statistics[3] = l->nsuper;
+  }
+  fesetenv(&environment);
+  if (!self->factor && c->status == CHOLMOD_OK) return INVALID;
+  return status_of_cholmod(c->status);
+}
+
+/* The smallest square of a pivot over its diagonal entry, and the unknown that has it. */
+static double smallest_pivot(const cholesky *self, int *unknown)
+{
+  const cholmod_factor *l = self->factor;
+  const int *super = l->super, *pi = l->pi, *px = l->px, *first = self->permuted->p, *order = l->Perm;
+  const double *x = l->x, *a = self->permuted->x;
+  double smallest = INFINITY;
+  for (size_t s = 0; s < l->nsuper; s++)
+    for (int k = super[s]; k < super[s + 1]; k++) {
+      double pivot = x[px[s] + (size_t)(k - super[s]) * (size_t)(pi[s + 1] - pi[s] + 1)];
+      double ratio = pivot * pivot / a[first[k]];
+      if (ratio >= smallest) continue;
+      smallest = ratio;
+      *unknown = order[k];
+      if (isnan(ratio)) return ratio;
+    }
+  return smallest;
+}
+
+/* Factorises new values in the pattern analysed and keeps the memory. A shift (or NULL) is added to the diagonal.
+ * `unknown` is where it broke, or has the smallest pivot; `ratio` is that pivot's square over its diagonal entry. */
+int amontons_cholesky_factorise(void *handle, const double *value, const double *shift, int *unknown, double *ratio)
+{
+  cholesky *self = handle;
+  cholmod_common *c = &self->common;
+  cholmod_factor *l = self->factor;
+  const int n = (int)l->n, *first = self->permuted->p, *order = l->Perm;
+  double *x = self->permuted->x, no_shift[2] = {0, 0};
+  *ratio = 0;
+  *unknown = -1;
+  for (size_t k = 0; k < self->n_entries; k++) x[self->target[k]] = value[k];
+  if (shift)
+    for (int k = 0; k < n; k++) x[first[k]] += shift[order[k]];
+  if (!all_finite(x, self->n_entries)) return NOT_FINITE;
+  fenv_t environment;
+  feholdexcept(&environment);
+  c->status = CHOLMOD_OK;
+  cholmod_super_numeric(self->permuted, NULL, no_shift, l, c);
+  if (c->status == CHOLMOD_OK) *ratio = smallest_pivot(self, unknown);
+  if (c->status == CHOLMOD_NOT_POSDEF) *unknown = order[l->minor];
+  fesetenv(&environment);
+  return status_of_cholmod(c->status);
+}
+
+/* Solves A X = B for n_columns right-hand sides; all at once, or one by one if there is no memory for that. */
+int amontons_cholesky_solve(void *handle, int n_columns, const double *b, double *x)
+{
+  cholesky *self = handle;
+  const size_t n = self->factor->n;
+  fenv_t environment;
+  feholdexcept(&environment);
+  int is_done = 0;
+  for (int width = n_columns; !is_done && width > 0; width = width > 1 ? 1 : 0) {
+    is_done = 1;
+    for (int k = 0; k < n_columns && is_done; k += width) {
+      cholmod_dense right = {.nrow = n, .ncol = width, .nzmax = n * width, .d = n, .x = (double *)b + n * k,
+        .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+      cholmod_dense left = right, *solution = &left;
+      left.x = x + n * k;
+      is_done = cholmod_solve2(CHOLMOD_A, self->factor, &right, NULL, &solution, NULL, &self->y, &self->e,
+                               &self->common);
+    }
+  }
+  fesetenv(&environment);
+  return is_done ? DONE : status_of_cholmod(self->common.status);
+}
+
+static void forget_lu(lu *self)
+{
+  umfpack_di_free_numeric(&self->numeric);
+  umfpack_di_free_symbolic(&self->symbolic);
+  free(self->first);
+  free(self->column);
+  free(self->value);
+  free(self->work_i);
+  free(self->work_x);
+  memset(self, 0, sizeof *self);
+}
+
+/* A new handle of an LU factor; NULL without memory. */
+void *amontons_lu_new(void)
+{
+  return calloc(1, sizeof(lu));
+}
+
+void amontons_lu_free(void *handle)
+{
+  if (!handle) return;
+  forget_lu(handle);
+  free(handle);
+}
+
+/* Takes a copy of the pattern if it is a new one. */
+static int take_pattern(lu *self, int n, const int *first, const int *column)
+{
+  const size_t n_first = (size_t)n + 1, n_entries = first[n];
+  if (self->symbolic && self->n == n && !memcmp(self->first, first, n_first * sizeof(int)) &&
+      !memcmp(self->column, column, n_entries * sizeof(int))) return 1;
+  forget_lu(self);
+  self->n = n;
+  self->first = malloc(n_first * sizeof(int));
+  self->column = malloc((n_entries + 1) * sizeof(int));
+  self->value = malloc((n_entries + 1) * sizeof(double));
+  self->work_i = malloc(n_first * sizeof(int));
+  self->work_x = malloc(5 * n_first * sizeof(double));
+  if (!self->first || !self->column || !self->value || !self->work_i || !self->work_x) return 0;
+  memcpy(self->first, first, n_first * sizeof(int));
+  memcpy(self->column, column, n_entries * sizeof(int));
+  return 1;
+}
+
+/* Factorises an unsymmetric matrix given by compressed rows with ascending columns. The analysis is kept while the
+ * pattern stands. `ratio` is the smallest over the largest pivot, `bytes` the memory taken or wanted. */
+int amontons_lu_factorise(void *handle, int n, const int *first, const int *column, const double *value, double *ratio,
+                          double *bytes)
+{
+  lu *self = handle;
+  double control[UMFPACK_CONTROL], info[UMFPACK_INFO] = {0};
+  *ratio = *bytes = 0;
+  if (!all_finite(value, first[n])) return NOT_FINITE;
+  if (!take_pattern(self, n, first, column)) return NO_MEMORY;
+  memcpy(self->value, value, (size_t)first[n] * sizeof(double));
+  fenv_t environment;
+  feholdexcept(&environment);
+  umfpack_di_defaults(control);
+  control[UMFPACK_PRL] = 0;
+  control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
+  umfpack_di_free_numeric(&self->numeric);
+  int status = UMFPACK_OK;
+  if (!self->symbolic) status = umfpack_di_symbolic(n, n, first, column, value, &self->symbolic, control, info);
+  if (status == UMFPACK_OK)
+    status = umfpack_di_numeric(self->first, self->column, self->value, self->symbolic, &self->numeric, control, info);
+  fesetenv(&environment);
+  *ratio = info[UMFPACK_RCOND];
+  *bytes = info[UMFPACK_SIZE_OF_UNIT] * fmax(info[UMFPACK_PEAK_MEMORY], info[UMFPACK_PEAK_MEMORY_ESTIMATE]);
+  return status_of_umfpack(status);
+}
+
+/* Solves A x = b with iterative refinement. */
+int amontons_lu_solve(void *handle, const double *b, double *x)
+{
+  lu *self = handle;
+  double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
+  fenv_t environment;
+  feholdexcept(&environment);
+  umfpack_di_defaults(control);
+  control[UMFPACK_PRL] = 0;
+  int status = umfpack_di_wsolve(UMFPACK_At, self->first, self->column, self->value, x, b, self->numeric, control, info,
+                                 self->work_i, self->work_x);
+  fesetenv(&environment);
+  return status_of_umfpack(status);
+}
+
+/* Tells OpenBLAS, where it is the BLAS, how many threads to use, for the whole process. 0: another BLAS. */
+int amontons_set_blas_threads(int n)
+{
+  void (*set)(int);
+  *(void **)&set = dlsym(RTLD_DEFAULT, "openblas_set_num_threads"); /* the POSIX way round ISO C */
+  if (!set) return 0;
+  set(n);
+  return 1;
+}
