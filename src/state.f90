@@ -22,6 +22,7 @@ module amontons_state
     real(DP) :: normal(3) = 0               !< unit normal out of the master
     integer :: origin_facet = 0             !< where it touched at the start of the increment, or first in it; 0: nowhere
     real(DP) :: origin_xi(2) = 0            !< natural coordinates there
+    real(DP) :: origin_offset(3) = 0        !< x_s less that point when it touched; not 0 only where the weights are kept [length]
     real(DP) :: force(3) = 0                !< contact force on the slave node, normal part [force]
     real(DP) :: shear(3) = 0                !< contact force on the slave node, tangential part [force]
     real(DP) :: slip(3) = 0                 !< accumulated slip vector up to the committed state, plus this increment's [length]
@@ -38,6 +39,7 @@ module amontons_state
     real(DP), allocatable :: stress(:, :)   !< (6, n_points) Cauchy stress xx yy zz xy yz xz [stress]
     real(DP), allocatable :: strain(:, :)   !< (6, n_points) small or logarithmic strain, tensor components, same order [-]
     real(DP), allocatable :: energy(:)      !< (n_points) strain energy per reference volume [energy/volume]
+    real(DP), allocatable :: volume(:)      !< (n_points) reference volume [length^3]
     type(slave_type), allocatable :: slaves(:)
     real(DP), allocatable :: internal_force(:, :)   !< (3, n_nodes) F_int [force]
     real(DP), allocatable :: applied_force(:, :)    !< (3, n_nodes) F_ext [force]
@@ -67,7 +69,7 @@ contains
       allocate (new%u(3, n), new%internal_force(3, n), new%applied_force(3, n), new%contact_force(3, n), &
         new%reaction_force(3, n), source=0.0_DP)
       allocate (new%stress(6, m), new%strain(6, m), source=0.0_DP)
-      allocate (new%energy(m), source=0.0_DP)
+      allocate (new%energy(m), new%volume(m), source=0.0_DP)
       allocate (new%slaves, source=slaves)
     end associate
     state%old = state%new

@@ -1,0 +1,543 @@
+!> Assembly: the element loop: internal forces, loads and the stiffness matrix; threaded, and bitwise the same for any threads.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! METIS cuts the mesh into parts whose number depends on the mesh alone. Elements all of whose nodes belong to one part
+!! are scattered part by part, in parallel, since no two parts share such a node. The elements in between are coloured
+!! so that no two of a colour share a node, and are scattered colour by colour. The order in which the contributions to
+!! one number are added is therefore fixed, whatever the number of threads.
+module amontons_assembly
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_topology, only: element_kind, kind_type, MAX_NODES, MAX_FACE_NODES
+  use amontons_mesh, only: mesh_type, element_nodes
+  use amontons_model, only: model_type
+  use amontons_loads, only: load_value, DISTRIBUTED_PRESSURE
+  use amontons_steps, only: step_type
+  use amontons_state, only: fields_type
+  use amontons_sparse, only: sparse_type
+  use amontons_partition, only: partition_mesh
+  use amontons_element, only: element_forces, element_tangent, element_body_force, facet_pressure, points_type, ELEMENT_OK
+  implicit none
+  private
+  public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
+
+  integer, parameter :: ELEMENTS_PER_PART = 400       !< enough work for a thread, small enough for the cache
+
+  !> The pattern of the stiffness and the order in which elements are added.
+  type :: assembly_type
+    type(sparse_type) :: stiffness                    !< K, upper triangle by rows, all 3 n_nodes unknowns
+    integer, allocatable :: graph_first(:)            !< (n_nodes + 1) neighbours j >= i of each node i, itself first
+    integer, allocatable :: graph_node(:)
+    integer, allocatable :: pair_first(:)             !< (n_elements + 1) start of an element's node pairs
+    integer, allocatable :: pair_offset(:)            !< place of the pair's block in the row of its lower node, from 0
+    integer, allocatable :: group_first(:)            !< (n_groups + 1) start of each group in element_order
+    integer, allocatable :: element_order(:)          !< elements, group by group
+    integer :: n_parts = 0                            !< groups 1 to n_parts run side by side, one thread a group
+    integer :: n_groups = 0                           !< groups after that are colours: their elements run side by side
+  end type assembly_type
+
+contains
+
+  !> Builds graph, pattern and element order. Cost: linear in the size of the mesh, plus METIS.
+  subroutine create_assembly(assembly, mesh, error)
+    type(assembly_type), intent(out) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    type(error_type), allocatable, intent(out) :: error
+    call order_elements(assembly, mesh, error)
+    if (allocated(error)) return
+    call build_graph(assembly, mesh)
+    call build_pattern(assembly, mesh%n_nodes)
+    call locate_pairs(assembly, mesh)
+  end subroutine create_assembly
+
+
+  !> Parts by METIS, then colours for the elements between parts.
+  subroutine order_elements(assembly, mesh, error)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: part(:), group(:), node_part(:)
+    integer :: e, i
+    logical :: is_inside
+    allocate (part(mesh%n_elements), group(mesh%n_elements), node_part(mesh%n_nodes))
+    assembly%n_parts = max(1, mesh%n_elements / ELEMENTS_PER_PART)
+    part = 1
+    if (assembly%n_parts > 1) then
+      call partition_mesh(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, assembly%n_parts, part, error=error)
+      if (allocated(error)) return
+    end if
+    node_part = 0                                     ! 0 none yet, -1 several
+    do e = 1, mesh%n_elements
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        associate (owner => node_part(mesh%nodes(i)))
+          if (owner == 0) owner = part(e)
+          if (owner /= part(e)) owner = -1
+        end associate
+      end do
+    end do
+    do e = 1, mesh%n_elements
+      is_inside = all(node_part(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) > 0)
+      group(e) = merge(part(e), 0, is_inside)
+    end do
+    call colour_elements(mesh, assembly%n_parts, group, assembly%n_groups)
+    call sort_groups(group, assembly%n_groups, assembly%group_first, assembly%element_order)
+  end subroutine order_elements
+
+
+  !> Gives each element of group 0 the lowest colour that none of its nodes has met: greedy, in the order of the elements.
+  pure subroutine colour_elements(mesh, n_parts, group, n_groups)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: n_parts
+    integer, intent(inout) :: group(:)                !< (n_elements) 0 becomes n_parts + colour
+    integer, intent(out) :: n_groups
+    integer, parameter :: N_WORDS = 8, N_BITS = 60
+    integer(selected_int_kind(18)), allocatable :: met(:, :)   ! (N_WORDS, n_nodes) colours met, as bits
+    integer(selected_int_kind(18)) :: taken(N_WORDS)
+    integer :: e, i, colour
+    allocate (met(N_WORDS, mesh%n_nodes))
+    met = 0
+    n_groups = n_parts
+    do e = 1, mesh%n_elements
+      if (group(e) /= 0) cycle
+      taken = 0
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        taken = ior(taken, met(:, mesh%nodes(i)))
+      end do
+      colour = 0
+      do while (btest(taken(colour / N_BITS + 1), mod(colour, N_BITS)))
+        colour = colour + 1
+      end do
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        associate (word => met(colour / N_BITS + 1, mesh%nodes(i)))
+          word = ibset(word, mod(colour, N_BITS))
+        end associate
+      end do
+      group(e) = n_parts + colour + 1
+      n_groups = max(n_groups, group(e))
+    end do
+  end subroutine colour_elements
+
+
+  !> Counting sort of the elements by group; the order within a group stays.
+  pure subroutine sort_groups(group, n_groups, first, order)
+    integer, intent(in) :: group(:)
+    integer, intent(in) :: n_groups
+    integer, allocatable, intent(out) :: first(:), order(:)
+    integer, allocatable :: next(:)
+    integer :: e, g
+    allocate (first(n_groups + 1), order(size(group)))
+    first = 0
+    do e = 1, size(group)
+      first(group(e) + 1) = first(group(e) + 1) + 1
+    end do
+    first(1) = 1
+    do g = 1, n_groups
+      first(g + 1) = first(g) + first(g + 1)
+    end do
+    next = first
+    do e = 1, size(group)
+      order(next(group(e))) = e
+      next(group(e)) = next(group(e)) + 1
+    end do
+  end subroutine sort_groups
+
+
+  !> Neighbours j >= i of each node, ascending. Cost: linear in the node pairs of all elements.
+  subroutine build_graph(assembly, mesh)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    integer, allocatable :: element_first(:), element_list(:), mark(:)
+    integer :: i, k, n, pass, start
+    call invert_connectivity(mesh, element_first, element_list)
+    allocate (mark(mesh%n_nodes), assembly%graph_first(mesh%n_nodes + 1))
+    do pass = 1, 2
+      mark = 0
+      n = 0
+      do i = 1, mesh%n_nodes
+        assembly%graph_first(i) = n + 1
+        start = n + 1
+        call visit(i, i)                              ! nodes without elements keep their diagonal
+        do k = element_first(i), element_first(i + 1) - 1
+          call visit_element(i, element_list(k))
+        end do
+        if (pass == 2) call sort_ascending(assembly%graph_node(start:n))
+      end do
+      assembly%graph_first(mesh%n_nodes + 1) = n + 1
+      if (pass == 1) allocate (assembly%graph_node(n))
+    end do
+
+  contains
+
+    subroutine visit_element(node, e)
+      integer, intent(in) :: node, e
+      integer :: m
+      do m = mesh%first(e), mesh%first(e + 1) - 1
+        call visit(node, mesh%nodes(m))
+      end do
+    end subroutine visit_element
+
+    subroutine visit(node, other)
+      integer, intent(in) :: node, other
+      if (other < node .or. mark(other) == node) return
+      mark(other) = node
+      n = n + 1
+      if (pass == 2) assembly%graph_node(n) = other
+    end subroutine visit
+
+  end subroutine build_graph
+
+
+  !> Elements at each node.
+  pure subroutine invert_connectivity(mesh, first, list)
+    type(mesh_type), intent(in) :: mesh
+    integer, allocatable, intent(out) :: first(:), list(:)
+    integer, allocatable :: next(:)
+    integer :: e, i, n
+    allocate (first(mesh%n_nodes + 1), list(size(mesh%nodes)))
+    first = 0
+    do i = 1, size(mesh%nodes)
+      first(mesh%nodes(i) + 1) = first(mesh%nodes(i) + 1) + 1
+    end do
+    first(1) = 1
+    do n = 1, mesh%n_nodes
+      first(n + 1) = first(n) + first(n + 1)
+    end do
+    next = first
+    do e = 1, mesh%n_elements
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        n = mesh%nodes(i)
+        list(next(n)) = e
+        next(n) = next(n) + 1
+      end do
+    end do
+  end subroutine invert_connectivity
+
+
+  !> Insertion sort: the lists are short.
+  pure subroutine sort_ascending(list)
+    integer, intent(inout) :: list(:)
+    integer :: i, k, item
+    do i = 2, size(list)
+      item = list(i)
+      k = i
+      do while (k > 1)
+        if (list(k - 1) <= item) exit
+        list(k) = list(k - 1)
+        k = k - 1
+      end do
+      list(k) = item
+    end do
+  end subroutine sort_ascending
+
+
+  !> Three rows for each node; the row of component r of node i starts with its own unknown.
+  subroutine build_pattern(assembly, n_nodes)
+    type(assembly_type), intent(inout) :: assembly
+    integer, intent(in) :: n_nodes
+    integer :: i, r, k, n, position
+    associate (K_matrix => assembly%stiffness)
+      K_matrix%n_rows = 3 * n_nodes
+      K_matrix%n_columns = 3 * n_nodes
+      allocate (K_matrix%first(3 * n_nodes + 1))
+      n = 9 * size(assembly%graph_node) - 3 * n_nodes
+      allocate (K_matrix%column(n), K_matrix%value(n))
+      position = 1
+      do i = 1, n_nodes
+        do r = 1, 3
+          K_matrix%first(3 * (i - 1) + r) = position
+          do k = assembly%graph_first(i), assembly%graph_first(i + 1) - 1
+            call append_block_row(3 * (assembly%graph_node(k) - 1), merge(r, 1, k == assembly%graph_first(i)))
+          end do
+        end do
+      end do
+      K_matrix%first(3 * n_nodes + 1) = position
+    end associate
+
+  contains
+
+    subroutine append_block_row(before, from)
+      integer, intent(in) :: before, from
+      integer :: s
+      do s = from, 3
+        assembly%stiffness%column(position) = before + s
+        position = position + 1
+      end do
+    end subroutine append_block_row
+
+  end subroutine build_pattern
+
+
+  !> For each pair a <= b of an element's nodes the place of its block, so that scattering needs no search.
+  subroutine locate_pairs(assembly, mesh)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    integer :: e, n, a, b, k, nodes(MAX_NODES)
+    allocate (assembly%pair_first(mesh%n_elements + 1))
+    assembly%pair_first(1) = 1
+    do e = 1, mesh%n_elements
+      n = mesh%first(e + 1) - mesh%first(e)
+      assembly%pair_first(e + 1) = assembly%pair_first(e) + n * (n + 1) / 2
+    end do
+    allocate (assembly%pair_offset(assembly%pair_first(mesh%n_elements + 1) - 1))
+    do e = 1, mesh%n_elements
+      call element_nodes(mesh, e, n, nodes)
+      k = assembly%pair_first(e)
+      do b = 1, n
+        do a = 1, b
+          assembly%pair_offset(k) = place_of(min(nodes(a), nodes(b)), max(nodes(a), nodes(b)))
+          k = k + 1
+        end do
+      end do
+    end do
+
+  contains
+
+    pure integer function place_of(low, high) result(place)
+      integer, intent(in) :: low, high
+      integer :: left, right, middle
+      left = assembly%graph_first(low)
+      right = assembly%graph_first(low + 1) - 1
+      do while (left < right)
+        middle = (left + right) / 2
+        if (assembly%graph_node(middle) < high) then
+          left = middle + 1
+        else
+          right = middle
+        end if
+      end do
+      place = left - assembly%graph_first(low)
+    end function place_of
+
+  end subroutine locate_pairs
+
+
+  !> Internal forces F_int and the stresses, strains and energies at u.
+  subroutine assemble_forces(assembly, model, is_nlgeom, fields, failed_element)
+    type(assembly_type), intent(in) :: assembly
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_nlgeom
+    type(fields_type), intent(inout) :: fields     !< in: u; out: internal_force, stress, strain, energy, volume
+    integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
+    integer :: g, i, failed
+    failed = huge(failed)
+    fields%internal_force = 0.0_DP
+    !$omp parallel do schedule(dynamic) private(i) reduction(min: failed)
+    do g = 1, assembly%n_parts
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
+        call add_element_forces(model, assembly%element_order(i), is_nlgeom, fields, failed)
+      end do
+    end do
+    !$omp end parallel do
+    do g = assembly%n_parts + 1, assembly%n_groups
+      !$omp parallel do schedule(static) reduction(min: failed)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
+        call add_element_forces(model, assembly%element_order(i), is_nlgeom, fields, failed)
+      end do
+      !$omp end parallel do
+    end do
+    failed_element = merge(0, failed, failed == huge(failed))
+  end subroutine assemble_forces
+
+
+  subroutine add_element_forces(model, e, is_nlgeom, fields, failed)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e
+    logical, intent(in) :: is_nlgeom
+    type(fields_type), intent(inout) :: fields
+    integer, intent(inout) :: failed
+    type(points_type) :: points
+    real(DP) :: force(3, MAX_NODES)
+    integer :: n, m, p, status, a, nodes(MAX_NODES)
+    call element_nodes(model%mesh, e, n, nodes)
+    call element_forces(model%mesh%kind(e), model%materials(model%mesh%material(e)), &
+      model%mesh%coordinates(:, nodes(:n)), fields%u(:, nodes(:n)), is_nlgeom, force, points, status)
+    if (status /= ELEMENT_OK) then
+      failed = min(failed, e)
+      return
+    end if
+    do a = 1, n
+      fields%internal_force(:, nodes(a)) = fields%internal_force(:, nodes(a)) + force(:, a)
+    end do
+    p = model%mesh%point_first(e)
+    m = model%mesh%point_first(e + 1) - p
+    fields%stress(:, p:p + m - 1) = points%stress(:, :m)
+    fields%strain(:, p:p + m - 1) = points%strain(:, :m)
+    fields%energy(p:p + m - 1) = points%energy(:m)
+    fields%volume(p:p + m - 1) = points%volume(:m)
+  end subroutine add_element_forces
+
+
+  !> The stiffness K = d F_int / d u of the elements.
+  subroutine assemble_tangent(assembly, model, is_nlgeom, fields, failed_element)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_nlgeom
+    type(fields_type), intent(in) :: fields        !< u
+    integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
+    integer :: g, i, failed
+    failed = huge(failed)
+    assembly%stiffness%value = 0.0_DP
+    !$omp parallel do schedule(dynamic) private(i) reduction(min: failed)
+    do g = 1, assembly%n_parts
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
+        call add_element_tangent(assembly, model, assembly%element_order(i), is_nlgeom, fields%u, failed)
+      end do
+    end do
+    !$omp end parallel do
+    do g = assembly%n_parts + 1, assembly%n_groups
+      !$omp parallel do schedule(static) reduction(min: failed)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
+        call add_element_tangent(assembly, model, assembly%element_order(i), is_nlgeom, fields%u, failed)
+      end do
+      !$omp end parallel do
+    end do
+    failed_element = merge(0, failed, failed == huge(failed))
+  end subroutine assemble_tangent
+
+
+  subroutine add_element_tangent(assembly, model, e, is_nlgeom, u, failed)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(in) :: u(:, :)
+    integer, intent(inout) :: failed
+    real(DP) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    integer :: n, a, b, k, status, nodes(MAX_NODES)
+    call element_nodes(model%mesh, e, n, nodes)
+    call element_tangent(model%mesh%kind(e), model%materials(model%mesh%material(e)), &
+      model%mesh%coordinates(:, nodes(:n)), u(:, nodes(:n)), is_nlgeom, stiffness, status)
+    if (status /= ELEMENT_OK) then
+      failed = min(failed, e)
+      return
+    end if
+    k = assembly%pair_first(e)
+    do b = 1, n
+      do a = 1, b
+        if (nodes(a) <= nodes(b)) then
+          call add_block(assembly%stiffness, nodes(a), assembly%pair_offset(k), &
+            stiffness(3 * a - 2:3 * a, 3 * b - 2:3 * b))
+        else
+          call add_block(assembly%stiffness, nodes(b), assembly%pair_offset(k), &
+            transpose(stiffness(3 * a - 2:3 * a, 3 * b - 2:3 * b)))
+        end if
+        k = k + 1
+      end do
+    end do
+  end subroutine add_element_tangent
+
+
+  !> Adds a 3 x 3 block to the three rows of a node; of a diagonal block (place 0) the upper triangle.
+  pure subroutine add_block(matrix, node, place, block)
+    type(sparse_type), intent(inout) :: matrix
+    integer, intent(in) :: node
+    integer, intent(in) :: place                   !< of the block in the rows, from 0
+    real(DP), intent(in) :: block(3, 3)
+    integer :: r, s, start
+    do r = 1, 3
+      start = matrix%first(3 * node - 3 + r) + 3 * place - r
+      do s = merge(r, 1, place == 0), 3
+        matrix%value(start + s) = matrix%value(start + s) + block(r, s)
+      end do
+    end do
+  end subroutine add_block
+
+
+  !> The applied forces F_ext at a time, and under NLGEOM their stiffness subtracted from K.
+  !!
+  !! A pressure follows its face. Its load stiffness is unsymmetric in general; its symmetric part goes into K, which is
+  !! exact for a closed or clamped pressurised surface (Bonet and Wood, Nonlinear Continuum Mechanics, 2008, sec. 8.5).
+  subroutine assemble_loads(assembly, model, step, fields, is_nlgeom, is_with_stiffness)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(inout) :: fields     !< in: u, times; out: applied_force
+    logical, intent(in) :: is_nlgeom
+    logical, intent(in) :: is_with_stiffness       !< .true.: subtract the load stiffness from K
+    integer :: i
+    real(DP) :: magnitude
+    fields%applied_force = 0.0_DP
+    do i = 1, size(step%concentrated)
+      associate (load => step%concentrated(i))
+        magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
+        fields%applied_force(load%dof, load%node) = fields%applied_force(load%dof, load%node) + magnitude
+      end associate
+    end do
+    do i = 1, size(step%distributed)
+      associate (load => step%distributed(i))
+        magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
+        if (magnitude == 0.0_DP) cycle
+        if (load%kind == DISTRIBUTED_PRESSURE) then
+          call add_pressure(assembly, model%mesh, load%element, load%face, magnitude, fields, is_nlgeom, is_with_stiffness)
+        else
+          call add_gravity(model, load%element, magnitude * load%direction, fields)
+        end if
+      end associate
+    end do
+  end subroutine assemble_loads
+
+
+  subroutine add_pressure(assembly, mesh, e, face, pressure, fields, is_nlgeom, is_with_stiffness)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e, face
+    real(DP), intent(in) :: pressure
+    type(fields_type), intent(inout) :: fields
+    logical, intent(in) :: is_nlgeom, is_with_stiffness
+    type(kind_type) :: kind
+    real(DP) :: x(3, MAX_FACE_NODES), force(3, MAX_FACE_NODES), stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)
+    integer :: nodes(MAX_NODES), local(MAX_FACE_NODES), n, a
+    kind = element_kind(mesh%kind(e))
+    call element_nodes(mesh, e, n, nodes)
+    local = kind%face_nodes(:, face)
+    n = count(local > 0)
+    x(:, :n) = mesh%coordinates(:, nodes(local(:n)))
+    if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(local(:n)))
+    call facet_pressure(kind%face_kind(face), x, pressure, force, stiffness)
+    do a = 1, n
+      fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
+    end do
+    if (is_nlgeom .and. is_with_stiffness) call subtract_symmetric_part(assembly, e, local(:n), nodes, stiffness)
+  end subroutine add_pressure
+
+
+  !> K = K - (k + k')/2 for a face stiffness k, through the element's own table of places.
+  subroutine subtract_symmetric_part(assembly, e, local, nodes, stiffness)
+    type(assembly_type), intent(inout) :: assembly
+    integer, intent(in) :: e
+    integer, intent(in) :: local(:)                !< element node of each face node
+    integer, intent(in) :: nodes(MAX_NODES)        !< node indices of the element
+    real(DP), intent(in) :: stiffness(:, :)
+    real(DP) :: block(3, 3)
+    integer :: i, j, a, b, k
+    do j = 1, size(local)
+      do i = 1, size(local)
+        a = local(i)
+        b = local(j)
+        if (nodes(a) > nodes(b)) cycle
+        k = assembly%pair_first(e) - 1 + max(a, b) * (max(a, b) - 1) / 2 + min(a, b)
+        block = -0.5_DP * (stiffness(3 * i - 2:3 * i, 3 * j - 2:3 * j) &
+          + transpose(stiffness(3 * j - 2:3 * j, 3 * i - 2:3 * i)))
+        call add_block(assembly%stiffness, nodes(a), assembly%pair_offset(k), block)
+      end do
+    end do
+  end subroutine subtract_symmetric_part
+
+
+  !> Body force of an acceleration: the mass stays, so it is integrated over the reference volume.
+  subroutine add_gravity(model, e, acceleration, fields)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e
+    real(DP), intent(in) :: acceleration(3)
+    type(fields_type), intent(inout) :: fields
+    real(DP) :: force(3, MAX_NODES)
+    integer :: n, a, nodes(MAX_NODES)
+    call element_nodes(model%mesh, e, n, nodes)
+    call element_body_force(model%mesh%kind(e), model%mesh%coordinates(:, nodes(:n)), &
+      model%materials(model%mesh%material(e))%density * acceleration, force)
+    do a = 1, n
+      fields%applied_force(:, nodes(a)) = fields%applied_force(:, nodes(a)) + force(:, a)
+    end do
+  end subroutine add_gravity
+
+end module amontons_assembly

@@ -1,0 +1,332 @@
+!> Constraints: one elimination for boundary conditions, equations, followers and contact rows: du = C dv + c.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Each row says sum a_j du_j = b. Rows come in the order of their strength. A row loses the unknowns that stronger rows
+!! have made dependent already; of what is left one unknown, the pivot, becomes dependent on the others. So an
+!! expression refers only to unknowns that were free when it was made, there can be no cycle, and expanding the
+!! expressions from the last to the first gives C and c. See doc/theory/solver.md, "One elimination".
+module amontons_constraints
+  use amontons_kinds, only: DP
+  use amontons_sparse, only: sparse_type
+  implicit none
+  private
+  public :: constraints_type, row_type, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
+  public :: start_constraints, fix_unknown, add_row, finish_constraints, condense_forces
+
+  integer, parameter :: ROW_ACCEPTED = 0       !< the row made an unknown dependent
+  integer, parameter :: ROW_REDUNDANT = 1      !< stronger rows say the same already
+  integer, parameter :: ROW_CONFLICT = 2       !< stronger rows say something else: the row was dropped
+
+  real(DP), parameter :: TINY_COEFFICIENT = 1.0e-10_DP   !< relative to the row's largest: taken as zero [-]
+
+  !> One row sum coefficient * du(unknown) = rhs, or, once accepted, du(pivot) = sum coefficient * du(unknown) + rhs.
+  type :: row_type
+    integer, allocatable :: unknown(:)
+    real(DP), allocatable :: coefficient(:)
+    real(DP) :: rhs = 0
+    integer :: pivot = 0
+  end type row_type
+
+  !> The elimination. Unknowns are numbered 1 to n_unknowns; fixed and dependent ones leave, the rest are free.
+  type :: constraints_type
+    integer :: n_unknowns = 0
+    integer :: n_free = 0
+    integer, allocatable :: owner(:)           !< (n_unknowns) 0 free, -1 fixed, k > 0 dependent by row k
+    integer, allocatable :: free_of(:)         !< (n_unknowns) number among the free unknowns, 0 if not free
+    real(DP), allocatable :: offset(:)         !< (n_unknowns) c
+    type(sparse_type) :: map                   !< C (n_unknowns x n_free)
+    type(row_type), allocatable :: rows(:)     !< accepted rows in the order of acceptance
+    integer :: n_rows = 0
+    real(DP), allocatable :: work(:)           !< (n_unknowns) sum of coefficients while a row is reduced; 0 between calls
+  end type constraints_type
+
+contains
+
+  !> All unknowns free, no rows.
+  subroutine start_constraints(self, n_unknowns)
+    type(constraints_type), intent(inout) :: self   !< emptied; memory of the same size is kept
+    integer, intent(in) :: n_unknowns
+    if (self%n_unknowns /= n_unknowns) then
+      if (allocated(self%owner)) deallocate (self%owner, self%free_of, self%offset, self%work)
+      allocate (self%owner(n_unknowns), self%free_of(n_unknowns), self%offset(n_unknowns), self%work(n_unknowns))
+    end if
+    self%n_unknowns = n_unknowns
+    self%owner = 0
+    self%offset = 0.0_DP
+    self%work = 0.0_DP
+    self%n_rows = 0
+  end subroutine start_constraints
+
+
+  !> Prescribes one unknown: du = amount. The strongest constraint; call before any add_row.
+  subroutine fix_unknown(self, unknown, amount)
+    type(constraints_type), intent(inout) :: self
+    integer, intent(in) :: unknown
+    real(DP), intent(in) :: amount              !< [length]
+    self%owner(unknown) = -1
+    self%offset(unknown) = amount
+  end subroutine fix_unknown
+
+
+  !> Adds a row. The pivot is the largest of the candidates that are still free, else the largest of all that are left.
+  subroutine add_row(self, row, n_candidates, tolerance, verdict)
+    type(constraints_type), intent(inout) :: self
+    type(row_type), intent(in) :: row           !< sum coefficient * du(unknown) = rhs
+    integer, intent(in) :: n_candidates         !< the first so many unknowns of the row are wanted as the pivot
+    real(DP), intent(in) :: tolerance           !< a row without unknowns left and |rhs| above this is a conflict [length]
+    integer, intent(out) :: verdict             !< ROW_...
+    type(row_type) :: reduced
+    integer :: k
+    call substitute(self, row, reduced)
+    if (size(reduced%unknown) == 0) then
+      verdict = merge(ROW_CONFLICT, ROW_REDUNDANT, abs(reduced%rhs) > tolerance)
+      return
+    end if
+    k = pivot_position(reduced, row%unknown(:n_candidates))
+    reduced%pivot = reduced%unknown(k)
+    reduced%rhs = reduced%rhs / reduced%coefficient(k)
+    reduced%coefficient = -reduced%coefficient / reduced%coefficient(k)
+    reduced%unknown = [reduced%unknown(:k - 1), reduced%unknown(k + 1:)]
+    reduced%coefficient = [reduced%coefficient(:k - 1), reduced%coefficient(k + 1:)]
+    call append_row(self, reduced)
+    self%owner(reduced%pivot) = self%n_rows
+    verdict = ROW_ACCEPTED
+  end subroutine add_row
+
+
+  !> Position in the reduced row of the pivot: largest coefficient among the candidates, else among all.
+  pure integer function pivot_position(reduced, candidates) result(position)
+    type(row_type), intent(in) :: reduced
+    integer, intent(in) :: candidates(:)        !< unknowns
+    real(DP) :: largest
+    integer :: k
+    position = 0
+    largest = 1.0e-3_DP * maxval(abs(reduced%coefficient))
+    do k = 1, size(reduced%unknown)
+      if (.not. any(candidates == reduced%unknown(k))) cycle
+      if (abs(reduced%coefficient(k)) > largest) then
+        position = k
+        largest = abs(reduced%coefficient(k))
+      end if
+    end do
+    if (position == 0) position = maxloc(abs(reduced%coefficient), dim=1)
+  end function pivot_position
+
+
+  !> The row without fixed and dependent unknowns: they are replaced until only free ones are left.
+  subroutine substitute(self, row, reduced)
+    type(constraints_type), intent(inout) :: self
+    type(row_type), intent(in) :: row
+    type(row_type), intent(out) :: reduced
+    integer, allocatable :: list(:)             ! unknowns met; grows while it is walked
+    integer :: i, n
+    real(DP) :: a, largest
+    allocate (list(max(16, 4 * size(row%unknown))))
+    reduced%rhs = row%rhs
+    largest = maxval(abs(row%coefficient))
+    n = 0
+    do i = 1, size(row%unknown)
+      call gather(row%unknown(i), row%coefficient(i))
+    end do
+    i = 0
+    do while (i < n)
+      i = i + 1
+      a = self%work(list(i))
+      if (self%owner(list(i)) == 0 .or. a == 0.0_DP) cycle
+      self%work(list(i)) = 0.0_DP
+      call expand(list(i), a)
+    end do
+    call collect()
+
+  contains
+
+    subroutine gather(unknown, amount)
+      integer, intent(in) :: unknown
+      real(DP), intent(in) :: amount
+      if (n == size(list)) list = [list, spread(0, 1, n)]
+      n = n + 1
+      list(n) = unknown
+      self%work(unknown) = self%work(unknown) + amount
+    end subroutine gather
+
+    subroutine expand(unknown, amount)
+      integer, intent(in) :: unknown
+      real(DP), intent(in) :: amount
+      integer :: j, k
+      k = self%owner(unknown)
+      if (k < 0) then
+        reduced%rhs = reduced%rhs - amount * self%offset(unknown)
+        return
+      end if
+      reduced%rhs = reduced%rhs - amount * self%rows(k)%rhs
+      do j = 1, size(self%rows(k)%unknown)
+        call gather(self%rows(k)%unknown(j), amount * self%rows(k)%coefficient(j))
+      end do
+    end subroutine expand
+
+    subroutine collect()
+      integer :: j, m
+      m = 0
+      allocate (reduced%unknown(n), reduced%coefficient(n))
+      do j = 1, n
+        if (abs(self%work(list(j))) > TINY_COEFFICIENT * largest) then
+          m = m + 1
+          reduced%unknown(m) = list(j)
+          reduced%coefficient(m) = self%work(list(j))
+        end if
+        self%work(list(j)) = 0.0_DP
+      end do
+      reduced%unknown = reduced%unknown(:m)
+      reduced%coefficient = reduced%coefficient(:m)
+    end subroutine collect
+
+  end subroutine substitute
+
+
+  subroutine append_row(self, row)
+    type(constraints_type), intent(inout) :: self
+    type(row_type), intent(in) :: row
+    type(row_type), allocatable :: larger(:)
+    integer :: k
+    if (.not. allocated(self%rows)) allocate (self%rows(64))
+    if (self%n_rows == size(self%rows)) then
+      allocate (larger(2 * self%n_rows))
+      do k = 1, self%n_rows
+        call move_alloc(self%rows(k)%unknown, larger(k)%unknown)
+        call move_alloc(self%rows(k)%coefficient, larger(k)%coefficient)
+        larger(k)%rhs = self%rows(k)%rhs
+        larger(k)%pivot = self%rows(k)%pivot
+      end do
+      call move_alloc(larger, self%rows)
+    end if
+    self%n_rows = self%n_rows + 1
+    self%rows(self%n_rows) = row
+  end subroutine append_row
+
+
+  !> Numbers the free unknowns and makes C and c. Cost: linear in the entries of C.
+  subroutine finish_constraints(self)
+    type(constraints_type), intent(inout) :: self
+    integer :: i
+    self%n_free = 0
+    do i = 1, self%n_unknowns
+      self%free_of(i) = 0
+      if (self%owner(i) /= 0) cycle
+      self%n_free = self%n_free + 1
+      self%free_of(i) = self%n_free
+    end do
+    do i = self%n_rows, 1, -1
+      call expand_row(self, i)
+    end do
+    call fill_map(self)
+  end subroutine finish_constraints
+
+
+  !> Replaces in row k the unknowns made dependent by later rows, which are expanded already.
+  subroutine expand_row(self, k)
+    type(constraints_type), intent(inout) :: self
+    integer, intent(in) :: k
+    type(row_type) :: whole, expanded
+    integer :: j
+    logical :: has_dependent
+    has_dependent = .false.
+    associate (row => self%rows(k))
+      do j = 1, size(row%unknown)
+        has_dependent = has_dependent .or. self%owner(row%unknown(j)) /= 0
+      end do
+      if (has_dependent) then
+        whole%unknown = row%unknown
+        whole%coefficient = row%coefficient
+        whole%rhs = -row%rhs                    ! substitute() keeps sum a du = rhs, the row is du(pivot) = sum a du + rhs
+        call substitute(self, whole, expanded)
+        row%unknown = expanded%unknown
+        row%coefficient = expanded%coefficient
+        row%rhs = -expanded%rhs
+      end if
+      self%offset(row%pivot) = row%rhs
+    end associate
+  end subroutine expand_row
+
+
+  subroutine fill_map(self)
+    type(constraints_type), intent(inout) :: self
+    integer :: i, n
+    associate (map => self%map)
+      map%n_rows = self%n_unknowns
+      map%n_columns = self%n_free
+      if (allocated(map%first)) deallocate (map%first)
+      if (allocated(map%column)) deallocate (map%column)
+      if (allocated(map%value)) deallocate (map%value)
+      allocate (map%first(self%n_unknowns + 1))
+      map%first(1) = 1
+      do i = 1, self%n_unknowns
+        n = merge(1, 0, self%owner(i) == 0)
+        if (self%owner(i) > 0) n = size(self%rows(self%owner(i))%unknown)
+        map%first(i + 1) = map%first(i) + n
+      end do
+      n = map%first(self%n_unknowns + 1) - 1
+      allocate (map%column(n), map%value(n))
+      do i = 1, self%n_unknowns
+        if (self%owner(i) == 0) then
+          map%column(map%first(i)) = self%free_of(i)
+          map%value(map%first(i)) = 1.0_DP
+        else if (self%owner(i) > 0) then
+          call fill_row(self%rows(self%owner(i)), map%first(i))
+        end if
+      end do
+    end associate
+
+  contains
+
+    !> Writes one expression with ascending columns (insertion sort: rows are short).
+    subroutine fill_row(row, start)
+      type(row_type), intent(in) :: row
+      integer, intent(in) :: start
+      integer :: j, k, column
+      do j = 1, size(row%unknown)
+        column = self%free_of(row%unknown(j))
+        k = start + j - 1
+        do while (k > start)
+          if (self%map%column(k - 1) < column) exit
+          self%map%column(k) = self%map%column(k - 1)
+          self%map%value(k) = self%map%value(k - 1)
+          k = k - 1
+        end do
+        self%map%column(k) = column
+        self%map%value(k) = row%coefficient(j)
+      end do
+    end subroutine fill_row
+
+  end subroutine fill_map
+
+
+  !> Forces on all unknowns condensed onto the free ones, C' f, written back in place; 0 at fixed and dependent unknowns.
+  subroutine condense_forces(self, force, condensed)
+    type(constraints_type), intent(in) :: self      !< finished
+    real(DP), intent(in) :: force(:, :)             !< (3, n_unknowns / 3) [force]
+    real(DP), intent(out) :: condensed(:, :)        !< (3, n_unknowns / 3) [force]
+    integer :: i, j, k
+    condensed = 0.0_DP
+    do i = 1, self%n_unknowns
+      if (self%owner(i) == 0) call add(i, force(mod(i - 1, 3) + 1, (i + 2) / 3))
+    end do
+    do k = 1, self%n_rows
+      i = self%rows(k)%pivot
+      do j = 1, size(self%rows(k)%unknown)
+        call add(self%rows(k)%unknown(j), self%rows(k)%coefficient(j) * force(mod(i - 1, 3) + 1, (i + 2) / 3))
+      end do
+    end do
+
+  contains
+
+    subroutine add(unknown, amount)
+      integer, intent(in) :: unknown
+      real(DP), intent(in) :: amount
+      associate (place => condensed(mod(unknown - 1, 3) + 1, (unknown + 2) / 3))
+        place = place + amount
+      end associate
+    end subroutine add
+
+  end subroutine condense_forces
+
+end module amontons_constraints

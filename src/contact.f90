@@ -1,0 +1,510 @@
+!> Contact: the node loop: where each slave node is on its master, whether it touches, sticks or slips, and the forces.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/contact.md. The contact force on a slave node is its own imbalance with the sign turned, as far as
+!! the contact can give it; the masters get the opposite force with the weights of the closest point.
+module amontons_contact
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_FACE_NODES
+  use amontons_mesh, only: mesh_type
+  use amontons_model, only: model_type
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_constraints, only: constraints_type
+  use amontons_shapes, only: facet_shapes, facet_quadrature
+  use amontons_facets, only: facets_type, build_facets
+  use amontons_search, only: search_type, build_search
+  use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
+  use amontons_slip, only: trial_type, trial_traction
+  implicit none
+  private
+  public :: contact_type, slip_view_type, create_contact, set_supports, begin_contact_increment, evaluate_contact
+  public :: facet_weights, contact_slip_vector, commit_slip
+
+  real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
+  real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
+  real(DP), parameter :: SUPPORTED = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
+
+  !> What the slip procedure looks at, for all slave nodes at one configuration.
+  type :: slip_view_type
+    real(DP), allocatable :: imbalance_t(:, :)    !< (3, n_slaves) Rt [force]
+    real(DP), allocatable :: normal_force(:)      !< (n_slaves) N [force]
+    real(DP), allocatable :: slip(:, :)           !< (3, n_slaves) g since the start of the increment [length]
+    real(DP), allocatable :: position(:, :)       !< (3, n_slaves) slave relative to the touching point of its master [length]
+    integer, allocatable :: status(:)             !< (n_slaves) STATUS_...
+  end type slip_view_type
+
+  !> The pairs made ready: facets, search, and the free directions of the slave nodes.
+  type :: contact_type
+    type(facets_type), allocatable :: facets(:)   !< (n_pairs) the master's facets
+    type(search_type), allocatable :: search(:)   !< (n_pairs)
+    logical, allocatable :: is_small(:)           !< (n_pairs) weights and normals kept in this step
+    integer, allocatable :: follower(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
+    real(DP), allocatable :: slave_normal(:, :)   !< (3, n_slaves) outward from the slave in the reference; 0 if node based
+    real(DP), allocatable :: mask(:, :)           !< (3, n_slaves) 1 free, 0 held by a support or an equation
+    real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
+    type(slip_view_type) :: view                  !< of the last evaluation
+    real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
+    integer :: n_opened = 0                       !< changes found by the last evaluation
+    integer :: n_closed = 0
+    integer :: n_changed = 0                      !< all changes of status, opened and closed included
+    integer :: n_left = 0                         !< nodes that left their master
+    real(DP) :: worst_gap = 0                     !< of the closed nodes, over the edge of the master's facet [-]
+    integer :: worst_slave = 0
+  end type contact_type
+
+contains
+
+  !> Facets, slave nodes (corners of the slave faces, all nodes of a node-based surface) and their areas.
+  subroutine create_contact(contact, model, slaves, error)
+    type(contact_type), intent(out) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), allocatable, intent(out) :: slaves(:)   !< all slave nodes of all pairs, open
+    type(error_type), allocatable, intent(out) :: error
+    integer :: p, n
+    allocate (contact%facets(size(model%pairs)), contact%search(size(model%pairs)))
+    allocate (contact%is_small(size(model%pairs)), source=.false.)
+    allocate (contact%edge(size(model%pairs)))
+    allocate (slaves(0), contact%follower(3, 0), contact%slave_normal(3, 0))
+    do p = 1, size(model%pairs)
+      associate (master => model%surfaces(model%pairs(p)%master))
+        call build_facets(model%mesh, master%element, master%face, contact%facets(p), error)
+        if (allocated(error)) return
+      end associate
+      contact%edge(p) = maxval(contact%facets(p)%edge_length)
+      call append_slaves(contact, model, p, slaves)
+    end do
+    n = size(slaves)
+    allocate (contact%mask(3, n), source=1.0_DP)
+    allocate (contact%direction(3, n), source=0.0_DP)
+    allocate (contact%view%imbalance_t(3, n), contact%view%slip(3, n), contact%view%position(3, n), source=0.0_DP)
+    allocate (contact%view%normal_force(n), source=0.0_DP)
+    allocate (contact%view%status(n), source=STATUS_OPEN)
+  end subroutine create_contact
+
+
+  !> The slave nodes of one pair with area and outward normal, and the mid-side nodes that follow their corners.
+  subroutine append_slaves(contact, model, pair, slaves)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: pair
+    type(slave_type), allocatable, intent(inout) :: slaves(:)
+    real(DP), allocatable :: area_vector(:, :), area(:)
+    integer, allocatable :: corners(:, :)          ! (2, n_nodes) the corners of a mid-side node
+    type(slave_type) :: slave
+    integer :: i, f, node
+    associate (mesh => model%mesh, surface => model%surfaces(model%pairs(pair)%slave))
+      allocate (area_vector(3, mesh%n_nodes), area(mesh%n_nodes), source=0.0_DP)
+      allocate (corners(2, mesh%n_nodes), source=0)
+      if (.not. surface%is_node_based) then
+        do f = 1, size(surface%element)
+          call add_face_areas(mesh, surface%element(f), surface%face(f), area_vector, area, corners)
+        end do
+      end if
+      do i = 1, size(surface%nodes)
+        node = surface%nodes(i)
+        if (corners(1, node) > 0) then
+          contact%follower = append_column(contact%follower, [node, corners(:, node)])
+          cycle
+        end if
+        slave = slave_type(pair=pair, node=node, area=merge(1.0_DP, area(node), surface%is_node_based))
+        slaves = [slaves, slave]
+        contact%slave_normal = append_vector(contact%slave_normal, &
+          area_vector(:, node) / max(norm2(area_vector(:, node)), tiny(1.0_DP)))
+      end do
+    end associate
+  end subroutine append_slaves
+
+
+  pure function append_column(list, column) result(longer)
+    integer, intent(in) :: list(:, :), column(:)
+    integer, allocatable :: longer(:, :)
+    longer = reshape([list, column], [size(column), size(list, 2) + 1])
+  end function append_column
+
+
+  pure function append_vector(list, vector) result(longer)
+    real(DP), intent(in) :: list(:, :), vector(:)
+    real(DP), allocatable :: longer(:, :)
+    longer = reshape([list, vector], [size(vector), size(list, 2) + 1])
+  end function append_vector
+
+
+  !> Adds the corner areas of one face, as of its linear face, and notes the corners of its mid-side nodes.
+  subroutine add_face_areas(mesh, e, face, area_vector, area, corners)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e, face
+    real(DP), intent(inout) :: area_vector(:, :), area(:)
+    integer, intent(inout) :: corners(:, :)
+    type(kind_type) :: kind
+    type(facet_kind_type) :: shape
+    integer :: nodes(MAX_FACE_NODES), m, n, q, i, n_points
+    real(DP) :: x(3, MAX_FACE_NODES), xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    real(DP) :: a(3)
+    kind = element_kind(mesh%kind(e))
+    shape = facet_kind(kind%face_kind(face))
+    m = shape%n_corners
+    n = shape%n_nodes
+    nodes(:n) = mesh%nodes(mesh%first(e) - 1 + kind%face_nodes(:n, face))
+    x(:, :m) = mesh%coordinates(:, nodes(:m))
+    call facet_quadrature(m - 2, n_points, xi, w)  ! 3 corners: FACET_TRI3 = 1, 4 corners: FACET_QUAD4 = 2
+    do q = 1, n_points
+      call facet_shapes(m - 2, xi(:, q), N_i, dN, ddN)
+      a = cross(matmul(x(:, :m), dN(1, :m)), matmul(x(:, :m), dN(2, :m))) * w(q)
+      do i = 1, m
+        area_vector(:, nodes(i)) = area_vector(:, nodes(i)) + N_i(i) * a
+        area(nodes(i)) = area(nodes(i)) + N_i(i) * norm2(a)
+      end do
+    end do
+    do i = m + 1, n
+      corners(:, nodes(i)) = [nodes(i - m), nodes(mod(i - m, m) + 1)]
+    end do
+  end subroutine add_face_areas
+
+
+  pure function cross(a, b) result(c)
+    real(DP), intent(in) :: a(3), b(3)
+    real(DP) :: c(3)
+    c = [a(2) * b(3) - a(3) * b(2), a(3) * b(1) - a(1) * b(3), a(1) * b(2) - a(2) * b(1)]
+  end function cross
+
+
+  !> Which directions of the slave nodes are free: contact gives no force in a direction that a support holds.
+  subroutine set_supports(contact, slaves, base)
+    type(contact_type), intent(inout) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers
+    integer :: s, k
+    do s = 1, size(slaves)
+      do k = 1, 3
+        contact%mask(k, s) = merge(1.0_DP, 0.0_DP, base%owner(3 * (slaves(s)%node - 1) + k) == 0)
+      end do
+    end do
+  end subroutine set_supports
+
+
+  !> Before the first iteration: find facets for nodes that have none, and set the origins of the closed ones.
+  subroutine begin_contact_increment(contact, model, is_nlgeom, is_step_start, fields)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_nlgeom
+    logical, intent(in) :: is_step_start           !< first increment of a step
+    type(fields_type), intent(inout) :: fields     !< in: u; out: slaves
+    real(DP), allocatable :: x(:, :)
+    real(DP) :: reach
+    integer :: p, s
+    logical :: is_first
+    is_first = fields%total_time == 0.0_DP
+    allocate (x, source=model%mesh%coordinates)
+    if (is_nlgeom) x = x + fields%u
+    do p = 1, size(model%pairs)
+      contact%is_small(p) = model%pairs(p)%is_small_sliding .or. .not. is_nlgeom
+      call build_search(contact%facets(p), x, SEARCH_REACH * contact%edge(p), contact%search(p))
+    end do
+    do s = 1, size(fields%slaves)
+      associate (slave => fields%slaves(s))
+        p = slave%pair
+        reach = SEARCH_REACH * contact%edge(p)
+        if (.not. contact%is_small(p) .or. is_step_start) call refresh_facet(contact, x, s, reach, slave)
+        if (is_first .and. slave%facet > 0 .and. slave%gap <= TOUCH * contact%edge(p)) slave%status = STATUS_STICK
+        slave%scenario = 0
+        slave%slip_increment = 0.0_DP
+        slave%origin_facet = 0
+        if (slave%status /= STATUS_OPEN) call set_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
+      end associate
+    end do
+  end subroutine begin_contact_increment
+
+
+  !> Looks for the facet of a node: an open node may be nearer to another one now; a closed one keeps walking from its own.
+  subroutine refresh_facet(contact, x, s, reach, slave)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates that define weights and normals
+    integer, intent(in) :: s
+    real(DP), intent(in) :: reach                  !< [length]
+    type(slave_type), intent(inout) :: slave
+    type(projection_type) :: projection
+    integer :: status
+    if (slave%status /= STATUS_OPEN .and. slave%facet > 0) then
+      call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
+        slave%normal, status)
+    else
+      call find_projection(contact%facets(slave%pair), contact%search(slave%pair), x, x(:, slave%node), reach, &
+        projection, contact%slave_normal(:, s))
+      status = projection%status
+      slave%facet = projection%facet
+      slave%xi = projection%xi
+      slave%gap = projection%gap
+      slave%normal = projection%normal
+    end if
+    if (status /= PROJECT_ON) call lose_master(slave)
+  end subroutine refresh_facet
+
+
+  subroutine lose_master(slave)
+    type(slave_type), intent(inout) :: slave
+    slave%facet = 0
+    slave%origin_facet = 0
+    slave%status = STATUS_OPEN
+    slave%gap = 0.0_DP
+    slave%force = 0.0_DP
+    slave%shear = 0.0_DP
+  end subroutine lose_master
+
+
+  !> The node touches the master at this point of a facet from now on.
+  subroutine set_origin(contact, model, u, facet, xi, slave)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)
+    integer, intent(in) :: facet
+    real(DP), intent(in) :: xi(2)
+    type(slave_type), intent(inout) :: slave
+    real(DP) :: d(3)
+    slave%origin_facet = facet
+    slave%origin_xi = xi
+    slave%origin_offset = 0.0_DP
+    if (.not. contact%is_small(slave%pair)) return
+    d = contact_slip_vector(contact, model, u, slave)
+    slave%origin_offset = d - dot_product(slave%normal, d) * slave%normal
+  end subroutine set_origin
+
+
+  !> d = x_s - x_m(origin) - offset: how far the node is from where it touched, normal part included [length].
+  pure function contact_slip_vector(contact, model, u, slave) result(d)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) displacement [length]
+    type(slave_type), intent(in) :: slave          !< with an origin
+    real(DP) :: d(3)
+    integer :: nodes(MAX_FACE_NODES), i, n
+    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES)
+    call facet_weights(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, n, nodes, weights, dN)
+    d = model%mesh%coordinates(:, slave%node) + u(:, slave%node) - slave%origin_offset
+    do i = 1, n
+      d = d - weights(i) * (model%mesh%coordinates(:, nodes(i)) + u(:, nodes(i)))
+    end do
+  end function contact_slip_vector
+
+
+  !> Nodes of a facet and their weights N_i at a point of it.
+  pure subroutine facet_weights(facets, f, xi, n, nodes, weights, d_weights)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f                       !< facet
+    real(DP), intent(in) :: xi(2)                  !< natural coordinates [-]
+    integer, intent(out) :: n                      !< number of its nodes
+    integer, intent(out) :: nodes(MAX_FACE_NODES)
+    real(DP), intent(out) :: weights(MAX_FACE_NODES)        !< N_i [-]
+    real(DP), intent(out) :: d_weights(2, MAX_FACE_NODES)   !< dN_i/dxi [-]
+    real(DP) :: ddN(3, MAX_FACE_NODES)
+    n = facets%first(f + 1) - facets%first(f)
+    nodes(:n) = facets%nodes(facets%first(f):facets%first(f + 1) - 1)
+    call facet_shapes(facets%kind(f), xi, weights, d_weights, ddN)
+  end subroutine facet_weights
+
+
+  !> Positions, statuses and contact forces of all slave nodes at a configuration.
+  !!
+  !! Before: `imbalance` is Rhat = F_ext - F_int, condensed onto the free unknowns (0 where a support holds).
+  !! After: slaves, contact_force, and in `contact` the view for the slip procedure and the counts of changes.
+  subroutine evaluate_contact(contact, model, old, imbalance, is_frozen, fields)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: old           !< committed: where the increment started
+    real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) [force]
+    logical, intent(in) :: is_frozen               !< .true.: keep every status
+    type(fields_type), intent(inout) :: fields
+    real(DP), allocatable :: x(:, :)
+    integer :: s
+    fields%contact_force = 0.0_DP
+    contact%n_opened = 0
+    contact%n_closed = 0
+    contact%n_changed = 0
+    contact%n_left = 0
+    contact%worst_gap = 0.0_DP
+    contact%worst_slave = 0
+    if (size(fields%slaves) == 0) return
+    allocate (x, source=model%mesh%coordinates + fields%u)
+    do s = 1, size(fields%slaves)
+      call evaluate_slave(contact, model, old%slaves(s), x, imbalance(:, fields%slaves(s)%node), is_frozen, s, fields)
+    end do
+    do s = 1, size(fields%slaves)
+      call add_contact_force(contact, fields%slaves(s), fields%contact_force)
+    end do
+  end subroutine evaluate_contact
+
+
+  !> One slave node: where it is, its status by the trial traction, its force.
+  subroutine evaluate_slave(contact, model, old, x, imbalance, is_frozen, s, fields)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: old
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    real(DP), intent(in) :: imbalance(3)           !< Rhat of the node [force]
+    logical, intent(in) :: is_frozen
+    integer, intent(in) :: s                       !< index of the slave
+    type(fields_type), intent(inout) :: fields
+    type(trial_type) :: trial
+    real(DP) :: free_normal(3), share, mu, d(3), N
+    integer :: status, before
+    associate (slave => fields%slaves(s), view => contact%view)
+      before = slave%status
+      call locate_slave(contact, x, slave)
+      free_normal = contact%mask(:, s) * slave%normal
+      share = norm2(free_normal)
+      if (slave%facet == 0 .or. share < SUPPORTED) then
+        if (before /= STATUS_OPEN) contact%n_left = contact%n_left + 1
+        call lose_master(slave)
+        call set_view(view, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, spread(0.0_DP, 1, 3))
+        return
+      end if
+      free_normal = free_normal / share
+      mu = model%interactions(model%pairs(slave%pair)%interaction)%friction / share
+      d = 0.0_DP
+      if (slave%origin_facet > 0) d = contact%mask(:, s) * contact_slip_vector(contact, model, fields%u, slave)
+      call trial_traction(imbalance, slave%gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, trial)
+      status = merge(before, trial%status, is_frozen)
+      if (status /= STATUS_OPEN .and. before == STATUS_OPEN) then
+        call close_slave(contact, model, old, fields%u, slave)
+        d = contact%mask(:, s) * contact_slip_vector(contact, model, fields%u, slave)
+      end if
+      if (status == STATUS_OPEN) slave%origin_facet = 0
+      slave%status = status
+      contact%direction(:, s) = trial%direction
+      N = -dot_product(free_normal, imbalance)
+      slave%slip_increment = d - dot_product(free_normal, d) * free_normal
+      call set_force(slave, imbalance, N / share, mu * N * trial%direction)
+      call set_view(view, s, status, imbalance + N * free_normal, N, slave%slip_increment)
+      view%position(:, s) = d
+      call count_changes(contact, before, s, slave)
+    end associate
+  end subroutine evaluate_slave
+
+
+  !> Facet, natural coordinates, gap and normal of a slave node now.
+  subroutine locate_slave(contact, x, slave)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    type(slave_type), intent(inout) :: slave
+    integer :: nodes(MAX_FACE_NODES), n, status
+    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES)
+    if (slave%facet == 0) return
+    if (contact%is_small(slave%pair)) then
+      call facet_weights(contact%facets(slave%pair), slave%facet, slave%xi, n, nodes, weights, dN)
+      slave%gap = dot_product(slave%normal, x(:, slave%node) - matmul(x(:, nodes(:n)), weights(:n)))
+    else
+      call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
+        slave%normal, status)
+      if (status /= PROJECT_ON) slave%facet = 0
+    end if
+  end subroutine locate_slave
+
+
+  !> An open node closes: its origin is where its straight path from the committed state first touches.
+  subroutine close_slave(contact, model, old, u, slave)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: old
+    real(DP), intent(in) :: u(:, :)
+    type(slave_type), intent(inout) :: slave
+    real(DP) :: s, xi(2)
+    xi = slave%xi
+    if (old%facet == slave%facet .and. old%gap > 0.0_DP .and. slave%gap < 0.0_DP) then
+      s = old%gap / (old%gap - slave%gap)
+      xi = old%xi + s * (slave%xi - old%xi)
+    end if
+    call set_origin(contact, model, u, slave%facet, xi, slave)
+  end subroutine close_slave
+
+
+  !> Normal and tangential contact force on the slave by its status.
+  pure subroutine set_force(slave, imbalance, normal_force, friction)
+    type(slave_type), intent(inout) :: slave
+    real(DP), intent(in) :: imbalance(3)           !< Rhat [force]
+    real(DP), intent(in) :: normal_force           !< N [force]
+    real(DP), intent(in) :: friction(3)            !< mu N along the direction of friction [force]
+    select case (slave%status)
+    case (STATUS_OPEN)
+      slave%force = 0.0_DP
+      slave%shear = 0.0_DP
+    case (STATUS_STICK)
+      slave%force = normal_force * slave%normal
+      slave%shear = -imbalance - slave%force
+    case (STATUS_SLIP)
+      slave%force = normal_force * slave%normal
+      slave%shear = friction
+    end select
+  end subroutine set_force
+
+
+  pure subroutine set_view(view, s, status, imbalance_t, normal_force, slip)
+    type(slip_view_type), intent(inout) :: view
+    integer, intent(in) :: s, status
+    real(DP), intent(in) :: imbalance_t(3), normal_force, slip(3)
+    view%status(s) = status
+    view%imbalance_t(:, s) = imbalance_t
+    view%normal_force(s) = normal_force
+    view%slip(:, s) = slip
+    view%position(:, s) = 0.0_DP
+  end subroutine set_view
+
+
+  subroutine count_changes(contact, before, s, slave)
+    type(contact_type), intent(inout) :: contact
+    integer, intent(in) :: before                  !< status before
+    integer, intent(in) :: s
+    type(slave_type), intent(in) :: slave
+    real(DP) :: distance
+    if (slave%status /= before) contact%n_changed = contact%n_changed + 1
+    if (slave%status == STATUS_OPEN .and. before /= STATUS_OPEN) contact%n_opened = contact%n_opened + 1
+    if (slave%status /= STATUS_OPEN .and. before == STATUS_OPEN) contact%n_closed = contact%n_closed + 1
+    if (slave%status == STATUS_OPEN) return
+    distance = abs(slave%gap)
+    if (slave%status == STATUS_STICK) distance = max(distance, norm2(contact%view%position(:, s)))
+    distance = distance / contact%edge(slave%pair)
+    if (distance > contact%worst_gap) then
+      contact%worst_gap = distance
+      contact%worst_slave = s
+    end if
+  end subroutine count_changes
+
+
+  !> The force on the slave and its reaction on the nodes of the facet.
+  subroutine add_contact_force(contact, slave, contact_force)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    real(DP), intent(inout) :: contact_force(:, :)   !< (3, n_nodes) [force]
+    integer :: nodes(MAX_FACE_NODES), i, n
+    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), force(3)
+    if (slave%status == STATUS_OPEN) return
+    if (slave%status == STATUS_STICK) then
+      call facet_weights(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, n, nodes, weights, dN)
+    else
+      call facet_weights(contact%facets(slave%pair), slave%facet, slave%xi, n, nodes, weights, dN)
+    end if
+    force = slave%force + slave%shear
+    contact_force(:, slave%node) = contact_force(:, slave%node) + force
+    do i = 1, n
+      contact_force(:, nodes(i)) = contact_force(:, nodes(i)) - weights(i) * force
+    end do
+  end subroutine add_contact_force
+
+
+  !> At the end of a converged increment: gather the slip, and the work that friction took.
+  subroutine commit_slip(old, fields)
+    type(fields_type), intent(in) :: old           !< committed before
+    type(fields_type), intent(inout) :: fields
+    real(DP) :: work
+    integer :: s
+    work = 0.0_DP
+    do s = 1, size(fields%slaves)
+      associate (slave => fields%slaves(s))
+        if (slave%status /= STATUS_SLIP) slave%slip_increment = 0.0_DP
+        slave%slip = old%slaves(s)%slip + slave%slip_increment
+        work = work - dot_product(slave%shear, slave%slip_increment)
+      end associate
+    end do
+    fields%friction_work = old%friction_work + work
+  end subroutine commit_slip
+
+end module amontons_contact

@@ -1,0 +1,309 @@
+!> Contact tangent: how the contact forces of the closed nodes change, and the rows that hold them on the master.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/contact.md, "Linearisation". A closed slave node carries the force lambda, a function of its own
+!! imbalance Rhat and of the positions around it; the master node i gets -N_i lambda. So
+!!     d F_s = d lambda,   d F_i = -N_i d lambda - lambda (dN_i/dxi . d xi),
+!!     d lambda = lambda_R d Rhat_s + sum_j lambda_j d u_j.
+module amontons_contact_tangent
+  use amontons_kinds, only: DP
+  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_model, only: model_type
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_constraints, only: constraints_type, row_type, add_row, ROW_CONFLICT
+  use amontons_gap, only: gap_derivative, gap_derivative_type
+  use amontons_contact, only: contact_type, facet_weights, contact_slip_vector
+  implicit none
+  private
+  public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent
+
+  !> The linearised contact force of one closed slave node.
+  type :: link_type
+    integer :: slave = 0                           !< index of the slave
+    integer :: node = 0                            !< its node
+    integer :: n_weights = 0                       !< nodes of the facet that take the reaction: the first of nodes(:)
+    integer, allocatable :: nodes(:)               !< nodes on which lambda and xi depend, besides the slave
+    real(DP), allocatable :: weights(:)            !< (n_weights) N_i [-]
+    real(DP), allocatable :: d_weights(:, :)       !< (2, n_weights) dN_i/dxi [-]
+    real(DP) :: force(3) = 0                       !< lambda [force]
+    real(DP) :: force_imbalance(3, 3) = 0          !< d lambda / d Rhat_s [-]
+    real(DP) :: force_slave(3, 3) = 0              !< d lambda / d u_s [force/length]
+    real(DP), allocatable :: force_nodes(:, :, :)  !< (3, 3, :) d lambda / d u_j [force/length]
+    real(DP) :: xi_slave(2, 3) = 0                 !< d xi / d u_s [1/length]
+    real(DP), allocatable :: xi_nodes(:, :, :)     !< (2, 3, :) d xi / d u_j [1/length]
+    real(DP) :: gap_slave(3) = 0                   !< d g / d u_s [-]
+    real(DP), allocatable :: gap_nodes(:, :)       !< (3, :) d g / d u_j [-]
+  end type link_type
+
+contains
+
+  !> The links of all closed nodes at the configuration of the last evaluation.
+  subroutine linearise_contact(contact, model, imbalance, fields, links)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat, condensed [force]
+    type(fields_type), intent(in) :: fields
+    type(link_type), allocatable, intent(out) :: links(:)   !< one for each closed slave node, in their order
+    real(DP), allocatable :: x(:, :)
+    integer :: s, n
+    allocate (links(count(fields%slaves(:)%status /= STATUS_OPEN)))
+    if (size(links) == 0) return
+    allocate (x, source=model%mesh%coordinates + fields%u)
+    n = 0
+    do s = 1, size(fields%slaves)
+      if (fields%slaves(s)%status == STATUS_OPEN) cycle
+      n = n + 1
+      links(n)%slave = s
+      links(n)%node = fields%slaves(s)%node
+      links(n)%force = fields%slaves(s)%force + fields%slaves(s)%shear
+      if (fields%slaves(s)%status == STATUS_STICK) then
+        call link_stick(contact, fields%slaves(s), s, links(n))
+      else
+        call link_slip(contact, model, x, imbalance(:, fields%slaves(s)%node), fields, links(n))
+      end if
+    end do
+  end subroutine linearise_contact
+
+
+  !> Stick: lambda = -Rhat_s, the weights are those of the origin and do not change.
+  subroutine link_stick(contact, slave, s, link)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    integer, intent(in) :: s
+    type(link_type), intent(inout) :: link
+    integer :: k
+    call fill_weights(contact, slave, slave%origin_facet, slave%origin_xi, link)
+    allocate (link%force_nodes(3, 3, link%n_weights), link%xi_nodes(2, 3, link%n_weights), source=0.0_DP)
+    allocate (link%gap_nodes(3, link%n_weights), source=0.0_DP)
+    do k = 1, 3
+      link%force_imbalance(k, k) = -contact%mask(k, s)
+    end do
+  end subroutine link_stick
+
+
+  subroutine fill_weights(contact, slave, facet, xi, link)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    integer, intent(in) :: facet
+    real(DP), intent(in) :: xi(2)
+    type(link_type), intent(inout) :: link
+    integer :: n, nodes(MAX_FACE_NODES)
+    real(DP) :: weights(MAX_FACE_NODES), d_weights(2, MAX_FACE_NODES)
+    call facet_weights(contact%facets(slave%pair), facet, xi, n, nodes, weights, d_weights)
+    link%n_weights = n
+    link%nodes = nodes(:n)
+    link%weights = weights(:n)
+    link%d_weights = d_weights(:, :n)
+  end subroutine fill_weights
+
+
+  !> Slip: lambda = N (n/|n_f| + mu_f q), n_f the free part of n, mu_f = mu/|n_f|, q = tau/|tau| the direction of friction.
+  subroutine link_slip(contact, model, x, imbalance, fields, link)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    real(DP), intent(in) :: imbalance(3)           !< Rhat_s [force]
+    type(fields_type), intent(in) :: fields
+    type(link_type), intent(inout) :: link
+    type(gap_derivative_type) :: derivative
+    real(DP) :: force_normal(3, 3), force_slip(3, 3)
+    integer :: n, j, before, n_origin, nodes(MAX_FACE_NODES)
+    real(DP) :: weights(MAX_FACE_NODES), d_weights(2, MAX_FACE_NODES)
+    associate (slave => fields%slaves(link%slave))
+      call differentiate_force(contact, model, imbalance, fields, link, force_normal, force_slip)
+      call facet_weights(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, n_origin, nodes, weights, &
+        d_weights)
+      call fill_weights(contact, slave, slave%facet, slave%xi, link)
+      if (contact%is_small(slave%pair)) then
+        call link_kept_weights(slave, link)
+      else
+        call gap_derivative(contact%facets(slave%pair), x, slave%facet, slave%xi, slave%gap, derivative)
+        call link_moving_weights(derivative, force_normal, link)
+      end if
+    end associate
+    before = size(link%nodes)                      ! the slip vector also depends on the nodes of the origin's facet
+    n = before + n_origin
+    link%nodes = [link%nodes, nodes(:n_origin)]
+    link%force_nodes = reshape(link%force_nodes, [3, 3, n], pad=[0.0_DP])
+    link%xi_nodes = reshape(link%xi_nodes, [2, 3, n], pad=[0.0_DP])
+    link%gap_nodes = reshape(link%gap_nodes, [3, n], pad=[0.0_DP])
+    link%force_slave = link%force_slave + force_slip
+    do j = 1, n_origin
+      link%force_nodes(:, :, before + j) = -weights(j) * force_slip
+    end do
+  end subroutine link_slip
+
+
+  !> Small sliding: normal and weights are constants.
+  subroutine link_kept_weights(slave, link)
+    type(slave_type), intent(in) :: slave
+    type(link_type), intent(inout) :: link
+    integer :: j
+    allocate (link%force_nodes(3, 3, link%n_weights), link%xi_nodes(2, 3, link%n_weights), source=0.0_DP)
+    allocate (link%gap_nodes(3, link%n_weights))
+    link%gap_slave = slave%normal
+    do j = 1, link%n_weights
+      link%gap_nodes(:, j) = -link%weights(j) * slave%normal
+    end do
+  end subroutine link_kept_weights
+
+
+  !> Finite sliding: normal and weights move with the slave, the facet and its neighbours.
+  subroutine link_moving_weights(derivative, force_normal, link)
+    type(gap_derivative_type), intent(in) :: derivative
+    real(DP), intent(in) :: force_normal(3, 3)     !< d lambda / d n [force]
+    type(link_type), intent(inout) :: link
+    integer :: j, n
+    n = derivative%n_nodes
+    link%nodes = derivative%nodes(:n)
+    allocate (link%force_nodes(3, 3, n))
+    link%xi_nodes = derivative%d_xi(:, :, :n)
+    link%gap_nodes = derivative%d_gap(:, :n)
+    link%xi_slave = derivative%d_xi_slave
+    link%gap_slave = derivative%d_gap_slave
+    link%force_slave = matmul(force_normal, derivative%d_n_slave)
+    do j = 1, n
+      link%force_nodes(:, :, j) = matmul(force_normal, derivative%d_n(:, :, j))
+    end do
+  end subroutine link_moving_weights
+
+
+  !> The derivatives of lambda = N (n/|n_f| + mu_f q) with respect to Rhat_s, the normal n and the slip vector d.
+  subroutine differentiate_force(contact, model, imbalance, fields, link, force_normal, force_slip)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: imbalance(3)           !< Rhat_s [force]
+    type(fields_type), intent(in) :: fields
+    type(link_type), intent(inout) :: link         !< force_imbalance is set
+    real(DP), intent(out) :: force_normal(3, 3)    !< d lambda / d n [force]
+    real(DP), intent(out) :: force_slip(3, 3)      !< d lambda / d d [force/length]
+    real(DP) :: m(3, 3), n_f(3), share, mu, N, w(3), tau(3), q(3), unit(3, 3), p(3, 3), h(3, 3), turn(3, 3), a(3)
+    real(DP) :: length
+    integer :: k
+    unit = 0.0_DP
+    m = 0.0_DP
+    do k = 1, 3
+      unit(k, k) = 1.0_DP
+      m(k, k) = contact%mask(k, link%slave)
+    end do
+    associate (slave => fields%slaves(link%slave))
+      n_f = matmul(m, slave%normal)
+      share = norm2(n_f)
+      n_f = n_f / share
+      mu = model%interactions(model%pairs(slave%pair)%interaction)%friction
+      N = -dot_product(n_f, imbalance)
+      w = -imbalance - slave%stiffness * matmul(m, contact_slip_vector(contact, model, fields%u, slave))
+      p = unit - outer(n_f, n_f)
+      h = matmul(p, m) / share                     ! d n_f = h d n
+      tau = matmul(p, w)
+      length = norm2(tau)
+      q = 0.0_DP
+      turn = 0.0_DP                                ! d q = turn d tau
+      if (mu > 0.0_DP .and. length > 0.0_DP) then
+        q = tau / length
+        turn = (unit - outer(q, q)) / length
+      end if
+      a = (slave%normal + mu * q) / share
+      link%force_imbalance = -outer(a, n_f) - N * mu / share * matmul(turn, p)
+      force_slip = -N * mu / share * slave%stiffness * matmul(matmul(turn, p), m)
+      force_normal = -outer(a, matmul(imbalance, h)) + N / share * (unit - outer(a, matmul(n_f, m)) &
+        - mu * matmul(turn, dot_product(n_f, w) * h + outer(n_f, matmul(w, h))))
+    end associate
+    link%force_imbalance = matmul(link%force_imbalance, m)
+  end subroutine differentiate_force
+
+
+  pure function outer(a, b) result(c)
+    real(DP), intent(in) :: a(3), b(3)
+    real(DP) :: c(3, 3)
+    c = spread(a, 2, 3) * spread(b, 1, 3)
+  end function outer
+
+
+  !> Adds the rows of the closed nodes: stick ties the node to its origin, slip keeps it on the facet.
+  !!
+  !! The gap's dependence on the turning of the normals is left out of the rows: it is multiplied by the gap, which the
+  !! row brings to zero.
+  subroutine add_contact_rows(contact, model, fields, links, constraints, n_conflicts)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    type(link_type), intent(in) :: links(:)
+    type(constraints_type), intent(inout) :: constraints
+    integer, intent(out) :: n_conflicts            !< rows dropped for stronger constraints
+    type(row_type) :: row
+    real(DP) :: d(3), tolerance
+    integer :: i, k, verdict
+    n_conflicts = 0
+    do i = 1, size(links)
+      associate (link => links(i), slave => fields%slaves(links(i)%slave))
+        tolerance = 1.0e-6_DP * contact%edge(slave%pair)
+        if (slave%status == STATUS_SLIP) then
+          call gap_row(link, slave%gap, row)
+          call add_row(constraints, row, 3, tolerance, verdict)
+          if (verdict == ROW_CONFLICT) n_conflicts = n_conflicts + 1
+          cycle
+        end if
+        d = contact_slip_vector(contact, model, fields%u, slave)
+        do k = 1, 3
+          if (contact%mask(k, link%slave) == 0.0_DP) cycle
+          call tie_row(link, k, d(k), row)
+          call add_row(constraints, row, 1, tolerance, verdict)
+          if (verdict == ROW_CONFLICT) n_conflicts = n_conflicts + 1
+        end do
+      end associate
+    end do
+  end subroutine add_contact_rows
+
+
+  !> d g = -g over the slave and the nodes of its facet.
+  pure subroutine gap_row(link, gap, row)
+    type(link_type), intent(in) :: link
+    real(DP), intent(in) :: gap
+    type(row_type), intent(out) :: row
+    integer :: j, k
+    row%unknown = [(3 * (link%node - 1) + k, k=1, 3), ((3 * (link%nodes(j) - 1) + k, k=1, 3), j=1, link%n_weights)]
+    row%coefficient = [link%gap_slave, reshape(link%gap_nodes(:, :link%n_weights), [3 * link%n_weights])]
+    row%rhs = -gap
+  end subroutine gap_row
+
+
+  !> Component k of du_s - sum N_i du_i = -d.
+  pure subroutine tie_row(link, k, distance, row)
+    type(link_type), intent(in) :: link
+    integer, intent(in) :: k
+    real(DP), intent(in) :: distance
+    type(row_type), intent(out) :: row
+    row%unknown = [3 * (link%node - 1) + k, 3 * (link%nodes(:link%n_weights) - 1) + k]
+    row%coefficient = [1.0_DP, -link%weights]
+    row%rhs = -distance
+  end subroutine tie_row
+
+
+  !> Change of the contact forces for a change of displacement and of the imbalance that comes with it.
+  subroutine apply_contact_tangent(links, du, d_imbalance, d_force)
+    type(link_type), intent(in) :: links(:)
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
+    real(DP), intent(in) :: d_imbalance(:, :)      !< (3, n_nodes) change of Rhat, condensed [force]
+    real(DP), intent(out) :: d_force(:, :)         !< (3, n_nodes) [force]
+    real(DP) :: d_lambda(3), d_xi(2)
+    integer :: i, j
+    d_force = 0.0_DP
+    do i = 1, size(links)
+      associate (link => links(i))
+        d_lambda = matmul(link%force_imbalance, d_imbalance(:, link%node)) + matmul(link%force_slave, du(:, link%node))
+        d_xi = matmul(link%xi_slave, du(:, link%node))
+        do j = 1, size(link%nodes)
+          d_lambda = d_lambda + matmul(link%force_nodes(:, :, j), du(:, link%nodes(j)))
+          d_xi = d_xi + matmul(link%xi_nodes(:, :, j), du(:, link%nodes(j)))
+        end do
+        d_force(:, link%node) = d_force(:, link%node) + d_lambda
+        do j = 1, link%n_weights
+          d_force(:, link%nodes(j)) = d_force(:, link%nodes(j)) - link%weights(j) * d_lambda &
+            - dot_product(link%d_weights(:, j), d_xi) * link%force
+        end do
+      end associate
+    end do
+  end subroutine apply_contact_tangent
+
+end module amontons_contact_tangent

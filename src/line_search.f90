@@ -1,0 +1,251 @@
+!> Line search: how far to go along a direction: the one-step formula, global or node by node, guarded by the merit.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! J. Mitchell, A simple one step line search for use in quasi-static solid mechanics contact calculations, 7th US
+!! National Congress on Computational Mechanics, 2003. With the direction d and one extra residual,
+!!
+!!     alpha = - d'R(u) / d'(R(u + d) - R(u))                                                                (LS)
+!!
+!! The sums run over all unknowns (ALL), over the slave nodes (GLOBAL), or alpha belongs to each node (NODAL). The slip
+!! scenarios of the nodes are found in every mode.
+module amontons_line_search
+  use amontons_kinds, only: DP
+  use amontons_model, only: model_type
+  use amontons_steps, only: step_type, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
+  use amontons_state, only: state_type, slave_type, STATUS_OPEN
+  use amontons_slip, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip, NODE_SLIP
+  use amontons_contact, only: slip_view_type
+  use amontons_system, only: system_type, evaluate, residual_pair, TROUBLE_NONE
+  implicit none
+  private
+  public :: search_type, search_line
+
+  integer, parameter :: MOST_HALVINGS = 4
+  real(DP), parameter :: MERIT_GROWTH = 1.0_DP     !< AUTO takes the full step if the merit does not grow by more than this [-]
+
+  !> What the search did.
+  type :: search_type
+    real(DP) :: step_length = 1                    !< of the whole step; for NODAL the mean over the nodes that moved [-]
+    logical :: is_whole_step = .true.              !< every unknown moved by the whole direction
+    real(DP) :: correction = 0                     !< largest change of a displacement [length]
+    integer :: n_scenario(4) = 0
+    integer :: n_opened = 0, n_closed = 0          !< slave nodes, from the iterate before to this one
+  end type search_type
+
+  !> Where the search started.
+  type :: start_type
+    real(DP), allocatable :: u(:, :)
+    type(slave_type), allocatable :: slaves(:)
+    type(slip_view_type) :: view
+    real(DP) :: merit = 0
+    real(DP) :: pair = 0                           !< d'R(u)
+    logical :: is_comparable = .false.             !< no prescribed displacement was missing at u
+  end type start_type
+
+contains
+
+  !> Moves the trial state along the direction and evaluates it there.
+  subroutine search_line(system, model, step, du, state, search, trouble)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction d [length]
+    type(state_type), intent(inout) :: state       !< in: evaluated at u; out: evaluated at the new iterate
+    type(search_type), intent(out) :: search
+    integer, intent(out) :: trouble                !< TROUBLE_... if no step length gives a sound configuration
+    type(start_type) :: start
+    type(slip_verdict_type), allocatable :: verdicts(:)
+    start%u = state%new%u
+    start%slaves = state%new%slaves
+    start%view = system%contact%view
+    start%merit = system%merit
+    start%pair = residual_pair(system, du)
+    start%is_comparable = all(system%base%offset == 0.0_DP)
+    call first_step(system, model, step, du, start, state, search, trouble)
+    if (trouble /= TROUBLE_NONE) return
+    call classify(system, model, step, start, state, search, verdicts)
+    select case (step%line_search)
+    case (SEARCH_ALL)
+      call try_length(one_step_length(step, start%pair, residual_pair(system, du) - start%pair))
+    case (SEARCH_GLOBAL)
+      call try_length(one_step_length(step, sum(verdicts%numerator), sum(verdicts%denominator)))
+    case (SEARCH_NODAL)
+      call try_nodal(system, model, step, start, verdicts, state, search, trouble)
+    case (SEARCH_AUTO)
+      call back_track(system, model, step, du, start, state, search, trouble)
+    end select
+    search%correction = maxval(abs(state%new%u - start%u))
+
+  contains
+
+    !> Takes another length if it lowers the merit against the full step.
+    subroutine try_length(alpha)
+      real(DP), intent(in) :: alpha
+      real(DP) :: full
+      if (abs(alpha - 1.0_DP) < 1.0e-3_DP .or. .not. start%is_comparable) return
+      full = system%merit
+      call go(system, model, step, start, start%u + alpha * du, state, trouble)
+      if (trouble == TROUBLE_NONE .and. system%merit <= full) then
+        search%step_length = alpha
+        search%is_whole_step = .false.
+      else
+        call go(system, model, step, start, start%u + du, state, trouble)
+      end if
+    end subroutine try_length
+
+  end subroutine search_line
+
+
+  !> The full step, or the longest half, quarter, ... that leaves no element inverted.
+  subroutine first_step(system, model, step, du, start, state, search, trouble)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: du(:, :)
+    type(start_type), intent(in) :: start
+    type(state_type), intent(inout) :: state
+    type(search_type), intent(inout) :: search
+    integer, intent(out) :: trouble
+    integer :: halving
+    do halving = 0, MOST_HALVINGS
+      search%step_length = 0.5_DP**halving
+      call go(system, model, step, start, start%u + search%step_length * du, state, trouble)
+      if (trouble == TROUBLE_NONE) exit
+    end do
+    search%is_whole_step = halving == 0
+  end subroutine first_step
+
+
+  !> Evaluates a configuration, starting from the contact memory of the iterate.
+  subroutine go(system, model, step, start, u, state, trouble)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(start_type), intent(in) :: start
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: trouble
+    state%new%u = u
+    state%new%slaves = start%slaves
+    call evaluate(system, model, step, .false., state, trouble)
+  end subroutine go
+
+
+  !> State and scenario of every slave node between the iterate and the full step.
+  subroutine classify(system, model, step, start, state, search, verdicts)
+    type(system_type), intent(in) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(start_type), intent(in) :: start
+    type(state_type), intent(inout) :: state
+    type(search_type), intent(inout) :: search
+    type(slip_verdict_type), allocatable, intent(out) :: verdicts(:)   !< (n_slaves)
+    type(slip_controls_type) :: controls
+    type(slip_point_type) :: at_u, at_ud
+    real(DP) :: d(3), mu
+    integer :: s
+    controls%balance = step%controls%r_n
+    controls%force_zero = step%controls%r_n * system%largest_force
+    controls%alpha_min = step%controls%s_min
+    controls%alpha_max = step%controls%s_max
+    allocate (verdicts(size(state%new%slaves)))
+    search%n_opened = system%contact%n_opened
+    search%n_closed = system%contact%n_closed
+    associate (after => system%contact%view)
+      do s = 1, size(verdicts)
+        if (start%view%status(s) == STATUS_OPEN) cycle
+        mu = model%interactions(model%pairs(state%new%slaves(s)%pair)%interaction)%friction
+        if (mu == 0.0_DP) cycle
+        controls%slip_zero = 1.0e-12_DP * system%contact%edge(state%new%slaves(s)%pair)
+        at_u = slip_point_type(N=start%view%normal_force(s), Rt=start%view%imbalance_t(:, s), slip=start%view%slip(:, s))
+        at_ud = slip_point_type(N=after%normal_force(s), Rt=after%imbalance_t(:, s), slip=after%slip(:, s))
+        d = after%slip(:, s) - start%view%slip(:, s)
+        call classify_slip(at_u, at_ud, d, mu, controls, verdicts(s))
+        if (verdicts(s)%scenario == 0) cycle
+        search%n_scenario(verdicts(s)%scenario) = search%n_scenario(verdicts(s)%scenario) + 1
+        state%new%slaves(s)%scenario = verdicts(s)%scenario
+      end do
+    end associate
+  end subroutine classify
+
+
+  !> (LS) within its bounds; 1 where the denominator vanishes or the length is negative.
+  pure real(DP) function one_step_length(step, numerator, denominator) result(alpha)
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: numerator              !< d'R(u) [energy]
+    real(DP), intent(in) :: denominator            !< d'(R(u + d) - R(u)) [energy]
+    alpha = 1.0_DP
+    if (abs(denominator) <= 1.0e-12_DP * abs(numerator) .or. numerator == 0.0_DP) return
+    alpha = -numerator / denominator
+    if (alpha < 0.0_DP) alpha = 1.0_DP
+    alpha = min(step%controls%s_max, max(step%controls%s_min, alpha))
+  end function one_step_length
+
+
+  !> Each slipping node goes its own part of its tangential increment, if that lowers the merit against the full step.
+  subroutine try_nodal(system, model, step, start, verdicts, state, search, trouble)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(start_type), intent(in) :: start
+    type(slip_verdict_type), intent(in) :: verdicts(:)
+    type(state_type), intent(inout) :: state
+    type(search_type), intent(inout) :: search
+    integer, intent(out) :: trouble
+    real(DP), allocatable :: u_full(:, :), u(:, :)
+    real(DP) :: full
+    integer :: s
+    trouble = TROUBLE_NONE
+    if (.not. start%is_comparable .or. .not. any(verdicts%scenario > 0)) return
+    full = system%merit
+    u_full = state%new%u
+    u = u_full
+    do s = 1, size(verdicts)
+      if (verdicts(s)%state /= NODE_SLIP) cycle
+      associate (node => start%slaves(s)%node)
+        u(:, node) = u(:, node) + (verdicts(s)%alpha - 1.0_DP) * (system%contact%view%slip(:, s) - start%view%slip(:, s))
+      end associate
+    end do
+    call go(system, model, step, start, u, state, trouble)
+    if (trouble == TROUBLE_NONE .and. system%merit <= full) then
+      search%step_length = sum(verdicts%alpha, mask=verdicts%state == NODE_SLIP) / count(verdicts%state == NODE_SLIP)
+      search%is_whole_step = .false.
+    else
+      call go(system, model, step, start, u_full, state, trouble)
+    end if
+  end subroutine try_nodal
+
+
+  !> AUTO: the full step if the merit does not grow; else (LS) over all unknowns, then halves; the best of them is taken.
+  subroutine back_track(system, model, step, du, start, state, search, trouble)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: du(:, :)
+    type(start_type), intent(in) :: start
+    type(state_type), intent(inout) :: state
+    type(search_type), intent(inout) :: search
+    integer, intent(out) :: trouble
+    real(DP) :: alpha, best, best_merit
+    integer :: halving
+    trouble = TROUBLE_NONE
+    if (.not. start%is_comparable .or. system%merit <= MERIT_GROWTH * start%merit) return
+    best = search%step_length
+    best_merit = system%merit
+    alpha = min(0.5_DP * best, one_step_length(step, start%pair, residual_pair(system, du) - start%pair))
+    do halving = 1, MOST_HALVINGS
+      call go(system, model, step, start, start%u + alpha * du, state, trouble)
+      if (trouble == TROUBLE_NONE .and. system%merit < best_merit) then
+        best = alpha
+        best_merit = system%merit
+      end if
+      if (best_merit <= MERIT_GROWTH * start%merit) exit
+      alpha = 0.5_DP * alpha
+    end do
+    if (best /= alpha .or. halving > MOST_HALVINGS) &
+      call go(system, model, step, start, start%u + best * du, state, trouble)
+    search%is_whole_step = best == 1.0_DP
+    search%step_length = best
+  end subroutine back_track
+
+end module amontons_line_search

@@ -1,0 +1,113 @@
+!> Newton: one increment, iteration by iteration; reads like the page of the theory manual (doc/theory/solver.md).
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_newton
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_model, only: model_type
+  use amontons_steps, only: step_type
+  use amontons_history, only: iteration_record_type
+  use amontons_state, only: state_type
+  use amontons_converge, only: progress_type, judge, VERDICT_GO_ON, VERDICT_DIVERGES
+  use amontons_line_search, only: search_type, search_line
+  use amontons_system, only: system_type, begin_increment, evaluate, find_direction, TROUBLE_NONE
+  implicit none
+  private
+  public :: newton_type, begin_newton, iterate
+
+  real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times the largest of the job so far [-]
+
+  !> An increment on its way.
+  type :: newton_type
+    type(progress_type) :: progress
+    type(iteration_record_type) :: record          !< of the last iteration
+    integer :: trouble = TROUBLE_NONE
+    real(DP) :: force_scale = 0                    !< largest force of the job so far [force]
+  end type newton_type
+
+contains
+
+  !> The start of an increment: u = u_old, the loads are those of its end, every slave node keeps its status.
+  subroutine begin_newton(newton, system, model, step, is_step_start, state)
+    type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    logical, intent(in) :: is_step_start
+    type(state_type), intent(inout) :: state       !< trial = committed, with the new times
+    newton%progress = progress_type()
+    newton%record = iteration_record_type()
+    call begin_increment(system, model, step, is_step_start, state)
+    call evaluate(system, model, step, .true., state, newton%trouble)
+    call note_residual(newton, system)
+  end subroutine begin_newton
+
+
+  !> One iteration: linearise, solve, go along the direction, judge.
+  subroutine iterate(newton, system, model, step, state, verdict, error)
+    type(newton_type), intent(inout) :: newton
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: verdict                !< VERDICT_...; newton%trouble tells more
+    type(error_type), allocatable, intent(out) :: error
+    type(search_type) :: search
+    real(DP), allocatable :: du(:, :)
+    integer :: n_krylov
+    verdict = VERDICT_DIVERGES
+    if (newton%trouble /= TROUBLE_NONE) return
+    n_krylov = system%n_krylov
+    allocate (du, mold=state%new%u)
+    call find_direction(system, model, step, state, du, newton%trouble, error)
+    if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
+    call search_line(system, model, step, du, state, search, newton%trouble)
+    if (newton%trouble /= TROUBLE_NONE) return
+    call note_residual(newton, system)
+    call note_step(newton, system, state, search, system%n_krylov - n_krylov)
+    verdict = judge(step%controls, newton%progress)
+  end subroutine iterate
+
+
+  !> The residual over the largest force, and the two before it.
+  subroutine note_residual(newton, system)
+    type(newton_type), intent(inout) :: newton
+    type(system_type), intent(in) :: system
+    real(DP) :: scale
+    newton%force_scale = max(newton%force_scale, system%largest_force)
+    scale = max(system%largest_force, FORCE_MEMORY * newton%force_scale, tiny(1.0_DP))
+    newton%progress%residual = [system%largest_residual / scale, newton%progress%residual(0:1)]
+    newton%progress%gap = system%contact%worst_gap
+  end subroutine note_residual
+
+
+  !> Correction and record of the iteration.
+  subroutine note_step(newton, system, state, search, n_krylov)
+    type(newton_type), intent(inout) :: newton
+    type(system_type), intent(in) :: system
+    type(state_type), intent(in) :: state
+    type(search_type), intent(in) :: search
+    integer, intent(in) :: n_krylov
+    real(DP) :: largest
+    integer :: status
+    largest = max(maxval(abs(state%new%u - state%old%u)), tiny(1.0_DP))
+    newton%progress%iteration = newton%progress%iteration + 1
+    newton%progress%correction = search%correction / largest
+    newton%progress%is_whole_step = search%is_whole_step
+    associate (record => newton%record)
+      record%iteration = newton%progress%iteration
+      record%residual = newton%progress%residual(0)
+      record%correction = newton%progress%correction
+      record%n_status = [(count(state%new%slaves%status == status), status=0, 2)]
+      record%n_closed = record%n_status(1) + record%n_status(2)
+      record%n_scenario = search%n_scenario
+      record%n_opened = search%n_opened
+      record%n_closed_now = search%n_closed
+      record%step_length = search%step_length
+      record%n_krylov = n_krylov
+      record%worst_gap = 0.0_DP
+      if (system%contact%worst_slave > 0) record%worst_gap = &
+        system%contact%worst_gap * system%contact%edge(state%new%slaves(system%contact%worst_slave)%pair)
+    end associate
+  end subroutine note_step
+
+end module amontons_newton

@@ -1,0 +1,495 @@
+!> System: the equations at one configuration, and the Newton direction from there.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Two verbs. `evaluate` gives imbalance, contact and residual of a configuration: forces only, no matrix.
+!! `find_direction` linearises there and solves:
+!!
+!!     K      stiffness of the elements and loads, symmetric
+!!     C, c   du = C dv + c: boundary conditions, equations, followers, contact rows     (constraints)
+!!     A      C' K C, factorised by Cholesky                                             (factor)
+!!     J      C' (K - d F_c) C, with the exact change of the contact forces, unsymmetric (contact_tangent)
+!!
+!! J dv = C' R is solved by GMRES with A as the preconditioner (doc/theory/solver.md).
+module amontons_system
+  use amontons_kinds, only: DP, I64
+  use amontons_errors, only: error_type, set_error, EXIT_SETUP
+  use amontons_model, only: model_type
+  use amontons_steps, only: step_type
+  use amontons_loads, only: load_value
+  use amontons_history, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
+  use amontons_state, only: state_type, fields_type, STATUS_OPEN
+  use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, multiply, multiply_transpose, &
+    multiply_symmetric
+  use amontons_factor, only: factor_type, analyse, factorise, solve, FACTOR_OK
+  use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, KRYLOV_CONVERGED
+  use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, finish_constraints, &
+    condense_forces, ROW_CONFLICT
+  use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
+  use amontons_contact, only: contact_type, create_contact, set_supports, evaluate_contact, begin_contact_increment
+  use amontons_contact_tangent, only: link_type, linearise_contact, add_contact_rows, apply_contact_tangent
+  implicit none
+  private
+  public :: system_type, create_system, begin_step, begin_increment, evaluate, find_direction, residual_pair
+  public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
+
+  integer, parameter :: TROUBLE_NONE = 0
+  integer, parameter :: TROUBLE_ELEMENT = 1        !< an element is inverted: system%trouble_item is its index
+  integer, parameter :: TROUBLE_SOLVER = 2         !< the tangent is singular and no direction was found
+  integer, parameter :: TROUBLE_NOT_FINITE = 3     !< a number is not finite
+
+  real(DP), parameter :: KRYLOV_TOLERANCE = 1.0e-9_DP    !< of a direction, relative to the right-hand side [-]
+  integer, parameter :: KRYLOV_MOST = 200                !< Krylov iterations of one direction
+  real(DP), parameter :: SHIFT = 1.0e-4_DP               !< of the preconditioner's diagonal if A is not positive [-]
+
+  !> The system, with everything that is kept between configurations.
+  type :: system_type
+    type(assembly_type) :: assembly
+    type(contact_type) :: contact
+    type(constraints_type) :: base                 !< boundary conditions, equations, followers
+    type(constraints_type) :: whole                !< those and the rows of the closed nodes
+    type(link_type), allocatable :: links(:)       !< linearised contact forces
+    type(reduction_type) :: reduction
+    type(sparse_type) :: reduced                   !< A
+    type(sparse_type) :: analysed_map              !< the pattern of C for which reduction and factor were analysed
+    type(factor_type) :: factor
+    real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
+    real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
+    real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
+    real(DP) :: largest_residual = 0               !< [force]
+    real(DP) :: largest_force = 0                  !< largest internal, applied or contact force on a node [force]
+    real(DP) :: merit = 0                          !< norm of residual, gaps and stick violations scaled to forces [force]
+    logical :: is_nlgeom = .false.
+    integer :: n_conflicts = 0                     !< contact rows dropped for stronger constraints
+    integer :: trouble_item = 0
+    integer :: n_factorisations = 0                !< since the last reset by the stepper
+    integer :: n_krylov = 0
+    integer :: n_shifted = 0                       !< factorisations that needed a shift
+    real(DP) :: seconds(N_PHASES) = 0              !< [s]
+  end type system_type
+
+  !> J: the exact tangent as an operator on the free unknowns.
+  type, extends(operator_type) :: tangent_type
+    type(system_type), pointer :: system => null()
+  contains
+    procedure :: apply => apply_tangent
+  end type tangent_type
+
+  !> inv(A): the factor as an operator.
+  type, extends(operator_type) :: preconditioner_type
+    type(system_type), pointer :: system => null()
+  contains
+    procedure :: apply => apply_preconditioner
+  end type preconditioner_type
+
+contains
+
+  !> Assembly and contact are made ready, the state is laid out.
+  subroutine create_system(system, model, state, error)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(state_type), intent(out) :: state
+    type(error_type), allocatable, intent(out) :: error
+    call prepare_state(system, model, state, error)
+    if (allocated(error)) return
+    call create_assembly(system%assembly, model%mesh, error)
+    if (allocated(error)) return
+    allocate (system%u_start(3, model%mesh%n_nodes), system%imbalance(3, model%mesh%n_nodes), &
+      system%residual(3, model%mesh%n_nodes), source=0.0_DP)
+  end subroutine create_system
+
+
+  subroutine prepare_state(system, model, state, error)
+    use amontons_state, only: slave_type, create_state
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(state_type), intent(out) :: state
+    type(error_type), allocatable, intent(out) :: error
+    type(slave_type), allocatable :: slaves(:)
+    call create_contact(system%contact, model, slaves, error)
+    if (allocated(error)) return
+    call create_state(state, model%mesh, slaves)
+  end subroutine prepare_state
+
+
+  !> A step begins: which unknowns its supports hold. Errors: constraints that contradict each other (EXIT_SETUP).
+  subroutine begin_step(system, model, step, state, error)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(in) :: state
+    type(error_type), allocatable, intent(out) :: error
+    system%u_start = state%old%u
+    system%is_nlgeom = step%is_nlgeom
+    call prescribe(system, model, step, state%old, error)
+    if (allocated(error)) return
+    call set_supports(system%contact, state%old%slaves, system%base)
+  end subroutine begin_step
+
+
+  !> An increment begins: the trial state stands at its end in time and at its start in displacement.
+  subroutine begin_increment(system, model, step, is_step_start, state)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    logical, intent(in) :: is_step_start
+    type(state_type), intent(inout) :: state
+    call begin_contact_increment(system%contact, model, step%is_nlgeom, is_step_start, state%new)
+  end subroutine begin_increment
+
+
+  !> The base constraints for what is still missing to the prescribed displacements at the time of `fields`.
+  subroutine prescribe(system, model, step, fields, error)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    call start_constraints(system%base, 3 * model%mesh%n_nodes)
+    do i = 1, size(step%prescribed)
+      associate (load => step%prescribed(i))
+        call fix_unknown(system%base, 3 * (load%node - 1) + load%dof, &
+          prescribed_value(model, step, i, fields, system%u_start(load%dof, load%node)) - fields%u(load%dof, load%node))
+      end associate
+    end do
+    call add_equations(system%base, model, fields%u, error)
+    if (allocated(error)) return
+    call add_followers(system%base, system%contact%follower, fields%u)
+    call finish_constraints(system%base)
+  end subroutine prescribe
+
+
+  !> A displacement without an amplitude runs straight from where it was at the start of the step to its end value.
+  pure real(DP) function prescribed_value(model, step, i, fields, u_start) result(value)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    integer, intent(in) :: i                       !< index into step%prescribed
+    type(fields_type), intent(in) :: fields        !< times
+    real(DP), intent(in) :: u_start                !< [length]
+    associate (load => step%prescribed(i))
+      if (load%is_held) then
+        value = u_start
+      else if (load%amplitude == 0 .and. load%start /= load%end) then
+        value = u_start + (load%end - u_start) * (fields%step_time / step%period)
+      else
+        value = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
+      end if
+    end associate
+  end function prescribed_value
+
+
+  subroutine add_equations(base, model, u, error)
+    type(constraints_type), intent(inout) :: base
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)
+    type(error_type), allocatable, intent(out) :: error
+    type(row_type) :: row
+    integer :: i, k, verdict
+    character(12) :: line
+    do i = 1, size(model%equations)
+      associate (equation => model%equations(i))
+        row%unknown = 3 * (equation%node - 1) + equation%dof
+        row%coefficient = equation%coefficient
+        row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])
+        call add_row(base, row, 1, 1.0e-9_DP * (1.0_DP + maxval(abs(u))), verdict)
+        if (verdict == ROW_CONFLICT) then
+          write (line, '(i0)') equation%line
+          call set_error(error, EXIT_SETUP, 'The *EQUATION of line ' // trim(line) // ' contradicts the boundary ' // &
+            'conditions of its nodes or the equations before it. Release one of them.')
+          return
+        end if
+      end associate
+    end do
+  end subroutine add_equations
+
+
+  !> A mid-side node of a slave face stays in the middle of its corners: u_m = (u_a + u_b)/2 (doc/theory/contact.md).
+  subroutine add_followers(base, follower, u)
+    type(constraints_type), intent(inout) :: base
+    integer, intent(in) :: follower(:, :)          !< (3, n) the node and its two corners
+    real(DP), intent(in) :: u(:, :)
+    type(row_type) :: row
+    integer :: i, k, verdict
+    do i = 1, size(follower, 2)
+      do k = 1, 3
+        row%unknown = 3 * (follower(:, i) - 1) + k
+        if (base%owner(row%unknown(1)) /= 0) cycle
+        row%coefficient = [1.0_DP, -0.5_DP, -0.5_DP]
+        row%rhs = -dot_product(row%coefficient, u(k, follower(:, i)))
+        call add_row(base, row, 1, huge(1.0_DP), verdict)
+      end do
+    end do
+  end subroutine add_followers
+
+
+  !> Imbalance, contact and residual at state%new%u: forces only.
+  subroutine evaluate(system, model, step, is_frozen, state, trouble)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    logical, intent(in) :: is_frozen               !< .true.: every slave node keeps its status
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: trouble                !< TROUBLE_...
+    integer :: failed
+    integer(I64) :: clock
+    call start_clock(clock)
+    call assemble_forces(system%assembly, model, step%is_nlgeom, state%new, failed)
+    trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
+    system%trouble_item = failed
+    if (failed /= 0) return
+    call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .false.)
+    call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
+    call stop_clock(clock, system%seconds(PHASE_ASSEMBLY))
+    call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
+    call measure(system, state%new)
+    call stop_clock(clock, system%seconds(PHASE_CONTACT))
+    if (.not. system%merit <= huge(1.0_DP)) trouble = TROUBLE_NOT_FINITE
+  end subroutine evaluate
+
+
+  !> Residual, reaction, and the norms by which an iterate is judged.
+  subroutine measure(system, fields)
+    type(system_type), intent(inout) :: system
+    type(fields_type), intent(inout) :: fields
+    real(DP) :: violation
+    integer :: s
+    fields%reaction_force = fields%internal_force - fields%applied_force - fields%contact_force
+    call condense_forces(system%base, -fields%reaction_force, system%residual)
+    system%largest_residual = maxval(abs(system%residual))
+    system%largest_force = max(maxval(abs(fields%internal_force)), maxval(abs(fields%applied_force)), &
+      maxval(abs(fields%contact_force)))
+    violation = 0.0_DP
+    do s = 1, size(fields%slaves)
+      associate (slave => fields%slaves(s))
+        if (slave%status == STATUS_OPEN) cycle
+        violation = violation + (slave%stiffness * slave%gap)**2
+        if (slave%status == 1) violation = violation + (slave%stiffness * norm2(slave%slip_increment))**2
+      end associate
+    end do
+    system%merit = sqrt(sum(system%residual**2) + violation)
+  end subroutine measure
+
+
+  !> d'R(u): the product that the line search over all unknowns needs.
+  pure real(DP) function residual_pair(system, direction) result(product)
+    type(system_type), intent(in) :: system
+    real(DP), intent(in) :: direction(:, :)        !< (3, n_nodes) [length]
+    product = sum(direction * system%residual)
+  end function residual_pair
+
+
+  !> The Newton direction du at the configuration of the last evaluation.
+  subroutine find_direction(system, model, step, state, du, trouble, error)
+    type(system_type), intent(inout), target :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
+    integer, intent(out) :: trouble                !< TROUBLE_...
+    type(error_type), allocatable, intent(out) :: error   !< out of memory and the like
+    integer :: failed
+    integer(I64) :: clock
+    call start_clock(clock)
+    call assemble_tangent(system%assembly, model, step%is_nlgeom, state%new, failed)
+    trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
+    if (failed /= 0) return
+    call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
+    call scale_slaves(system, state%new)
+    call stop_clock(clock, system%seconds(PHASE_ASSEMBLY))
+    call constrain(system, model, step, state%new, error)
+    if (allocated(error)) return
+    call stop_clock(clock, system%seconds(PHASE_CONTACT))
+    call factorise_reduced(system, trouble, error)
+    if (allocated(error) .or. trouble /= TROUBLE_NONE) return
+    call stop_clock(clock, system%seconds(PHASE_FACTOR))
+    call solve_direction(system, du, trouble, error)
+    call stop_clock(clock, system%seconds(PHASE_KRYLOV))
+  end subroutine find_direction
+
+
+  !> The scale c of the trial traction: the mean of the node's own stiffness, a diagonal block of K.
+  subroutine scale_slaves(system, fields)
+    type(system_type), intent(in) :: system
+    type(fields_type), intent(inout) :: fields
+    integer :: s, i
+    do s = 1, size(fields%slaves)
+      i = 3 * (fields%slaves(s)%node - 1)
+      associate (K => system%assembly%stiffness)
+        fields%slaves(s)%stiffness = (K%value(K%first(i + 1)) + K%value(K%first(i + 2)) + K%value(K%first(i + 3))) / 3.0_DP
+      end associate
+    end do
+  end subroutine scale_slaves
+
+
+  !> C and c of all constraints, contact rows included.
+  subroutine constrain(system, model, step, fields, error)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
+    type(error_type), allocatable, intent(out) :: error
+    call prescribe(system, model, step, fields, error)
+    if (allocated(error)) return
+    call linearise_contact(system%contact, model, system%imbalance, fields, system%links)
+    system%whole = system%base
+    call add_contact_rows(system%contact, model, fields, system%links, system%whole, system%n_conflicts)
+    call finish_constraints(system%whole)
+  end subroutine constrain
+
+
+  !> A = C' K C and its Cholesky factor; the analysis is kept while the pattern of C stands.
+  subroutine factorise_reduced(system, trouble, error)
+    type(system_type), intent(inout) :: system
+    integer, intent(out) :: trouble
+    type(error_type), allocatable, intent(out) :: error
+    integer :: status
+    trouble = TROUBLE_NONE
+    if (system%whole%n_free == 0) return
+    if (.not. is_same_pattern(system%whole%map, system%analysed_map)) then
+      call analyse_reduction(system%assembly%stiffness, system%whole%map, system%reduction, system%reduced, error)
+      if (allocated(error)) return
+      call analyse(system%factor, system%reduced, error=error)
+      if (allocated(error)) return
+      system%analysed_map = system%whole%map
+    end if
+    call reduce_matrix(system%reduction, system%assembly%stiffness, system%whole%map, system%reduced, error)
+    if (allocated(error)) return
+    call factorise(system%factor, system%reduced, status, error=error)
+    if (allocated(error)) return
+    system%n_factorisations = system%n_factorisations + 1
+    if (status == FACTOR_OK) return
+    call factorise_shifted(system, status, error)
+    if (allocated(error)) return
+    if (status /= FACTOR_OK) trouble = TROUBLE_SOLVER
+  end subroutine factorise_reduced
+
+
+  !> A is singular or indefinite: its diagonal grows by a share of itself. Only the preconditioner changes, not the answer.
+  subroutine factorise_shifted(system, status, error)
+    type(system_type), intent(inout) :: system
+    integer, intent(out) :: status
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: diagonal(:), shift_by(:)
+    integer :: attempt
+    diagonal = abs(system%reduced%value(system%reduced%first(:system%reduced%n_rows)))
+    do attempt = 0, 4
+      shift_by = SHIFT * 10.0_DP**attempt * diagonal
+      call factorise(system%factor, system%reduced, status, shift_by, error)
+      if (allocated(error)) return
+      system%n_factorisations = system%n_factorisations + 1
+      system%n_shifted = system%n_shifted + 1
+      if (status == FACTOR_OK) return
+    end do
+  end subroutine factorise_shifted
+
+
+  pure logical function is_same_pattern(a, b) result(is_same)
+    type(sparse_type), intent(in) :: a, b
+    is_same = .false.
+    if (.not. allocated(a%first) .or. .not. allocated(b%first)) return
+    if (a%n_rows /= b%n_rows .or. a%n_columns /= b%n_columns .or. size(a%column) /= size(b%column)) return
+    is_same = all(a%first == b%first)
+    if (is_same) is_same = all(a%column == b%column)
+  end function is_same_pattern
+
+
+  !> Solves J dv = C' (R - (K - dF_c) c) and gives du = C dv + c.
+  subroutine solve_direction(system, du, trouble, error)
+    type(system_type), intent(inout), target :: system
+    real(DP), intent(out) :: du(:, :)
+    integer, intent(out) :: trouble
+    type(error_type), allocatable, intent(out) :: error
+    type(tangent_type) :: tangent
+    type(preconditioner_type) :: preconditioner
+    type(krylov_options_type) :: options
+    type(krylov_report_type) :: report
+    real(DP), allocatable :: b(:), v(:), start(:), flat(:)
+    trouble = TROUBLE_NONE
+    allocate (b(system%whole%n_free), v(system%whole%n_free), start(system%whole%n_unknowns), flat(system%whole%n_unknowns))
+    v = 0.0_DP
+    flat = system%whole%offset
+    call right_hand_side(system, flat, b)
+    if (system%whole%n_free > 0) then
+      tangent%system => system
+      preconditioner%system => system
+      options%tolerance = KRYLOV_TOLERANCE
+      options%max_iterations = KRYLOV_MOST
+      call gmres(tangent, preconditioner, b, v, options, report, error)
+      if (allocated(error)) return
+      system%n_krylov = system%n_krylov + report%n_iterations
+      if (report%status /= KRYLOV_CONVERGED) trouble = TROUBLE_SOLVER
+      call multiply(system%whole%map, v, start)
+      flat = flat + start
+    end if
+    du = reshape(flat, shape(du))
+  end subroutine solve_direction
+
+
+  !> b = C' (R - K c + dF_c(c)).
+  subroutine right_hand_side(system, offset, b)
+    type(system_type), intent(in) :: system
+    real(DP), intent(in) :: offset(:)              !< c [length]
+    real(DP), intent(out) :: b(:)
+    real(DP), allocatable :: change(:)
+    allocate (change(size(offset)))
+    change = 0.0_DP
+    if (any(offset /= 0.0_DP)) call change_forces(system, offset, change)
+    call multiply_transpose(system%whole%map, reshape(system%residual, shape(change)) - change, b)
+  end subroutine right_hand_side
+
+
+  !> w = (K - dF_c) du over all unknowns: minus the change of the residual.
+  subroutine change_forces(system, flat, w)
+    type(system_type), intent(in) :: system
+    real(DP), intent(in) :: flat(:)                !< du (n_unknowns) [length]
+    real(DP), intent(out) :: w(:)                  !< (n_unknowns) [force]
+    real(DP), allocatable :: du(:, :), d_imbalance(:, :), d_force(:, :)
+    call multiply_symmetric(system%assembly%stiffness, flat, w)
+    if (size(system%links) == 0) return
+    allocate (d_imbalance(3, size(flat) / 3), d_force(3, size(flat) / 3))
+    du = reshape(flat, [3, size(flat) / 3])
+    call condense_forces(system%base, reshape(-w, shape(du)), d_imbalance)
+    call apply_contact_tangent(system%links, du, d_imbalance, d_force)
+    w = w - reshape(d_force, shape(w))
+  end subroutine change_forces
+
+
+  !> y = J x.
+  subroutine apply_tangent(self, x, y)
+    class(tangent_type), intent(inout) :: self
+    real(DP), intent(in) :: x(:)                   !< (n_free) [length]
+    real(DP), intent(out) :: y(:)                  !< (n_free) [force]
+    real(DP), allocatable :: flat(:), w(:)
+    allocate (flat(self%system%whole%n_unknowns), w(self%system%whole%n_unknowns))
+    call multiply(self%system%whole%map, x, flat)
+    call change_forces(self%system, flat, w)
+    call multiply_transpose(self%system%whole%map, w, y)
+  end subroutine apply_tangent
+
+
+  !> y = inv(A) x.
+  subroutine apply_preconditioner(self, x, y)
+    class(preconditioner_type), intent(inout) :: self
+    real(DP), intent(in) :: x(:)                   !< (n_free) [force]
+    real(DP), intent(out) :: y(:)                  !< (n_free) [length]
+    call solve(self%system%factor, x, y)
+  end subroutine apply_preconditioner
+
+
+  subroutine start_clock(clock)
+    integer(I64), intent(out) :: clock
+    call system_clock(clock)
+  end subroutine start_clock
+
+
+  !> Adds the time since the clock was started or last read, and starts it again.
+  subroutine stop_clock(clock, seconds)
+    integer(I64), intent(inout) :: clock
+    real(DP), intent(inout) :: seconds             !< [s]
+    integer(I64) :: now, rate
+    call system_clock(now, rate)
+    seconds = seconds + real(now - clock, DP) / real(rate, DP)
+    clock = now
+  end subroutine stop_clock
+
+end module amontons_system
