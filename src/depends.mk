@@ -10,12 +10,12 @@ uses_text = kinds
 uses_lookup = kinds text
 uses_tensor = kinds
 uses_history = kinds
-uses_journal = kinds errors history
+uses_journal = kinds errors text history
 
 # 1 tools: one outer library each
 uses_sparse = kinds errors
 uses_dense = kinds
-uses_partition = kinds errors
+uses_partition = errors sparse
 uses_factor = kinds errors sparse
 uses_krylov = kinds errors sparse factor
 uses_store = kinds errors
@@ -31,17 +31,18 @@ uses_model = mesh materials surfaces loads steps
 
 # 3 reading: text to cards, cards to model
 uses_cards = kinds errors text lookup
-uses_card_table = kinds text cards
+uses_card_form = kinds text lookup cards
+uses_card_table = card_form
 uses_deck_names = kinds errors text cards
 uses_deck = kinds errors text cards card_table topology mesh materials surfaces loads steps model
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
 uses_stress = kinds tensor materials
-uses_element = kinds tensor topology shapes stress materials
-uses_facets = kinds errors topology mesh shapes
+uses_element = kinds tensor topology materials shapes stress
+uses_facets = kinds errors tensor topology mesh shapes
 uses_search = kinds facets
-uses_gap = kinds tensor facets
+uses_gap = kinds tensor topology shapes facets search
 uses_slip = kinds
 
 # 5 system: unknowns, residual, matrix
@@ -50,12 +51,13 @@ uses_constraints = kinds sparse
 uses_assembly = kinds errors sparse partition topology mesh loads steps model element state
 uses_contact = kinds errors topology mesh model shapes facets search gap slip state constraints
 uses_contact_tangent = kinds topology model gap state constraints contact
+uses_system = kinds errors history sparse factor krylov loads steps model state constraints assembly contact contact_tangent
 uses_audit = kinds errors mesh model state contact
 
 # 6 solution: the increment, the steps, the results
-uses_converge = kinds steps history
-uses_line_search = kinds steps slip contact
-uses_newton = kinds errors history sparse factor krylov steps model state constraints assembly contact converge line_search
+uses_converge = kinds steps
+uses_line_search = kinds steps model slip state contact system
+uses_newton = kinds errors history steps model state system converge line_search
 uses_stepper = kinds errors history steps model state newton
 uses_nodal = kinds topology mesh model shapes element state
 uses_results = kinds errors history store mesh model state nodal
@@ -64,4 +66,4 @@ uses_printed = kinds errors history mesh steps model state nodal
 # 7 roof: the job
 uses_analysis = kinds errors journal history model deck state audit stepper results printed
 uses_capi = kinds errors journal model analysis
-uses_main = kinds errors journal model card_table analysis
+uses_main = errors version journal model card_table analysis

@@ -1,7 +1,6 @@
 !> Main: the command line, the three verbs of a job, and the exit code; the only room that stops.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program amontons
-  use, intrinsic :: iso_fortran_env, only: output_unit
   use omp_lib, only: omp_get_max_threads
   use amontons_errors, only: error_type, set_error, EXIT_DONE, EXIT_USAGE, EXIT_IO
   use amontons_version, only: VERSION, DESCRIPTION
@@ -32,6 +31,7 @@ contains
     type(command_type) :: command
     type(journal_type) :: journal
     type(error_type), allocatable :: error
+    character(:), allocatable :: cards
     call open_journal(journal, .false., PROGRESS_NONE)
     call read_command(command, error)
     if (.not. allocated(error)) then
@@ -41,7 +41,8 @@ contains
       case (ACTION_VERSION)
         call journal%say('Amontons ' // VERSION)
       case (ACTION_CARDS)
-        call list_cards(output_unit)
+        call list_cards(cards)
+        call journal%say(cards)
       case default
         call open_journal(journal, command%is_quiet, command%progress)
         call run_job(command%job, journal, error)

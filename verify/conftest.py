@@ -1,0 +1,68 @@
+"""What all tests share: where the programs are, and how a job is run.
+
+`make test` says where things are (AMONTONS_BIN, AMONTONS_LIB, AMONTONS_UNITS); by hand, pytest finds the release build.
+"""
+
+import os
+import subprocess
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+TIME_LIMIT = 900  # [s] of one job
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Markers."""
+    config.addinivalue_line("markers", "slow: takes more than some seconds; `make check` leaves it out")
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """The top of the repository."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def program() -> Path:
+    """The program amontons."""
+    path = ROOT / os.environ.get("AMONTONS_BIN", "bin") / "amontons"
+    if not path.exists():
+        pytest.fail(f"{path} is not there; `make` builds it.")
+    return path
+
+
+@pytest.fixture(scope="session")
+def library() -> Path:
+    """The shared library."""
+    path = ROOT / os.environ.get("AMONTONS_LIB", "lib") / "libamontons.so"
+    if not path.exists():
+        pytest.fail(f"{path} is not there; `make` builds it.")
+    return path
+
+
+@pytest.fixture(scope="session")
+def run(program: Path) -> Run:
+    """Runs amontons with the words of a command line; output and errors come back as text."""
+
+    def run_program(words: Sequence[str | Path], cwd: Path | None = None, threads: int = 1) -> subprocess.CompletedProcess[str]:
+        environment = os.environ | {"OMP_NUM_THREADS": str(threads)}
+        command = [str(program), *map(str, words)]
+        return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=TIME_LIMIT)
+
+    return run_program
+
+
+@pytest.fixture
+def run_deck(run: Run, tmp_path: Path) -> Run:
+    """Runs the text of a deck as tmp_path/job.inp; the results are beside it."""
+
+    def run_text(deck: str, *options: str, threads: int = 1) -> subprocess.CompletedProcess[str]:
+        (tmp_path / "job.inp").write_text(deck)
+        return run([*options, "job"], cwd=tmp_path, threads=threads)
+
+    return run_text
