@@ -18,14 +18,14 @@ module amontons_facets
   implicit none
   private
   public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label
-  public :: EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE, FEATURE_ANGLE
+  public :: EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE, EDGE_ANGLE
 
   integer, parameter :: EDGE_FREE = 0         !< no facet across
   integer, parameter :: EDGE_SMOOTH = 1       !< the normals of both sides differ by less than the feature angle
   integer, parameter :: EDGE_CONVEX = 2       !< a crease that sticks out, as the edge of a box
   integer, parameter :: EDGE_CONCAVE = 3      !< a crease that goes in, as where floor and wall meet
 
-  real(DP), parameter :: FEATURE_ANGLE = PI / 4   !< default angle between two normals from which on an edge is a crease [rad]
+  real(DP), parameter :: EDGE_ANGLE = PI / 4   !< default angle between two normals from which on an edge is a crease [rad]
 
   !> The facets of one surface. Edge k of a facet runs from its corner k to the next corner; unused edges (the 4th of a
   !! triangle) are free.
@@ -67,10 +67,10 @@ contains
     integer, intent(in) :: face(:)                        !< (n) its face number
     type(facets_type), intent(out) :: facets
     type(error_type), allocatable, intent(out) :: error
-    real(DP), intent(in), optional :: feature_angle       !< [rad], default FEATURE_ANGLE
+    real(DP), intent(in), optional :: feature_angle       !< [rad], default EDGE_ANGLE
     type(incidence_type) :: incidence
     real(DP) :: angle
-    angle = FEATURE_ANGLE
+    angle = EDGE_ANGLE
     if (present(feature_angle)) angle = feature_angle
     call collect_facets(mesh, element, face, facets, error)
     if (allocated(error)) return

@@ -31,6 +31,7 @@ module amontons_gap
   real(DP), parameter :: LONGEST_STEP = 0.5_DP    !< longest step of a natural coordinate, in lengths of the facet [-]
   real(DP), parameter :: SAME = 1.0e-9_DP         !< distances that differ by less than this part of an edge are equal [-]
   real(DP), parameter :: NEARLY_DONE = 1.0e-8_DP  !< steps this small that do not shrink any more are rounding [-]
+  real(DP), parameter :: COLLAPSED = 1.0e-12_DP   !< a vertex normal smaller than this times the length squared is none [-]
   integer, parameter :: MOST_ITERATIONS = 40      !< of Newton on one facet
   integer, parameter :: MOST_STEPS = 400          !< longest walk, in facets
 
@@ -485,7 +486,8 @@ contains
   end subroutine start_projection
 
 
-  !> Coordinates and vertex normals of a facet's nodes.
+  !> Coordinates and vertex normals of a facet's nodes. A node whose star has no area there (the tip of a collapsed facet)
+  !! has no normal: the others give it.
   pure subroutine make_frame(facets, x, f, frame)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
@@ -500,7 +502,11 @@ contains
       frame%x(:, i) = x(:, frame%nodes(i))
       frame%m(:, i) = vertex_normal(facets, x, facets%vertex(facets%first(f) + i - 1))
       length = norm2(frame%m(:, i))
-      if (length > 0) frame%normal(:, i) = frame%m(:, i) / length
+      if (length > COLLAPSED * frame%size**2) then
+        frame%normal(:, i) = frame%m(:, i) / length
+      else
+        frame%m(:, i) = 0
+      end if
     end do
   end subroutine make_frame
 
