@@ -44,15 +44,10 @@ def point_data(grid: h5py.Group, name: str) -> Floats:
 
 
 def _deck_text(file: h5py.File) -> str | None:
-    """/AMONTONS/deck_text, lines joined by newline; a data set or an attribute."""
-    group = file.get("AMONTONS")
-    if group is None:
+    """/AMONTONS/deck: the lines of the deck, includes in place."""
+    if "AMONTONS/deck" not in file:
         return None
-    for name in ("deck_text", "deck"):
-        value = group[name][()] if name in group else group.attrs.get(name)
-        if value is None:
-            continue
-        if isinstance(value, np.ndarray):
-            value = b"\n".join(bytes(v).rstrip() for v in value.ravel())
-        return value.decode() if isinstance(value, bytes) else str(value)
-    return None
+    value = file["AMONTONS/deck"][()]
+    if isinstance(value, np.ndarray):
+        value = b"\n".join(bytes(v).rstrip() for v in value.ravel())
+    return value.decode()

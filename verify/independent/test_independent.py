@@ -203,7 +203,7 @@ def write_file(path: Path, deck: str, results: Results) -> None:
         grid["PointData/U"] = results.displacements.reshape(-1, 3)
         grid["Steps/Values"] = results.times
         grid["Steps/PointDataOffsets/U"] = np.arange(n_frames) * n
-        file["AMONTONS/deck_text"] = deck
+        file["AMONTONS/deck"] = deck
 
 
 def test_unknown_cards_are_refused() -> None:
