@@ -58,7 +58,7 @@ contains
     type(progress_type), intent(in) :: progress
     real(DP), intent(in) :: tolerance              !< [-]
     real(DP) :: rate
-    total = progress%iteration
+    total = real(progress%iteration, DP)
     if (progress%residual(0) <= tolerance) return
     rate = progress%residual(0) / max(progress%residual(2), tiny(1.0_DP))
     if (rate >= 1.0_DP) then

@@ -208,7 +208,8 @@ contains
     end do
     call go(system, model, step, start, u, state, trouble)
     if (trouble == TROUBLE_NONE .and. system%merit <= full) then
-      search%step_length = sum(verdicts%alpha, mask=verdicts%state == NODE_SLIP) / count(verdicts%state == NODE_SLIP)
+      search%step_length = sum(verdicts%alpha, mask=verdicts%state == NODE_SLIP) &
+        / real(count(verdicts%state == NODE_SLIP), DP)
       search%is_whole_step = .false.
     else
       call go(system, model, step, start, u_full, state, trouble)

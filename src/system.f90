@@ -29,7 +29,8 @@ module amontons_system
   use amontons_contact_tangent, only: link_type, linearise_contact, add_contact_rows, apply_contact_tangent
   implicit none
   private
-  public :: system_type, create_system, begin_step, begin_increment, evaluate, find_direction, residual_pair
+  public :: system_type, create_system, begin_step, begin_increment, evaluate, linearise, find_direction, change_forces, &
+    residual_pair
   public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
 
   integer, parameter :: TROUBLE_NONE = 0
@@ -287,6 +288,26 @@ contains
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     integer, intent(out) :: trouble                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error   !< out of memory and the like
+    integer(I64) :: clock
+    call linearise(system, model, step, state, trouble, error)
+    if (allocated(error) .or. trouble /= TROUBLE_NONE) return
+    call start_clock(clock)
+    call factorise_reduced(system, trouble, error)
+    if (allocated(error) .or. trouble /= TROUBLE_NONE) return
+    call stop_clock(clock, system%seconds(PHASE_FACTOR))
+    call solve_direction(system, du, trouble, error)
+    call stop_clock(clock, system%seconds(PHASE_KRYLOV))
+  end subroutine find_direction
+
+
+  !> K, the linearised contact forces, and C with c, at the configuration of the last evaluation.
+  subroutine linearise(system, model, step, state, trouble, error)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: trouble                !< TROUBLE_...
+    type(error_type), allocatable, intent(out) :: error
     integer :: failed
     integer(I64) :: clock
     call start_clock(clock)
@@ -297,14 +318,8 @@ contains
     call scale_slaves(system, state%new)
     call stop_clock(clock, system%seconds(PHASE_ASSEMBLY))
     call constrain(system, model, step, state%new, error)
-    if (allocated(error)) return
     call stop_clock(clock, system%seconds(PHASE_CONTACT))
-    call factorise_reduced(system, trouble, error)
-    if (allocated(error) .or. trouble /= TROUBLE_NONE) return
-    call stop_clock(clock, system%seconds(PHASE_FACTOR))
-    call solve_direction(system, du, trouble, error)
-    call stop_clock(clock, system%seconds(PHASE_KRYLOV))
-  end subroutine find_direction
+  end subroutine linearise
 
 
   !> The scale c of the trial traction: the mean of the node's own stiffness, a diagonal block of K.

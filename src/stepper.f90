@@ -1,0 +1,104 @@
+!> Stepper: steps, increments and cut-backs: what time comes next, from what happened before.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! The rules and the names of the numbers are those of CONTROLS, PARAMETERS=TIME INCREMENTATION (doc/manual).
+module amontons_stepper
+  use amontons_kinds, only: DP
+  use amontons_steps, only: step_type
+  use amontons_converge, only: VERDICT_DIVERGES
+  implicit none
+  private
+  public :: stepper_type, open_step, propose_time, accept_increment, reject_increment
+  public :: STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
+
+  integer, parameter :: STEP_GOES_ON = 0           !< after an accepted increment: more to come in this step
+  integer, parameter :: STEP_DONE = 1              !< the end of the step is reached
+  integer, parameter :: STEP_OUT_OF_INCREMENTS = 2 !< INC increments were not enough
+  integer, parameter :: CUT_BACK = 3               !< after a failed attempt: try again with the smaller increment
+  integer, parameter :: GIVE_UP = 4                !< no smaller increment is allowed
+
+  real(DP), parameter :: SNAP = 1.0e-6_DP          !< an increment that ends this near to the end of the step ends there [-]
+
+  !> Where the job is in time. Times are those committed.
+  type :: stepper_type
+    integer :: step = 0                            !< index into model%steps
+    integer :: increment = 0                       !< number of the increment, counted from 1 in each step
+    integer :: attempt = 1                         !< number of the attempt at it
+    real(DP) :: step_time = 0                      !< [time]
+    real(DP) :: total_time = 0                     !< [time]
+    real(DP) :: dt = 0                             !< wanted for the next increment [time]
+    integer :: n_fast = 0                          !< increments running that converged within i_g iterations
+  end type stepper_type
+
+contains
+
+  !> The next step begins.
+  pure subroutine open_step(stepper, step)
+    type(stepper_type), intent(inout) :: stepper
+    type(step_type), intent(in) :: step
+    stepper%step = stepper%step + 1
+    stepper%increment = 1
+    stepper%attempt = 1
+    stepper%step_time = 0.0_DP
+    stepper%dt = min(step%dt_initial, step%period)
+    stepper%n_fast = 0
+  end subroutine open_step
+
+
+  !> Length of the next attempt: as wanted, but ending at the end of the step if that is near.
+  pure real(DP) function propose_time(stepper, step) result(dt)
+    type(stepper_type), intent(in) :: stepper
+    type(step_type), intent(in) :: step
+    real(DP) :: left
+    left = step%period - stepper%step_time
+    dt = stepper%dt
+    if (dt >= left - SNAP * step%period) dt = left
+  end function propose_time
+
+
+  !> A converged increment: time goes on, and the next one may be longer or shorter.
+  pure subroutine accept_increment(stepper, step, dt, n_iterations, outcome)
+    type(stepper_type), intent(inout) :: stepper
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: dt                     !< length of the increment [time]
+    integer, intent(in) :: n_iterations            !< of the attempt that converged
+    integer, intent(out) :: outcome                !< STEP_...
+    stepper%total_time = stepper%total_time + dt
+    stepper%step_time = stepper%step_time + dt
+    if (abs(step%period - stepper%step_time) <= SNAP * step%period) stepper%step_time = step%period
+    stepper%n_fast = merge(stepper%n_fast + 1, 0, n_iterations <= step%controls%i_g)
+    if (.not. step%is_direct) then
+      if (n_iterations > step%controls%i_l) then
+        stepper%dt = max(step%dt_min, step%controls%d_b * stepper%dt)
+      else if (stepper%n_fast >= 2) then
+        stepper%dt = min(step%dt_max, step%controls%d_d * stepper%dt)
+      end if
+    end if
+    stepper%attempt = 1
+    outcome = STEP_DONE
+    if (stepper%step_time >= step%period) return
+    stepper%increment = stepper%increment + 1
+    outcome = merge(STEP_OUT_OF_INCREMENTS, STEP_GOES_ON, stepper%increment > step%max_increments)
+  end subroutine accept_increment
+
+
+  !> A failed attempt: cut back, or give up when the step says DIRECT, after i_a cut-backs, or below the least increment.
+  pure subroutine reject_increment(stepper, step, dt, verdict, outcome)
+    type(stepper_type), intent(inout) :: stepper
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: dt                     !< length of the attempt [time]
+    integer, intent(in) :: verdict                 !< VERDICT_...
+    integer, intent(out) :: outcome                !< CUT_BACK or GIVE_UP
+    outcome = GIVE_UP
+    if (step%is_direct .or. stepper%attempt > step%controls%i_a) return
+    stepper%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
+    if (stepper%dt < step%dt_min) then
+      if (dt <= step%dt_min * (1.0_DP + SNAP)) return
+      stepper%dt = step%dt_min
+    end if
+    stepper%n_fast = 0
+    stepper%attempt = stepper%attempt + 1
+    outcome = CUT_BACK
+  end subroutine reject_increment
+
+end module amontons_stepper

@@ -1,0 +1,175 @@
+!> The exact tangent of bodies in contact, friction and finite sliding included, against central differences of the residual.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_contact_tangent
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_topology, only: KIND_C3D8
+  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_model, only: model_type
+  use amontons_steps, only: step_type
+  use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_constraints, only: condense_forces
+  use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, linearise, change_forces
+  use amontons_contact_tangent, only: linearise_contact
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  call check_tangent('flat master, friction, finite sliding', 0.0_DP, 0.3_DP, .true., .false.)
+  call check_tangent('curved master, friction, finite sliding', 0.15_DP, 0.4_DP, .true., .false.)
+  call check_tangent('curved master, frictionless', 0.15_DP, 0.0_DP, .true., .false.)
+  call check_tangent('small sliding', 0.15_DP, 0.3_DP, .true., .true.)
+  call check_tangent('small displacements', 0.1_DP, 0.5_DP, .false., .true.)
+  call suite%finish()
+
+contains
+
+  !> -(K - dF_c) du against the difference of the condensed residual, statuses frozen, for several random directions.
+  subroutine check_tangent(name, sag, friction, is_nlgeom, is_small)
+    character(*), intent(in) :: name
+    real(DP), intent(in) :: sag                    !< height of the master's waves [length]
+    real(DP), intent(in) :: friction
+    logical, intent(in) :: is_nlgeom, is_small
+    real(DP), parameter :: H = 1.0e-6_DP
+    type(model_type) :: model
+    type(step_type) :: step
+    type(system_type) :: system
+    type(state_type) :: state
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: u(:, :), du(:, :), exact(:, :), plus(:, :), minus(:, :), w(:)
+    integer :: trouble, i, s, n
+    call two_blocks(model, sag, friction, is_nlgeom, is_small)
+    step = model%steps(1)
+    call create_system(system, model, state, error)
+    call suite%that(name // ': the system is made', .not. allocated(error))
+    if (allocated(error)) return
+    call begin_step(system, model, step, state, error)
+    call begin_increment(system, model, step, .true., state)
+    n = model%mesh%n_nodes
+    allocate (u(3, n), du(3, n), exact(3, n), plus(3, n), minus(3, n), w(3 * n))
+    call fill(u, 1, 0.02_DP)
+    do s = 1, size(state%new%slaves)
+      associate (slave => state%new%slaves(s))
+        if (slave%status == STATUS_OPEN) cycle
+        slave%status = merge(STATUS_STICK, STATUS_SLIP, mod(s, 3) == 0)
+        slave%stiffness = 100.0_DP
+        u(:, slave%node) = u(:, slave%node) + [0.05_DP, 0.03_DP, -0.01_DP]
+      end associate
+    end do
+    state%new%u = u
+    call evaluate(system, model, step, .true., state, trouble)
+    call suite%that(name // ': evaluated', trouble == 0)
+    call suite%that(name // ': sticking nodes', count(state%new%slaves%status == STATUS_STICK) > 2)
+    call suite%that(name // ': slipping nodes', count(state%new%slaves%status == STATUS_SLIP) > 4)
+    call linearise(system, model, step, state, trouble, error)
+    state%new%slaves%stiffness = 100.0_DP
+    call evaluate(system, model, step, .true., state, trouble)
+    call linearise_contact(system%contact, model, system%imbalance, state%new, system%links)
+    do i = 1, 4
+      call fill(du, i + 1, 1.0_DP)
+      call change_forces(system, reshape(du, [3 * n]), w)
+      call condense_forces(system%base, reshape(w, [3, n]), exact)
+      state%new%u = u + H * du
+      call evaluate(system, model, step, .true., state, trouble)
+      plus = system%residual
+      state%new%u = u - H * du
+      call evaluate(system, model, step, .true., state, trouble)
+      minus = system%residual
+      call suite%near(name // ': tangent', norm2((minus - plus) / (2.0_DP * H) - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
+    end do
+  end subroutine check_tangent
+
+
+  !> Smooth numbers without a pattern, the same in every run.
+  subroutine fill(array, seed, amount)
+    real(DP), intent(out) :: array(:, :)
+    integer, intent(in) :: seed
+    real(DP), intent(in) :: amount
+    integer :: i, k
+    do i = 1, size(array, 2)
+      do k = 1, 3
+        array(k, i) = amount * sin(real(17 * i + 5 * k + 31 * seed, DP)**2)
+      end do
+    end do
+  end subroutine fill
+
+
+  !> A block of 3 x 3 x 1 hexahedra on one of 2 x 2 x 1, the upper the slave.
+  subroutine two_blocks(model, sag, friction, is_nlgeom, is_small)
+    type(model_type), intent(out) :: model
+    real(DP), intent(in) :: sag, friction
+    logical, intent(in) :: is_nlgeom, is_small
+    integer :: i
+    associate (mesh => model%mesh)
+      mesh%n_nodes = 18 + 32
+      mesh%n_elements = 4 + 9
+      mesh%node_label = [(i, i=1, mesh%n_nodes)]
+      mesh%element_label = [(i, i=1, mesh%n_elements)]
+      allocate (mesh%coordinates(3, mesh%n_nodes), mesh%nodes(8 * mesh%n_elements))
+      mesh%kind = spread(KIND_C3D8, 1, mesh%n_elements)
+      mesh%material = spread(1, 1, mesh%n_elements)
+      mesh%first = [(8 * i - 7, i=1, mesh%n_elements + 1)]
+      allocate (mesh%node_sets(0), mesh%element_sets(0))
+      call fill_block(2, 0, 0, [-1.0_DP, 0.0_DP], sag, mesh)
+      call fill_block(3, 18, 4, [0.0_DP, 1.0_DP], sag, mesh)
+      call finish_mesh(mesh)
+    end associate
+    allocate (model%materials(1), model%surfaces(2), model%interactions(1), model%pairs(1), model%amplitudes(0), &
+      model%equations(0), model%steps(1))
+    model%materials(1)%youngs_modulus = 100.0_DP
+    model%materials(1)%poissons_ratio = 0.3_DP
+    model%interactions(1)%friction = friction
+    model%surfaces(1)%element = [(4 + i, i=1, 9)]
+    model%surfaces(1)%face = spread(1, 1, 9)
+    model%surfaces(1)%nodes = [(18 + i, i=1, 16)]
+    model%surfaces(2)%element = [1, 2, 3, 4]
+    model%surfaces(2)%face = spread(2, 1, 4)
+    model%surfaces(2)%nodes = [(9 + i, i=1, 9)]
+    model%pairs(1)%slave = 1
+    model%pairs(1)%master = 2
+    model%pairs(1)%interaction = 1
+    model%pairs(1)%is_small_sliding = is_small
+    associate (step => model%steps(1))
+      step%is_nlgeom = is_nlgeom
+      allocate (step%prescribed(9), step%concentrated(0), step%distributed(0), step%prints(0))
+      do i = 1, 9
+        step%prescribed(i)%node = i
+        step%prescribed(i)%dof = 3
+      end do
+    end associate
+  end subroutine two_blocks
+
+
+  !> One layer of m x m hexahedra between two heights, the contact face waved; numbers start after those given.
+  subroutine fill_block(m, nodes_before, elements_before, height, sag, mesh)
+    integer, intent(in) :: m, nodes_before, elements_before
+    real(DP), intent(in) :: height(2)              !< bottom and top [length]
+    real(DP), intent(in) :: sag                    !< [length]
+    type(mesh_type), intent(inout) :: mesh
+    real(DP) :: x, y, z
+    integer :: a, b, c, n, e
+    do c = 0, 1
+      do b = 0, m
+        do a = 0, m
+          n = nodes_before + 1 + a + (m + 1) * (b + (m + 1) * c)
+          x = 2.4_DP * real(a, DP) / real(m, DP) - 1.2_DP
+          y = 2.4_DP * real(b, DP) / real(m, DP) - 1.2_DP
+          if (m == 3) x = 0.7_DP * x
+          if (m == 3) y = 0.7_DP * y
+          z = height(c + 1)
+          if (abs(z) < 0.5_DP) z = sag * (cos(x) * cos(0.7_DP * y) - 1.0_DP)
+          if (m == 3 .and. c == 0) z = z - 0.06_DP
+          mesh%coordinates(:, n) = [x, y, z]
+        end do
+      end do
+    end do
+    do b = 1, m
+      do a = 1, m
+        e = elements_before + a + m * (b - 1)
+        n = nodes_before + a + (m + 1) * (b - 1)
+        mesh%nodes(8 * e - 7:8 * e - 4) = [n, n + 1, n + m + 2, n + m + 1]
+        mesh%nodes(8 * e - 3:8 * e) = mesh%nodes(8 * e - 7:8 * e - 4) + (m + 1)**2
+      end do
+    end do
+  end subroutine fill_block
+
+end program test_contact_tangent
