@@ -58,12 +58,13 @@ uses_audit = kinds errors mesh model state contact
 uses_converge = kinds steps
 uses_line_search = kinds steps model slip state contact system
 uses_newton = kinds errors history steps model state system converge line_search
-uses_stepper = kinds errors history steps model state newton
-uses_nodal = kinds topology mesh model shapes element state
-uses_results = kinds errors history store mesh model state nodal
-uses_printed = kinds errors history mesh steps model state nodal
+uses_stepper = kinds steps converge
+uses_nodal = kinds tensor topology mesh shapes
+uses_columns = kinds errors history store
+uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state nodal columns
+uses_printed = kinds errors text tensor history topology mesh steps model state nodal
 
 # 7 roof: the job
-uses_analysis = kinds errors journal history model deck state audit stepper results printed
+uses_analysis = kinds errors history journal factor steps model deck state contact system audit converge newton stepper results printed failure
 uses_capi = kinds errors journal model analysis
 uses_main = errors version journal model card_table analysis

@@ -8,9 +8,7 @@ module amontons_model
   use amontons_steps, only: step_type
   implicit none
   private
-  public :: model_type, job_options_type, job_path, PROGRAM_VERSION, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
-
-  character(*), parameter :: PROGRAM_VERSION = '0.1.0'   !< of Amontons, as told by --version and in the result file
+  public :: model_type, job_options_type, job_path, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
   integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
   integer, parameter :: DIALECT_ABAQUS = 1

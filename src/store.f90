@@ -1,20 +1,21 @@
 !> Store: HDF5 files: groups, attributes, data sets with unit and description, and tables that grow row by row.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The only file of the program that knows HDF5. A store is opened without a file lock, so that a viewer may read it while
-!! the job runs; after `flush_store` what is on disk is whole. Closing a store closes everything that is open in it.
+!! The only file of the program that knows HDF5. A store is opened without a file lock, so that a viewer may read it
+!! while the job runs; after `flush_store` what is on disk is whole. Closing a store closes all that is open in it.
 module amontons_store
   use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_null_char, c_ptr
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use hdf5, only: HID_T, HSIZE_T, SIZE_T, H5F_ACC_TRUNC_F, H5F_CLOSE_STRONG_F, H5F_SCOPE_GLOBAL_F, H5P_DATASET_CREATE_F, &
-    H5P_FILE_ACCESS_F, H5S_SCALAR_F, H5S_SELECT_SET_F, H5S_UNLIMITED_F, H5T_CSET_UTF8_F, H5T_FORTRAN_S1, &
-    H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, H5T_NATIVE_INTEGER, H5T_STD_I32LE, H5T_STD_I64LE, H5T_STD_U8LE, &
-    H5T_STR_NULLPAD_F, H5_INTEGER_KIND, h5aclose_f, h5acreate_f, h5aexists_f, h5aopen_f, h5awrite_f, h5dclose_f, h5dcreate_f, &
-    h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5eset_auto_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, &
-    h5gcreate_f, h5iis_valid_f, h5kind_to_type, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, h5pcreate_f, h5pset_chunk_f, &
-    h5pset_deflate_f, h5pset_fclose_degree_f, h5pset_shuffle_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
-    h5sselect_hyperslab_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, h5tset_strpad_f
+  use hdf5, only: HID_T, HSIZE_T, SIZE_T, H5F_ACC_TRUNC_F, H5F_CLOSE_STRONG_F, H5F_SCOPE_GLOBAL_F, &
+    H5P_DATASET_CREATE_F, H5P_FILE_ACCESS_F, H5S_SCALAR_F, H5S_SELECT_SET_F, H5S_UNLIMITED_F, H5T_CSET_UTF8_F, &
+    H5T_FORTRAN_S1, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, H5T_NATIVE_INTEGER, H5T_STD_I32LE, H5T_STD_I64LE, &
+    H5T_STD_U8LE, H5T_STR_NULLPAD_F, H5_INTEGER_KIND, h5aclose_f, h5acreate_f, h5aexists_f, h5aopen_f, h5awrite_f, &
+    h5dclose_f, h5dcreate_f, h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5eset_auto_f, h5fclose_f, h5fcreate_f, &
+    h5fflush_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, h5kind_to_type, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, &
+    h5pcreate_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_fclose_degree_f, h5pset_shuffle_f, h5sclose_f, &
+    h5screate_f, h5screate_simple_f, h5sselect_hyperslab_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, &
+    h5tset_strpad_f
   implicit none
   private
   public :: store_type, table_type, form_type, STORE_REAL, STORE_I32, STORE_I64, STORE_U8, STORE_TEXT

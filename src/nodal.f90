@@ -1,0 +1,68 @@
+!> Nodal: values of integration points brought to the nodes, and the volumes that integration points stand for.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_nodal
+  use amontons_kinds, only: DP
+  use amontons_tensor, only: determinant
+  use amontons_topology, only: element_kind, kind_type, MAX_NODES, MAX_POINTS, N_KINDS
+  use amontons_mesh, only: mesh_type, element_nodes
+  use amontons_shapes, only: extrapolation_matrix, quadrature, shape_functions
+  implicit none
+  private
+  public :: average_at_nodes, point_volumes
+
+contains
+
+  !> Extrapolates values from the integration points of each element to its nodes and takes the mean at each node.
+  !!
+  !! All elements at a node weigh the same, whatever their size or material (as in CalculiX); bodies in contact do not
+  !! mix, since they share no node. A node without elements gets 0. Cost: linear.
+  subroutine average_at_nodes(mesh, values, averages)
+    type(mesh_type), intent(in) :: mesh
+    real(DP), intent(in) :: values(:, :)        !< (n_components, n_points)
+    real(DP), intent(out) :: averages(:, :)     !< (n_components, n_nodes) same unit
+    real(DP) :: matrix(MAX_NODES, MAX_POINTS, N_KINDS)
+    logical :: is_made(N_KINDS)
+    integer :: n_elements_at(mesh%n_nodes)
+    integer :: e, a, p, n, n_points, kind, first, nodes(MAX_NODES)
+    is_made = .false.
+    averages = 0
+    n_elements_at = 0
+    do e = 1, mesh%n_elements
+      kind = mesh%kind(e)
+      if (.not. is_made(kind)) call extrapolation_matrix(kind, matrix(:, :, kind), n, n_points)
+      is_made(kind) = .true.
+      call element_nodes(mesh, e, n, nodes)
+      first = mesh%point_first(e)
+      n_points = mesh%point_first(e + 1) - first
+      do a = 1, n
+        do p = 1, n_points
+          averages(:, nodes(a)) = averages(:, nodes(a)) + matrix(a, p, kind) * values(:, first + p - 1)
+        end do
+        n_elements_at(nodes(a)) = n_elements_at(nodes(a)) + 1
+      end do
+    end do
+    do a = 1, mesh%n_nodes
+      averages(:, a) = averages(:, a) / real(max(1, n_elements_at(a)), DP)
+    end do
+  end subroutine average_at_nodes
+
+
+  !> The reference volume that each integration point of an element stands for: weight times Jacobian.
+  pure subroutine point_volumes(mesh, e, n, volumes)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                       !< element index
+    integer, intent(out) :: n                      !< number of its points
+    real(DP), intent(out) :: volumes(MAX_POINTS)   !< (MAX_POINTS) the first n are set, 0 past n [length^3]
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), shapes(MAX_NODES), slopes(3, MAX_NODES), jacobian(3, 3)
+    integer :: p, n_nodes, nodes(MAX_NODES)
+    call element_nodes(mesh, e, n_nodes, nodes)
+    call quadrature(mesh%kind(e), n, xi, w)
+    volumes = 0
+    do p = 1, n
+      call shape_functions(mesh%kind(e), xi(:, p), shapes, slopes)
+      jacobian = matmul(mesh%coordinates(:, nodes(:n_nodes)), transpose(slopes(:, :n_nodes)))
+      volumes(p) = w(p) * determinant(jacobian)
+    end do
+  end subroutine point_volumes
+
+end module amontons_nodal

@@ -1,0 +1,460 @@
+!> Printed: job.sta and job.cvg, a line per attempt and per iteration, and job.dat for the PRINT cards.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! The columns are those of CalculiX, so that programs which read its files read ours; what we add stands to the right.
+!! Lines of .sta and .cvg are brought to disk one by one, since such programs watch them while the job runs.
+!!
+!! Where the two parents of the deck language mean different things by RF, the dialect decides: under calculix the block
+!! `forces` shows all forces from outside on a node (supports, loads), under abaqus the reactions of supports alone.
+module amontons_printed
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, set_error, EXIT_IO
+  use amontons_text, only: upper_case
+  use amontons_tensor, only: cross_product
+  use amontons_topology, only: MAX_POINTS
+  use amontons_mesh, only: mesh_type, set_type
+  use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE
+  use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
+  use amontons_history, only: increment_record_type, iteration_record_type
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN
+  use amontons_nodal, only: point_volumes
+  implicit none
+  private
+  public :: printed_type, open_printed, print_iteration, print_increment, print_fields, close_printed
+
+  !> The text files of a job that are being written. Units are 0 if not open.
+  type :: printed_type
+    private
+    integer :: sta = 0
+    integer :: cvg = 0
+    integer :: dat = 0
+    character(:), allocatable :: dat_path
+  end type printed_type
+
+  character(*), parameter :: NODE_FORM = '(i10,1p,3(1x,e13.6))'
+  character(*), parameter :: POINT_FORM = '(i10,1x,i3,1p,6(1x,e13.6))'
+  character(*), parameter :: TOTAL_FORM = '(6x,1p,3(1x,e13.6))'
+  character(*), parameter :: STATISTICS_FORM = '(2x,1p,6(1x,e13.6))'
+
+contains
+
+  !> Opens job.sta and job.cvg with their head lines, and job.dat if a step has PRINT cards.
+  subroutine open_printed(printed, model, options, error)
+    type(printed_type), intent(out) :: printed
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    call open_text(job_path(options, '.sta'), printed%sta, error)
+    if (allocated(error)) return
+    write (printed%sta, '(a)') 'SUMMARY OF JOB INFORMATION', &
+      '  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME' // &
+      '    OPEN  STICK   SLIP      S-I     S-II    S-III     S-IV  CUT  FACT  KRYLOV   RESIDUAL  CORRECTION'
+    flush (printed%sta)
+    call open_text(job_path(options, '.cvg'), printed%cvg, error)
+    if (allocated(error)) return
+    write (printed%cvg, '(a)') 'SUMMARY OF C0NVERGENCE INFORMATION', &
+      '  STEP   INC  ATT   ITER     CONT.   RESID.        CORR.      RESID.      CORR.' // &
+      '    OPEN  STICK   SLIP    S-I   S-II  S-III   S-IV OPENED CLOSED KRYLOV       STEP        WORST', &
+      '                              EL.    FORCE         DISP       FLUX        TEMP.' // &
+      '                                                                      LENGTH          GAP', &
+      '                              (#)     (%)           (%)        (%)         (%)' // &
+      '     (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)         (-)     (LENGTH)'
+    flush (printed%cvg)
+    do i = 1, size(model%steps)
+      if (.not. allocated(model%steps(i)%prints)) cycle
+      if (size(model%steps(i)%prints) == 0 .or. printed%dat /= 0) cycle
+      printed%dat_path = job_path(options, '.dat')
+      call open_text(printed%dat_path, printed%dat, error)
+      if (allocated(error)) return
+    end do
+  end subroutine open_printed
+
+
+  !> Creates a text file, or empties it if it exists.
+  subroutine open_text(path, unit, error)
+    character(*), intent(in) :: path
+    integer, intent(out) :: unit
+    type(error_type), allocatable, intent(out) :: error
+    character(200) :: reason
+    integer :: status
+    open (newunit=unit, file=path, status='replace', action='write', form='formatted', iostat=status, iomsg=reason)
+    if (status == 0) return
+    unit = 0
+    call set_error(error, EXIT_IO, 'Cannot create the file ' // path // ': ' // trim(reason) // '.')
+  end subroutine open_text
+
+
+  !> Writes a line of .cvg. Residual and correction are in per cent, as in CalculiX.
+  subroutine print_iteration(printed, record)
+    type(printed_type), intent(in) :: printed
+    type(iteration_record_type), intent(in) :: record
+    if (printed%cvg == 0) return
+    write (printed%cvg, '(2x,i4,2x,i4,2x,i4,2x,i4,2x,i7,4(1x,e11.4),3(1x,i6),4(1x,i6),3(1x,i6),2(1x,e12.5))') &
+      record%step, record%increment, record%attempt, record%iteration, record%n_closed, 100 * record%residual, &
+      100 * record%correction, 0.0_DP, 0.0_DP, record%n_status, record%n_scenario, record%n_opened, &
+      record%n_closed_now, record%n_krylov, record%step_length, record%worst_gap
+    flush (printed%cvg)
+  end subroutine print_iteration
+
+
+  !> Writes a line of .sta; an attempt that failed has a U behind its number and the times at which it began.
+  subroutine print_increment(printed, record)
+    type(printed_type), intent(in) :: printed
+    type(increment_record_type), intent(in) :: record
+    character(*), parameter :: OURS = '3(1x,i6),4(1x,i8),1x,i4,1x,i5,1x,i7,2(1x,e11.4))'
+    real(DP) :: back
+    character(:), allocatable :: form
+    if (printed%sta == 0) return
+    if (record%is_converged) then
+      form = '(1x,i5,1x,i10,2(1x,i5),3(1x,e13.6),' // OURS
+      back = 0
+    else
+      form = '(1x,i5,1x,i10,1x,i5,''U'',1x,i4,3(1x,e13.6),' // OURS
+      back = record%dt
+    end if
+    write (printed%sta, form) record%step, record%increment, record%attempt, record%n_iterations, &
+      record%total_time - back, record%step_time - back, record%dt, record%n_status, record%n_scenario, &
+      record%n_cutbacks, record%n_factorisations, record%n_krylov, record%residual, record%correction
+    flush (printed%sta)
+  end subroutine print_increment
+
+
+  !> Writes what the PRINT cards of the step ask of a converged increment; nothing if its turn has not come
+  !! (print_frequency), and nothing for increment 0.
+  subroutine print_fields(printed, model, fields, record, error)
+    type(printed_type), intent(in) :: printed
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields                  !< committed
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i, status
+    character(200) :: reason
+    if (printed%dat == 0 .or. record%increment == 0) return
+    associate (step => model%steps(record%step))
+      if (.not. allocated(step%prints)) return
+      if (size(step%prints) == 0) return
+      if (.not. is_output_due(step, step%print_frequency, record%increment, record%step_time)) return
+      write (printed%dat, '(/24x,a,i5,//,32x,a,i5,/)') 'S T E P   ', record%step, 'INCREMENT ', record%increment
+      do i = 1, size(step%prints)
+        call print_request(printed%dat, model, fields, step%prints(i))
+      end do
+    end associate
+    flush (printed%dat, iostat=status, iomsg=reason)
+    if (status /= 0) call set_error(error, EXIT_IO, 'Cannot write the file ' // printed%dat_path // ': ' // &
+      trim(reason) // '.')
+  end subroutine print_fields
+
+
+  !> Closes the files that are open.
+  subroutine close_printed(printed)
+    type(printed_type), intent(inout) :: printed
+    if (printed%sta /= 0) close (printed%sta)
+    if (printed%cvg /= 0) close (printed%cvg)
+    if (printed%dat /= 0) close (printed%dat)
+    printed = printed_type()
+  end subroutine close_printed
+
+
+  !> One PRINT card: a block per variable. The reader has refused variables that are not known here.
+  subroutine print_request(unit, model, fields, request)
+    integer, intent(in) :: unit
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    type(print_request_type), intent(in) :: request
+    integer :: i
+    do i = 1, size(request%variables)
+      select case (request%kind)
+      case (PRINT_NODE)
+        call print_node_variable(unit, model, fields, request, request%variables(i))
+      case (PRINT_ELEMENT)
+        call print_element_variable(unit, model%mesh, fields, request, request%variables(i))
+      case (PRINT_CONTACT)
+        call print_contact_variable(unit, model, fields, request%variables(i))
+      end select
+    end do
+  end subroutine print_request
+
+
+  !> U and RF of a node set.
+  subroutine print_node_variable(unit, model, fields, request, variable)
+    integer, intent(in) :: unit
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    type(print_request_type), intent(in) :: request
+    character(*), intent(in) :: variable
+    real(DP), allocatable :: force(:, :)
+    associate (set => model%mesh%node_sets(request%set))
+      select case (variable)
+      case ('U')
+        call print_node_rows(unit, 'displacements (vx,vy,vz)', model%mesh, set, fields, fields%u)
+      case ('RF')
+        if (model%dialect == DIALECT_CALCULIX) then
+          force = fields%internal_force - fields%contact_force
+        else
+          force = fields%reaction_force
+        end if
+        if (.not. request%is_only_totals) &
+          call print_node_rows(unit, 'forces (fx,fy,fz)', model%mesh, set, fields, force)
+        if (.not. (request%is_totals .or. request%is_only_totals)) return
+        call print_head(unit, 'total force (fx,fy,fz)', set, fields%total_time)
+        write (unit, TOTAL_FORM) sum(force(:, set%members), 2)
+      end select
+    end associate
+  end subroutine print_node_variable
+
+
+  !> A block of vectors at the nodes of a set.
+  subroutine print_node_rows(unit, title, mesh, set, fields, values)
+    integer, intent(in) :: unit
+    character(*), intent(in) :: title
+    type(mesh_type), intent(in) :: mesh
+    type(set_type), intent(in) :: set
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(in) :: values(:, :)           !< (3, n_nodes)
+    integer :: i
+    call print_head(unit, title, set, fields%total_time)
+    do i = 1, size(set%members)
+      write (unit, NODE_FORM) mesh%node_label(set%members(i)), values(:, set%members(i))
+    end do
+  end subroutine print_node_rows
+
+
+  !> S, E, ENER at the integration points of an element set; ELSE, EVOL of its elements.
+  subroutine print_element_variable(unit, mesh, fields, request, variable)
+    integer, intent(in) :: unit
+    type(mesh_type), intent(in) :: mesh
+    type(fields_type), intent(in) :: fields
+    type(print_request_type), intent(in) :: request
+    character(*), intent(in) :: variable
+    ! CalculiX prints xx yy zz xy xz yz.
+    integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
+    associate (set => mesh%element_sets(request%set), time => fields%total_time)
+      select case (variable)
+      case ('S')
+        call print_head(unit, 'stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)', set, time)
+        call print_point_rows(unit, mesh, set, fields%stress(ORDER, :))
+      case ('E', 'LE', 'ME')
+        call print_head(unit, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
+        call print_point_rows(unit, mesh, set, fields%strain(ORDER, :))
+      case ('ENER')
+        call print_head(unit, 'internal energy density (elem, integ.pnt.,energy)', set, time)
+        call print_point_rows(unit, mesh, set, reshape(fields%energy, [1, size(fields%energy)]))
+      case ('ELSE')
+        call print_element_rows(unit, ['internal energy (element, energy)', 'total internal energy            '], &
+          mesh, request, time, fields%energy)
+      case ('EVOL')
+        call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], mesh, request, time)
+      end select
+    end associate
+  end subroutine print_element_variable
+
+
+  !> Rows of the integration points of the elements of a set.
+  subroutine print_point_rows(unit, mesh, set, values)
+    integer, intent(in) :: unit
+    type(mesh_type), intent(in) :: mesh
+    type(set_type), intent(in) :: set
+    real(DP), intent(in) :: values(:, :)           !< (n_components, n_points)
+    integer :: i, p
+    do i = 1, size(set%members)
+      associate (e => set%members(i))
+        do p = mesh%point_first(e), mesh%point_first(e + 1) - 1
+          write (unit, POINT_FORM) mesh%element_label(e), p - mesh%point_first(e) + 1, values(:, p)
+        end do
+      end associate
+    end do
+  end subroutine print_point_rows
+
+
+  !> A block with the integral over each element of a set of a density, or of 1, per reference volume, and their sum.
+  subroutine print_element_rows(unit, titles, mesh, request, time, density)
+    integer, intent(in) :: unit
+    character(*), intent(in) :: titles(2)          !< of the rows, of the sum
+    type(mesh_type), intent(in) :: mesh
+    type(print_request_type), intent(in) :: request
+    real(DP), intent(in) :: time                   !< total time [time]
+    real(DP), intent(in), optional :: density(:)   !< (n_points); default 1
+    real(DP) :: volumes(MAX_POINTS), integral, total
+    integer :: i, n, first
+    associate (set => mesh%element_sets(request%set))
+      if (.not. request%is_only_totals) call print_head(unit, trim(titles(1)), set, time)
+      total = 0
+      do i = 1, size(set%members)
+        call point_volumes(mesh, set%members(i), n, volumes)
+        integral = sum(volumes(:n))
+        first = mesh%point_first(set%members(i))
+        if (present(density)) integral = dot_product(volumes(:n), density(first:first + n - 1))
+        total = total + integral
+        if (.not. request%is_only_totals) write (unit, NODE_FORM) mesh%element_label(set%members(i)), integral
+      end do
+      if (.not. (request%is_totals .or. request%is_only_totals)) return
+      call print_head(unit, trim(titles(2)), set, time)
+      write (unit, TOTAL_FORM) total
+    end associate
+  end subroutine print_element_rows
+
+
+  !> CDIS, CSTR of the closed slave nodes, their number CNUM, our SCEN, and the statistics CF, CFN, CFS of each pair.
+  !!
+  !! As in CalculiX pressure is positive, a gap negative is penetration, and the tangential components are slip and the
+  !! shear stress that goes with it (that on the master, in the direction of slip of the slave).
+  subroutine print_contact_variable(unit, model, fields, variable)
+    integer, intent(in) :: unit
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    character(*), intent(in) :: variable
+    integer :: i
+    select case (variable)
+    case ('CDIS')
+      call print_contact_head(unit, 'relative contact displacement (slave node,normal,tang1,tang2)', fields%total_time)
+      call print_slave_rows(unit, model%mesh, fields%slaves, is_stress=.false.)
+    case ('CSTR')
+      call print_contact_head(unit, 'contact stress (slave node,press,tang1,tang2)', fields%total_time)
+      call print_slave_rows(unit, model%mesh, fields%slaves, is_stress=.true.)
+    case ('SCEN')
+      call print_contact_head(unit, 'slip scenario (slave node,status,scenario)', fields%total_time)
+      do i = 1, size(fields%slaves)
+        associate (slave => fields%slaves(i))
+          if (slave%status == STATUS_OPEN .and. slave%scenario == 0) cycle
+          write (unit, '(i10,2(1x,i10))') model%mesh%node_label(slave%node), slave%status, slave%scenario
+        end associate
+      end do
+    case ('CNUM')
+      write (unit, '(/a,e14.7/)') ' total number of contact elements for time ', fields%total_time
+      write (unit, '(6x,1x,i10)') count(fields%slaves%status /= STATUS_OPEN)
+    case ('CF', 'CFN', 'CFS')
+      do i = 1, size(model%pairs)
+        call print_statistics(unit, model, fields, i, variable)
+      end do
+    end select
+  end subroutine print_contact_variable
+
+
+  !> Rows of the closed slave nodes: gap and slip, or pressure and shear stress, in the axes of contact_axes.
+  subroutine print_slave_rows(unit, mesh, slaves, is_stress)
+    integer, intent(in) :: unit
+    type(mesh_type), intent(in) :: mesh
+    type(slave_type), intent(in) :: slaves(:)
+    logical, intent(in) :: is_stress
+    real(DP) :: axes(3, 3), row(3)
+    integer :: i
+    do i = 1, size(slaves)
+      associate (slave => slaves(i))
+        if (slave%status == STATUS_OPEN) cycle
+        axes = contact_axes(slave%normal)
+        if (is_stress) then
+          row = matmul(slave%force - slave%shear, axes)
+          if (slave%area > 0) row = row / slave%area
+        else
+          row = matmul(slave%slip, axes)
+          row(1) = slave%gap
+        end if
+        write (unit, NODE_FORM) mesh%node_label(slave%node), row
+      end associate
+    end do
+  end subroutine print_slave_rows
+
+
+  !> The normal and two tangents as CalculiX takes them: the x axis laid into the tangent plane (the z axis if the
+  !! normal is along x), and n x t1.
+  pure function contact_axes(normal) result(axes)
+    real(DP), intent(in) :: normal(3)              !< unit normal out of the master
+    real(DP) :: axes(3, 3)                         !< columns n, t1, t2
+    real(DP) :: t(3)
+    integer :: k
+    k = merge(3, 1, 1 - abs(normal(1)) < 1.5231e-6_DP)
+    t = -normal(k) * normal
+    t(k) = t(k) + 1
+    t = t / norm2(t)
+    axes(:, 1) = normal
+    axes(:, 2) = t
+    axes(:, 3) = cross_product(normal, t)
+  end function contact_axes
+
+
+  !> Force, moment, area and mean normal of the slave side of one pair.
+  subroutine print_statistics(unit, model, fields, i_pair, variable)
+    integer, intent(in) :: unit
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: i_pair
+    character(*), intent(in) :: variable           !< CF all forces, CFN the normal ones, CFS the tangential ones
+    character(:), allocatable :: part
+    real(DP) :: force(3), moment(3), center(3), normal(3), area, normal_force
+    call sum_contact(model%mesh, fields, i_pair, variable, force, moment, center, normal, area)
+    part = ''
+    if (variable == 'CFN') part = 'normal '
+    if (variable == 'CFS') part = 'shear '
+    associate (pair => model%pairs(i_pair))
+      write (unit, '(//5a,e14.7)') ' statistics for slave set ', upper_case(model%surfaces(pair%slave)%name), &
+        ', master set ', upper_case(model%surfaces(pair%master)%name), ' and time ', fields%total_time
+    end associate
+    write (unit, '(/3a/)') '   total ', part, 'surface force (fx,fy,fz) and moment about the origin (mx,my,mz)'
+    write (unit, STATISTICS_FORM) force, moment
+    write (unit, '(/a/)') '   center of gravity and mean normal'
+    write (unit, STATISTICS_FORM) center, normal
+    write (unit, '(/a/)') '   moment about the center of gravity(mx,my,mz)'
+    write (unit, STATISTICS_FORM) moment - cross_product(center, force)
+    normal_force = dot_product(force, normal)
+    write (unit, '(/a/)') '   area,  normal force (+ = tension) and shear force (size)'
+    write (unit, STATISTICS_FORM) area, normal_force, norm2(force - normal_force * normal)
+  end subroutine print_statistics
+
+
+  !> Sums over the closed slave nodes of one pair; the normal points out of the slave.
+  pure subroutine sum_contact(mesh, fields, i_pair, variable, force, moment, center, normal, area)
+    type(mesh_type), intent(in) :: mesh
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: i_pair
+    character(*), intent(in) :: variable
+    real(DP), intent(out) :: force(3)              !< on the slave [force]
+    real(DP), intent(out) :: moment(3)             !< about the origin [force length]
+    real(DP), intent(out) :: center(3)             !< of the area in contact [length]
+    real(DP), intent(out) :: normal(3)             !< mean, as long as the areas make it
+    real(DP), intent(out) :: area                  !< in contact [length^2]
+    real(DP) :: f(3), x(3)
+    integer :: i
+    force = 0
+    moment = 0
+    center = 0
+    normal = 0
+    area = 0
+    do i = 1, size(fields%slaves)
+      associate (slave => fields%slaves(i))
+        if (slave%pair /= i_pair .or. slave%status == STATUS_OPEN) cycle
+        x = mesh%coordinates(:, slave%node) + fields%u(:, slave%node)
+        f = 0
+        if (variable /= 'CFS') f = f + slave%force
+        if (variable /= 'CFN') f = f + slave%shear
+        force = force + f
+        moment = moment + cross_product(x, f)
+        center = center + slave%area * x
+        normal = normal - slave%area * slave%normal
+        area = area + slave%area
+      end associate
+    end do
+    if (area > 0) center = center / area
+    if (area > 0) normal = normal / area
+  end subroutine sum_contact
+
+
+  !> The head line of a block, with blank lines around it.
+  subroutine print_head(unit, title, set, time)
+    integer, intent(in) :: unit
+    character(*), intent(in) :: title
+    type(set_type), intent(in) :: set
+    real(DP), intent(in) :: time                   !< total time [time]
+    write (unit, '(/5a,e14.7/)') ' ', title, ' for set ', upper_case(set%name), ' and time ', time
+  end subroutine print_head
+
+
+  !> The head line of a block of slave nodes, with blank lines around it.
+  subroutine print_contact_head(unit, title, time)
+    integer, intent(in) :: unit
+    character(*), intent(in) :: title
+    real(DP), intent(in) :: time                   !< total time [time]
+    write (unit, '(/3a,e14.7/)') ' ', title, ' for all contact elements and time', time
+  end subroutine print_contact_head
+
+end module amontons_printed

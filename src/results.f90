@@ -1,0 +1,658 @@
+!> Results: job.vtkhdf, in which ParaView sees the fields of every increment and a script finds everything else.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Two groups. `/VTKHDF` is an UnstructuredGrid of VTK's HDF format, version 2.0: one mesh, in one part, and a block of
+!! rows of point data per written increment; it is kept to what VTK 9.3 to 9.7 read alike. `/AMONTONS` is ours, VTK
+!! ignores it:
+!!
+!! | group                | holds                                                                                      |
+!! |----------------------|--------------------------------------------------------------------------------------------|
+!! | (itself)             | deck, version, dialect, heading, phases                                                    |
+!! | `mesh`               | labels, kinds and materials of nodes and elements; `node_sets`, `element_sets`             |
+!! | `materials`          | parameters                                                                                 |
+!! | `pairs`              | contact pairs: surfaces, friction, facets of the master                                    |
+!! | `steps`, `controls`  | one value per step                                                                         |
+!! | `history`            | one row per attempt at an increment, failed ones included; `frame` leads to the fields     |
+!! | `iterations`         | one row per Newton iteration                                                               |
+!! | `integration_points` | stress, strain and energy density of each frame                                            |
+!! | `contact`            | what each slave node remembers, of each frame                                              |
+!!
+!! Every data set has attributes `unit` and `description`. Indices count from 0, -1 is none; labels are the user's.
+!! Lists of lists have `first` (where each begins, one more entry than lists) beside their members. A frame is one
+!! written increment: rows [frame * n, (frame + 1) * n) of the fields, n the number of nodes, points or slave nodes.
+!! A field is never written with a NaN or an infinity in it. The file is flushed after each increment.
+module amontons_results
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use amontons_kinds, only: DP, I64, NAME_LENGTH
+  use amontons_errors, only: error_type, set_error, EXIT_INTERNAL
+  use amontons_tensor, only: von_mises
+  use amontons_version, only: VERSION
+  use amontons_topology, only: element_kind, kind_type, MAX_FACE_NODES
+  use amontons_mesh, only: mesh_type, set_type
+  use amontons_materials, only: LAW_HENCKY
+  use amontons_surfaces, only: surface_type
+  use amontons_steps, only: is_output_due, step_type
+  use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
+  use amontons_history, only: increment_record_type, iteration_record_type, PHASE_NAMES
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN
+  use amontons_store, only: append_rows, close_store, create_group, create_store, create_table, flush_store, &
+    form_type, store_type, table_type, write_attribute, write_data, STORE_I64, STORE_TEXT, STORE_U8
+  use amontons_columns, only: append_columns, check_finite, column_type, create_columns, write_columns, &
+    CONTACT_COLUMNS, CONTROL_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, &
+    N_CONTACT_REALS, N_HISTORY_INTEGERS, N_HISTORY_REALS, N_INTEGRATION_REALS, N_ITERATION_INTEGERS, &
+    N_ITERATION_REALS, N_POINT_INTEGERS, N_POINT_REALS, POINT_COLUMNS, STEP_COLUMNS, STRAIN_COLUMN
+  use amontons_nodal, only: average_at_nodes
+  implicit none
+  private
+  public :: results_type, open_results, write_increment, write_attempt, write_iteration, close_results
+
+  !> A result file that is being written.
+  type :: results_type
+    private
+    type(store_type) :: store
+    integer :: n_nodes = 0
+    integer :: n_points = 0
+    integer :: n_slaves = 0
+    integer :: n_frames = 0                            !< increments of which the fields are written
+    real(DP) :: far = 0                                !< COPEN of a node that projects nowhere [length]
+    type(column_type), allocatable :: point_columns(:)
+    type(table_type), allocatable :: point(:)          !< /VTKHDF/PointData
+    type(table_type), allocatable :: point_offset(:)   !< /VTKHDF/Steps/PointDataOffsets
+    type(table_type) :: time                           !< /VTKHDF/Steps/Values
+    type(table_type), allocatable :: constant(:)       !< the other tables of /VTKHDF/Steps
+    type(table_type), allocatable :: integration(:)
+    type(table_type), allocatable :: contact(:)        !< created with the first fields, which know the slave nodes
+    type(table_type), allocatable :: history(:)
+    type(table_type) :: reason
+    type(table_type), allocatable :: iterations(:)
+  end type results_type
+
+  integer, parameter :: LONGEST_NAME = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
+  integer, parameter :: REASON_LENGTH = 240            !< longest reason why an attempt failed
+  real(DP), parameter :: UNTOLD = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
+
+  ! The constant tables of /VTKHDF/Steps: all frames show the same mesh, as one part.
+  character(21), parameter :: STEP_TABLES(5) = [character(21) :: &
+    'PartOffsets', 'NumberOfParts', 'PointOffsets', 'CellOffsets', 'ConnectivityIdOffsets']
+  integer(I64), parameter :: STEP_VALUES(5) = [0_I64, 1_I64, 0_I64, 0_I64, 0_I64]
+  logical, parameter :: STEP_IS_MATRIX(5) = [.false., .false., .false., .true., .true.]
+
+contains
+
+  !> Creates options%outdir/job.vtkhdf with the mesh and all that is known before the first increment.
+  subroutine open_results(results, model, options, error)
+    type(results_type), intent(out) :: results
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    results%n_nodes = model%mesh%n_nodes
+    results%n_points = model%mesh%n_points
+    results%far = model_size(model%mesh)
+    results%point_columns = POINT_COLUMNS
+    if (any(model%steps%is_nlgeom)) results%point_columns(STRAIN_COLUMN)%name = 'LE'
+    call create_store(results%store, job_path(options, '.vtkhdf'), error)
+    if (.not. allocated(error)) call write_grid(results%store, model%mesh, error)
+    if (.not. allocated(error)) call create_frames(results, error)
+    if (.not. allocated(error)) call write_texts(results%store, model, error)
+    if (.not. allocated(error)) call write_mesh(results%store, model%mesh, error)
+    if (.not. allocated(error)) call write_materials(results%store, model, error)
+    if (.not. allocated(error)) call write_pairs(results%store, model, error)
+    if (.not. allocated(error)) call write_steps(results%store, model%steps, error)
+    if (.not. allocated(error)) call create_histories(results, error)
+    if (.not. allocated(error)) call flush_store(results%store, error)
+    if (allocated(error)) call abandon(results)
+  end subroutine open_results
+
+
+  !> Writes a converged increment (or the initial state, increment 0): its history row and, if its step wants it
+  !! (file_frequency; the initial state always), its fields. Then everything is brought to disk.
+  subroutine write_increment(results, model, fields, record, error)
+    type(results_type), intent(inout) :: results
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields                  !< committed
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    logical :: is_due
+    is_due = record%increment == 0
+    if (.not. is_due) then
+      associate (step => model%steps(record%step))
+        is_due = is_output_due(step, step%file_frequency, record%increment, record%step_time)
+      end associate
+    end if
+    if (is_due) call write_frame(results, model%mesh, fields, error)
+    if (allocated(error)) then
+      call abandon(results)
+    else
+      call write_row(results, record, merge(results%n_frames - 1, -1, is_due), error)
+    end if
+  end subroutine write_increment
+
+
+  !> Writes the history row of an attempt without fields (it failed), and brings everything to disk.
+  subroutine write_attempt(results, record, error)
+    type(results_type), intent(inout) :: results
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    call write_row(results, record, -1, error)
+  end subroutine write_attempt
+
+
+  !> Writes a row of the table of iterations.
+  subroutine write_iteration(results, record, error)
+    type(results_type), intent(inout) :: results
+    type(iteration_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    integer :: integers(N_ITERATION_INTEGERS, 1)
+    real(DP) :: reals(N_ITERATION_REALS, 1)
+    integers(:, 1) = [record%step, record%increment, record%attempt, record%iteration, record%n_closed, &
+      record%n_status, record%n_scenario, record%n_opened, record%n_closed_now, record%n_krylov]
+    reals(:, 1) = finite([record%residual, record%correction, record%step_length, record%worst_gap])
+    call append_columns(results%store, ITERATION_COLUMNS, integers, reals, results%iterations, error)
+    if (allocated(error)) call abandon(results)
+  end subroutine write_iteration
+
+
+  !> Closes the file; a file that is not open is left alone.
+  subroutine close_results(results, error)
+    type(results_type), intent(inout) :: results
+    type(error_type), allocatable, intent(out) :: error
+    call close_store(results%store, error)
+  end subroutine close_results
+
+
+  !> Closes the file after an error; the first error is the one to tell.
+  subroutine abandon(results)
+    type(results_type), intent(inout) :: results
+    type(error_type), allocatable :: second
+    call close_store(results%store, second)
+  end subroutine abandon
+
+
+  !> The diagonal of the box around the reference mesh [length].
+  pure function model_size(mesh) result(diagonal)
+    type(mesh_type), intent(in) :: mesh
+    real(DP) :: diagonal
+    diagonal = norm2(maxval(mesh%coordinates, 2) - minval(mesh%coordinates, 2))
+  end function model_size
+
+
+  !> /VTKHDF: the mesh.
+  !! Reference: VTK, Documentation/docs/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.md, UnstructuredGrid.
+  subroutine write_grid(store, mesh, error)
+    type(store_type), intent(in) :: store
+    type(mesh_type), intent(in) :: mesh
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: ROOT = '/VTKHDF/'
+    type(kind_type) :: entry
+    integer :: vtk_type(mesh%n_elements), e
+    do e = 1, mesh%n_elements
+      entry = element_kind(mesh%kind(e))
+      vtk_type(e) = entry%vtk_type
+    end do
+    call create_group(store, '/VTKHDF', error)
+    if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Version', [2, 0], error)
+    if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Type', 'UnstructuredGrid', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfPoints', [mesh%n_nodes], '[-]', 'Nodes.', &
+      error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfCells', [mesh%n_elements], '[-]', 'Elements.', &
+      error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfConnectivityIds', [size(mesh%nodes)], '[-]', &
+      'Length of Connectivity.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Points', mesh%coordinates, '[length]', &
+      'Reference coordinates of the nodes.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Connectivity', mesh%nodes - 1, '[-]', &
+      'Nodes of all elements, one after the other.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Offsets', mesh%first - 1, '[-]', &
+      'Start of the nodes of each element in Connectivity, and the end.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Types', vtk_type, &
+      '[-]', 'VTK cell types.', error, STORE_U8)
+  end subroutine write_grid
+
+
+  !> The tables that grow by a frame: point data, their offsets, times, integration points.
+  subroutine create_frames(results, error)
+    type(results_type), intent(inout) :: results
+    type(error_type), allocatable, intent(out) :: error
+    type(form_type) :: form
+    integer :: i
+    call create_group(results%store, '/VTKHDF/Steps', error)
+    if (.not. allocated(error)) call write_attribute(results%store, '/VTKHDF/Steps', 'NSteps', [0], error)
+    if (.not. allocated(error)) call create_table(results%store, results%time, '/VTKHDF/Steps/Values', form_type(), &
+      '[time]', 'Total time of each frame.', error)
+    allocate (results%constant(size(STEP_TABLES)))
+    do i = 1, size(STEP_TABLES)
+      if (allocated(error)) return
+      form = form_type(storage=STORE_I64, is_matrix=STEP_IS_MATRIX(i))
+      call create_table(results%store, results%constant(i), '/VTKHDF/Steps/' // trim(STEP_TABLES(i)), form, '[-]', &
+        'The same mesh, in one part, for all frames.', error)
+    end do
+    if (.not. allocated(error)) call create_columns(results%store, '/VTKHDF/PointData', results%point_columns, &
+      results%n_nodes, results%point, error)
+    if (.not. allocated(error)) call create_group(results%store, '/VTKHDF/Steps/PointDataOffsets', error)
+    allocate (results%point_offset(size(results%point_columns)))
+    do i = 1, size(results%point_columns)
+      if (allocated(error)) return
+      call create_table(results%store, results%point_offset(i), &
+        '/VTKHDF/Steps/PointDataOffsets/' // trim(results%point_columns(i)%name), form_type(storage=STORE_I64), '[-]', &
+        'First row of each frame.', error)
+    end do
+    if (.not. allocated(error)) call create_group(results%store, '/AMONTONS', error)
+    if (.not. allocated(error)) call create_columns(results%store, '/AMONTONS/integration_points', &
+      INTEGRATION_COLUMNS, results%n_points, results%integration, error)
+  end subroutine create_frames
+
+
+  !> The tables that grow by a row at a time.
+  subroutine create_histories(results, error)
+    type(results_type), intent(inout) :: results
+    type(error_type), allocatable, intent(out) :: error
+    call create_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, results%history, error)
+    if (.not. allocated(error)) call create_table(results%store, results%reason, '/AMONTONS/history/reason', &
+      form_type(storage=STORE_TEXT, width=REASON_LENGTH), '[-]', &
+      'Why the attempt failed; empty if it converged.', error)
+    if (.not. allocated(error)) call create_columns(results%store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, &
+      results%iterations, error)
+  end subroutine create_histories
+
+
+  !> Deck, version, dialect, heading, names of the phases.
+  subroutine write_texts(store, model, error)
+    type(store_type), intent(in) :: store
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: ROOT = '/AMONTONS/'
+    call write_data(store, ROOT // 'deck', text_of(model%deck_text), '[-]', 'The deck, includes in place.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'heading', text_of(model%heading), '[-]', &
+      'Text of *HEADING.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'version', VERSION, &
+      '[-]', 'Version of Amontons.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'dialect', &
+      trim(merge('calculix', 'abaqus  ', model%dialect == DIALECT_CALCULIX)), '[-]', 'Dialect of the deck.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'phases', PHASE_NAMES, '[-]', &
+      'Names of the columns of history/seconds.', error)
+  end subroutine write_texts
+
+
+  !> /AMONTONS/mesh: labels, kinds, materials, first integration points and sets.
+  subroutine write_mesh(store, mesh, error)
+    type(store_type), intent(in) :: store
+    type(mesh_type), intent(in) :: mesh
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: ROOT = '/AMONTONS/mesh/'
+    type(kind_type) :: entry
+    character(len(entry%name)) :: kind_name(mesh%n_elements)
+    integer :: e
+    do e = 1, mesh%n_elements
+      entry = element_kind(mesh%kind(e))
+      kind_name(e) = entry%name
+    end do
+    call create_group(store, '/AMONTONS/mesh', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'node_label', mesh%node_label, '[-]', &
+      'Label of each node in the deck.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'element_label', mesh%element_label, '[-]', &
+      'Label of each element in the deck.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'element_kind', kind_name, '[-]', &
+      'Kind of each element.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'element_material', mesh%material - 1, '[-]', &
+      'Index of the material of each element; -1: none.', error)
+    if (.not. allocated(error)) call write_data(store, '/AMONTONS/integration_points/first', mesh%point_first - 1, &
+      '[-]', &
+      'First integration point of each element within a frame, and the end.', error)
+    if (.not. allocated(error)) call write_sets(store, ROOT // 'node_sets', mesh%node_sets, error)
+    if (.not. allocated(error)) call write_sets(store, ROOT // 'element_sets', mesh%element_sets, error)
+  end subroutine write_mesh
+
+
+  !> Named sets as three lists: name, first, members.
+  subroutine write_sets(store, folder, sets, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: folder
+    type(set_type), allocatable, intent(in) :: sets(:)
+    type(error_type), allocatable, intent(out) :: error
+    character(LONGEST_NAME), allocatable :: names(:)
+    integer, allocatable :: first(:), members(:)
+    integer :: i, n
+    n = 0
+    if (allocated(sets)) n = size(sets)
+    allocate (names(n), first(n + 1), members(0))
+    first(1) = 0
+    do i = 1, n
+      names(i) = sets(i)%name
+      members = [members, sets(i)%members - 1]
+      first(i + 1) = size(members)
+    end do
+    call create_group(store, folder, error)
+    if (.not. allocated(error)) call write_data(store, folder // '/name', names, '[-]', 'Name of each set.', error)
+    if (.not. allocated(error)) call write_data(store, folder // '/first', first, '[-]', &
+      'Start of each set in members, and the end.', error)
+    if (.not. allocated(error)) call write_data(store, folder // '/members', members, '[-]', &
+      'Indices of all sets, one after the other.', error)
+  end subroutine write_sets
+
+
+  !> /AMONTONS/materials.
+  subroutine write_materials(store, model, error)
+    type(store_type), intent(in) :: store
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: ROOT = '/AMONTONS/materials/'
+    character(LONGEST_NAME), allocatable :: names(:)
+    character(13), allocatable :: laws(:)
+    integer :: i, n
+    n = size(model%materials)
+    allocate (names(n), laws(n))
+    do i = 1, n
+      names(i) = model%materials(i)%name
+      laws(i) = merge('Hencky       ', 'Saint-Venant ', model%materials(i)%law == LAW_HENCKY)
+    end do
+    call create_group(store, '/AMONTONS/materials', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'name', names, '[-]', 'Name of each material.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'law', laws, &
+      '[-]', 'Elastic law at finite strain.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'youngs_modulus', model%materials%youngs_modulus, &
+      '[stress]', &
+      'Young''s modulus.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'poissons_ratio', model%materials%poissons_ratio, &
+      '[-]', &
+      'Poisson''s ratio.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'density', model%materials%density, '[mass/length^3]', &
+      'Density.', error)
+  end subroutine write_materials
+
+
+  !> /AMONTONS/pairs: surfaces, friction and facets of the master of each contact pair.
+  subroutine write_pairs(store, model, error)
+    type(store_type), intent(in) :: store
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: ROOT = '/AMONTONS/pairs/'
+    character(LONGEST_NAME), allocatable :: names(:, :)
+    real(DP), allocatable :: friction(:)
+    integer, allocatable :: first(:), facets(:, :), small(:)
+    integer :: i, n
+    n = size(model%pairs)
+    allocate (names(n, 2), friction(n), first(n + 1), small(n))
+    first(1) = 0
+    do i = 1, n
+      associate (pair => model%pairs(i))
+        names(i, 1) = model%surfaces(pair%slave)%name
+        names(i, 2) = model%surfaces(pair%master)%name
+        friction(i) = model%interactions(pair%interaction)%friction
+        small(i) = merge(1, 0, pair%is_small_sliding)
+        first(i + 1) = first(i) + size(model%surfaces(pair%master)%element)
+      end associate
+    end do
+    allocate (facets(MAX_FACE_NODES + 2, first(n + 1)))
+    do i = 1, n
+      call list_facets(model%mesh, model%surfaces(model%pairs(i)%master), facets(:, first(i) + 1:first(i + 1)))
+    end do
+    call create_group(store, '/AMONTONS/pairs', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'slave', names(:, 1), &
+      '[-]', 'Slave surface of each pair.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'master', names(:, 2), &
+      '[-]', 'Its master surface.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'friction', friction, &
+      '[-]', 'Its coefficient of friction.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'is_small_sliding', small, '[-]', &
+      '1: weights and normal kept from the start of the step.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'first', first, '[-]', &
+      'Start of its facets in facet_nodes, facet_element and facet_face, and the end.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_nodes', facets(:MAX_FACE_NODES, :), '[-]', &
+      'Nodes of each facet: corners, then mid-sides, outward by the right-hand rule; -1 fills up.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_element', facets(MAX_FACE_NODES + 1, :), '[-]', &
+      'Element of each facet.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_face', facets(MAX_FACE_NODES + 2, :), '[-]', &
+      'Number of the facet in its element, 1 to 6 as in the deck (S1 to S6).', error)
+  end subroutine write_pairs
+
+
+  !> Nodes, element and face number of the facets of a surface; all but the face numbers from 0, -1 fills up.
+  pure subroutine list_facets(mesh, surface, facets)
+    type(mesh_type), intent(in) :: mesh
+    type(surface_type), intent(in) :: surface
+    integer, intent(out) :: facets(:, :)            !< (MAX_FACE_NODES + 2, n_facets)
+    type(kind_type) :: entry
+    integer :: i, k, e, local
+    do i = 1, size(surface%element)
+      e = surface%element(i)
+      entry = element_kind(mesh%kind(e))
+      do k = 1, MAX_FACE_NODES
+        local = entry%face_nodes(k, surface%face(i))
+        facets(k, i) = -1
+        if (local > 0) facets(k, i) = mesh%nodes(mesh%first(e) + local - 1) - 1
+      end do
+      facets(MAX_FACE_NODES + 1, i) = e - 1
+      facets(MAX_FACE_NODES + 2, i) = surface%face(i)
+    end do
+  end subroutine list_facets
+
+
+  !> /AMONTONS/steps and /AMONTONS/controls: what was taken in each step.
+  subroutine write_steps(store, steps, error)
+    type(store_type), intent(in) :: store
+    type(step_type), intent(in) :: steps(:)
+    type(error_type), allocatable, intent(out) :: error
+    character(240) :: titles(size(steps))
+    integer :: integers(7, size(steps)), i
+    real(DP) :: reals(11, size(steps))
+    do i = 1, size(steps)
+      associate (step => steps(i))
+        titles(i) = text_of(step%title)
+        integers(:6, i) = [merge(1, 0, step%is_nlgeom), step%max_increments, merge(1, 0, step%is_direct), &
+          step%line_search, step%file_frequency, step%print_frequency]
+        reals(:4, i) = [step%dt_initial, step%period, step%dt_min, step%dt_max]
+      end associate
+    end do
+    call write_columns(store, '/AMONTONS/steps', STEP_COLUMNS, integers, reals, error)
+    if (.not. allocated(error)) call write_data(store, '/AMONTONS/steps/title', titles, &
+      '[-]', 'Line after *STEP.', error)
+    do i = 1, size(steps)
+      associate (c => steps(i)%controls)
+        integers(:, i) = [c%i_0, c%i_r, c%i_p, c%i_c, c%i_l, c%i_g, c%i_a]
+        reals(:, i) = [c%d_f, c%d_c, c%d_b, c%d_d, c%r_n, c%c_n, c%r_p, c%r_l, c%s_max, c%s_min, c%gap_tolerance]
+      end associate
+    end do
+    if (.not. allocated(error)) call write_columns(store, '/AMONTONS/controls', CONTROL_COLUMNS, integers, reals, error)
+  end subroutine write_steps
+
+
+  !> Writes the fields of an increment as a new frame. All is checked first, so that an error leaves the file whole.
+  subroutine write_frame(results, mesh, fields, error)
+    type(results_type), intent(inout) :: results
+    type(mesh_type), intent(in) :: mesh
+    type(fields_type), intent(in) :: fields
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: reals(:, :), at_points(:, :), contact_reals(:, :)
+    integer, allocatable :: integers(:, :), contact_integers(:, :)
+    if (.not. allocated(results%contact)) call create_contact(results, fields%slaves, error)
+    if (allocated(error)) return
+    if (size(fields%slaves) /= results%n_slaves) then
+      call set_error(error, EXIT_INTERNAL, 'The number of slave nodes has changed since the first increment.')
+      return
+    end if
+    allocate (reals(N_POINT_REALS, results%n_nodes), integers(N_POINT_INTEGERS, results%n_nodes))
+    allocate (at_points(N_INTEGRATION_REALS, results%n_points))
+    at_points(:6, :) = fields%stress
+    at_points(7:12, :) = fields%strain
+    at_points(13, :) = fields%energy
+    call check_finite('integration point', INTEGRATION_COLUMNS, at_points, error)
+    if (allocated(error)) return
+    call pack_solid(mesh, fields, reals)
+    call pack_contact(fields%slaves, results%far, reals, integers)
+    call check_finite('node', results%point_columns, reals, error)
+    if (allocated(error)) return
+    call pack_slaves(fields%slaves, contact_integers, contact_reals)
+    call check_finite('slave', CONTACT_COLUMNS, contact_reals, error)
+    if (allocated(error)) return
+    associate (store => results%store)
+      call append_columns(store, results%point_columns, integers, reals, results%point, error)
+      if (.not. allocated(error)) call append_columns(store, INTEGRATION_COLUMNS, integers, at_points, &
+        results%integration, error)
+      if (.not. allocated(error)) call append_columns(store, CONTACT_COLUMNS, contact_integers, contact_reals, &
+        results%contact, error)
+    end associate
+    if (.not. allocated(error)) call write_step(results, fields%total_time, error)
+  end subroutine write_frame
+
+
+  !> The contact tables, and which slave stands in which row.
+  subroutine create_contact(results, slaves, error)
+    type(results_type), intent(inout) :: results
+    type(slave_type), intent(in) :: slaves(:)
+    type(error_type), allocatable, intent(out) :: error
+    results%n_slaves = size(slaves)
+    call create_columns(results%store, '/AMONTONS/contact', CONTACT_COLUMNS, max(1, size(slaves)), &
+      results%contact, error)
+    if (.not. allocated(error)) call write_data(results%store, '/AMONTONS/contact/pair', slaves%pair - 1, '[-]', &
+      'Pair of each slave node.', error)
+    if (.not. allocated(error)) call write_data(results%store, '/AMONTONS/contact/node', slaves%node - 1, '[-]', &
+      'Node of each slave node.', error)
+  end subroutine create_contact
+
+
+  !> The rows of /VTKHDF/Steps; the number of steps last, so that a reader never sees half a frame.
+  subroutine write_step(results, time, error)
+    type(results_type), intent(inout) :: results
+    real(DP), intent(in) :: time                    !< total time [time]
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    associate (store => results%store)
+      call append_rows(store, results%time, reshape([time], [1, 1]), error)
+      do i = 1, size(results%constant)
+        if (.not. allocated(error)) call append_rows(store, results%constant(i), STEP_VALUES(i), error)
+      end do
+      do i = 1, size(results%point_offset)
+        if (.not. allocated(error)) call append_rows(store, results%point_offset(i), &
+          int(results%n_frames, I64) * int(results%n_nodes, I64), error)
+      end do
+      if (.not. allocated(error)) call write_attribute(store, '/VTKHDF/Steps', 'NSteps', [results%n_frames + 1], error)
+    end associate
+    if (.not. allocated(error)) results%n_frames = results%n_frames + 1
+  end subroutine write_step
+
+
+  !> Displacement, reaction, stress, strain, Mises stress of all nodes.
+  subroutine pack_solid(mesh, fields, reals)
+    type(mesh_type), intent(in) :: mesh
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
+    integer :: i
+    reals(:3, :) = fields%u
+    reals(4:6, :) = fields%reaction_force
+    call average_at_nodes(mesh, fields%stress, reals(7:12, :))
+    call average_at_nodes(mesh, fields%strain, reals(13:18, :))
+    do i = 1, mesh%n_nodes
+      reals(19, i) = von_mises(reals(7:12, i))
+    end do
+    reals(20:, :) = 0
+  end subroutine pack_solid
+
+
+  !> The contact columns of the point data. A node that is slave of two pairs shows the one that counts more.
+  subroutine pack_contact(slaves, far, reals, integers)
+    type(slave_type), intent(in) :: slaves(:)
+    real(DP), intent(in) :: far                     !< COPEN without a facet [length]
+    real(DP), intent(inout) :: reals(:, :)          !< (N_POINT_REALS, n_nodes)
+    integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes)
+    integer :: shown(size(reals, 2)), i, node
+    shown = 0
+    do i = 1, size(slaves)
+      node = slaves(i)%node
+      if (shown(node) == 0) then
+        shown(node) = i
+      else if (counts_more(slaves(i), slaves(shown(node)))) then
+        shown(node) = i
+      end if
+    end do
+    integers = 0
+    do node = 1, size(shown)
+      if (shown(node) == 0) cycle
+      associate (slave => slaves(shown(node)))
+        if (slave%area > 0) then
+          reals(20, node) = dot_product(slave%force, slave%normal) / slave%area
+          reals(21:23, node) = slave%shear / slave%area
+        end if
+        reals(24, node) = merge(slave%gap, far, slave%facet > 0)
+        reals(25:27, node) = slave%slip
+        reals(28:30, node) = slave%force
+        reals(31:33, node) = slave%shear
+        integers(:, node) = [slave%status, slave%scenario]
+      end associate
+    end do
+  end subroutine pack_contact
+
+
+  !> Closed before open; of two closed the one with the larger force; of two open the nearer.
+  pure function counts_more(a, b) result(is_more)
+    type(slave_type), intent(in) :: a, b
+    logical :: is_more
+    if ((a%status == STATUS_OPEN) .neqv. (b%status == STATUS_OPEN)) then
+      is_more = b%status == STATUS_OPEN
+    else if (a%status /= STATUS_OPEN) then
+      is_more = norm2(a%force) > norm2(b%force)
+    else
+      is_more = a%facet > 0 .and. (b%facet == 0 .or. a%gap < b%gap)
+    end if
+  end function counts_more
+
+
+  !> The memory of all slaves in the order of CONTACT_COLUMNS.
+  pure subroutine pack_slaves(slaves, integers, reals)
+    type(slave_type), intent(in) :: slaves(:)
+    integer, allocatable, intent(out) :: integers(:, :)
+    real(DP), allocatable, intent(out) :: reals(:, :)
+    integer :: i
+    allocate (integers(N_CONTACT_INTEGERS, size(slaves)), reals(N_CONTACT_REALS, size(slaves)))
+    do i = 1, size(slaves)
+      associate (slave => slaves(i))
+        integers(:, i) = [slave%facet - 1, slave%status, slave%scenario]
+        reals(:, i) = [slave%xi, slave%gap, slave%normal, slave%force, slave%shear, slave%slip, slave%area, &
+          slave%stiffness]
+      end associate
+    end do
+  end subroutine pack_slaves
+
+
+  !> Writes a history row and brings everything to disk.
+  subroutine write_row(results, record, frame, error)
+    type(results_type), intent(inout) :: results
+    type(increment_record_type), intent(in) :: record
+    integer, intent(in) :: frame                    !< its frame, from 0; -1: none
+    type(error_type), allocatable, intent(out) :: error
+    integer :: integers(N_HISTORY_INTEGERS, 1)
+    real(DP) :: reals(N_HISTORY_REALS, 1)
+    integers(:, 1) = [record%step, record%increment, record%attempt, merge(1, 0, record%is_converged), &
+      record%n_iterations, record%n_cutbacks, record%n_status, record%n_scenario, record%n_factorisations, &
+      record%n_krylov, frame]
+    reals(:, 1) = [record%total_time, record%step_time, record%dt, record%smallest_step_length, record%residual, &
+      record%correction, record%seconds, record%applied_force, record%reaction_force, record%contact_force, &
+      record%slave_force, record%external_work, record%friction_work, record%strain_energy]
+    if (record%is_converged) call check_finite('history row', HISTORY_COLUMNS, reals, error)
+    if (.not. allocated(error)) then
+      reals(:, 1) = finite(reals(:, 1))
+      call append_columns(results%store, HISTORY_COLUMNS, integers, reals, results%history, error)
+    end if
+    if (.not. allocated(error)) call append_rows(results%store, results%reason, text_of(record%reason), error)
+    if (.not. allocated(error)) call flush_store(results%store, error)
+    if (allocated(error)) call abandon(results)
+  end subroutine write_row
+
+
+  !> A value that can be written: what is NaN or infinite in a failed attempt becomes 1e30.
+  elemental function finite(value) result(written)
+    real(DP), intent(in) :: value
+    real(DP) :: written
+    written = UNTOLD
+    if (ieee_is_finite(value)) written = value
+  end function finite
+
+
+  !> A text, empty if it was never set.
+  pure function text_of(text) result(told)
+    character(:), allocatable, intent(in) :: text
+    character(:), allocatable :: told
+    told = ''
+    if (allocated(text)) told = text
+  end function text_of
+
+end module amontons_results
