@@ -33,8 +33,11 @@ uses_model = mesh materials surfaces loads steps
 uses_cards = kinds errors text lookup
 uses_card_form = kinds text lookup cards
 uses_card_table = card_form
-uses_deck_names = kinds errors text cards
-uses_deck = kinds errors text cards card_table topology mesh materials surfaces loads steps model
+uses_deck_reader = kinds text lookup mesh model cards card_form
+uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
+uses_deck_mesh = kinds text lookup topology mesh model cards card_form deck_reader
+uses_deck_model = kinds text lookup topology mesh materials surfaces loads model cards card_form deck_reader
+uses_deck =
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -61,10 +64,12 @@ uses_newton = kinds errors history steps model state system converge line_search
 uses_stepper = kinds steps converge
 uses_nodal = kinds tensor topology mesh shapes
 uses_columns = kinds errors history store
+uses_columns = kinds errors history store
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state nodal columns
 uses_printed = kinds errors text tensor history topology mesh steps model state nodal
 
 # 7 roof: the job
+uses_failure = kinds model state system converge newton
 uses_analysis = kinds errors history journal factor steps model deck state contact system audit converge newton stepper results printed failure
 uses_capi = kinds errors journal model analysis
 uses_main = errors version journal model card_table analysis
