@@ -434,7 +434,8 @@ contains
     wanted = excess_over_edges(kind, xi + step(:2))
     part = 1
     do k = 1, 4
-      if (wanted(k) > FARTHEST) part = min(part, max(FARTHEST - excess(k), 0.0_DP) / (wanted(k) - excess(k)))
+      if (wanted(k) <= max(FARTHEST, excess(k))) cycle
+      part = min(part, max(FARTHEST - excess(k), 0.0_DP) / (wanted(k) - excess(k)))
     end do
     is_at_border = part < 1
     step = part * step
