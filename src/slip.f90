@@ -148,15 +148,16 @@ contains
     real(DP), intent(in) :: mu                        !< coefficient of friction [-]
     type(slip_controls_type), intent(in) :: controls
     type(slip_verdict_type), intent(out) :: verdict
-    real(DP) :: e_u(3), e_ud(3)
+    real(DP) :: e_u(3), e_ud(3), rounding
     verdict%state = node_state(at_u, mu, controls)
     verdict%DR_u = excess(at_u, mu)
     verdict%DR_ud = excess(at_ud, mu)
     if (verdict%state /= NODE_SLIP .and. verdict%state /= NODE_BALANCED) return
     if (verdict%state == NODE_SLIP) verdict%scenario = scenario_of(verdict%DR_u, verdict%DR_ud)
     call excess_vectors(at_u, at_ud, verdict, e_u, e_ud)
-    verdict%numerator = dot_product(d, e_u)
-    verdict%denominator = dot_product(d, e_ud) - verdict%numerator
+    rounding = NEARLY * norm2(d) * (abs(verdict%DR_u) + abs(verdict%DR_ud))
+    verdict%numerator = without_noise(dot_product(d, e_u), rounding)
+    verdict%denominator = without_noise(dot_product(d, e_ud) - verdict%numerator, rounding)
     if (verdict%state == NODE_BALANCED) return
     verdict%alpha = guarded_length(verdict%numerator, verdict%denominator, controls)
     if (verdict%scenario == SCENARIO_III .or. verdict%scenario == SCENARIO_IV) &
@@ -230,6 +231,14 @@ contains
     if (alpha < 0) alpha = 1
     alpha = min(max(alpha, controls%alpha_min), controls%alpha_max)
   end function guarded_length
+
+
+  !> A value, or zero where it is only rounding.
+  pure function without_noise(value, rounding) result(clean)
+    real(DP), intent(in) :: value, rounding
+    real(DP) :: clean
+    clean = merge(value, 0.0_DP, abs(value) > rounding)
+  end function without_noise
 
 
   !> DR = |Rt| - mu max(N, 0).
