@@ -9,7 +9,8 @@ module amontons_element
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type
   use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
-  use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, logarithm_1p, STRESS_OK, STRESS_INVERTED
+  use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, logarithm_1p, STRESS_OK, STRESS_INVERTED, &
+    LARGEST_GRADIENT
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, cross_product, determinant_minus_one, invert, pack_voigt
   use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_NODES, MAX_POINTS, MAX_FACE_NODES, &
     KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R, N_KINDS
@@ -289,7 +290,6 @@ contains
     integer, intent(in) :: n, n_rule               !< nodes, points
     type(motion_type), intent(inout) :: motion
     integer, intent(out) :: status                 !< ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE
-    real(DP), parameter :: LARGEST_GRADIENT = 1.0e40_DP   ! larger ones overflow on the way
     real(DP) :: inverse(3, 3), det, g1, g2, g3
     integer :: p, a
     do p = 1, n_rule
@@ -420,8 +420,8 @@ contains
     real(DP), intent(inout) :: tau(6, MAX_POINTS)  !< Kirchhoff stress, zero at small strain; spoiled [stress]
     real(DP), intent(inout) :: tangent(6, 6, MAX_POINTS)   !< spoiled [stress]
     real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< set up to 3 n
-    real(DP) :: remainder(MAX_NODES, 3), factor, m(MAX_NODES, 3, MAX_POINTS), column(MAX_NODES)
-    integer :: p, b, i, j, k
+    real(DP) :: remainder(MAX_NODES, 3), factor, m(MAX_NODES, 3, MAX_POINTS), block(MAX_NODES, MAX_NODES)
+    integer :: p, b, i, j
     factor = 0
     if (is_mean_dilatation) then
       call fold_mean_dilatation(n, n_rule, motion, tau, tangent, remainder, factor)
@@ -434,17 +434,15 @@ contains
     do j = 1, 3
       do i = j, 3
         call multiply_gradients(n, n_rule, i, j, motion%gradient, tau, tangent, m)
-        do b = 1, n
-          column(:n) = 0
-          do p = 1, n_rule
-            do k = 1, 3
-              column(:n) = column(:n) + m(b, k, p) * motion%gradient(:n, k, p)
-            end do
-          end do
-          if (is_mean_dilatation) column(:n) = column(:n) + (remainder(b, j) + factor * motion%mean(b, j)) * motion%mean(:n, i) &
-            + motion%mean(b, j) * remainder(:n, i)
-          call scatter(n, b, i, j, column, stiffness)
+        block(:n, :n) = 0
+        do p = 1, n_rule
+          call add_product(n, motion%gradient(:, :, p), m(:, :, p), block)
         end do
+        do b = 1, n
+          if (is_mean_dilatation) block(:n, b) = block(:n, b) + motion%mean(b, j) * remainder(:n, i) &
+            + (remainder(b, j) + factor * motion%mean(b, j)) * motion%mean(:n, i)
+        end do
+        call scatter(n, i, j, block, stiffness)
       end do
     end do
   end subroutine set_stiffness
@@ -471,15 +469,31 @@ contains
   end subroutine multiply_gradients
 
 
-  !> Writes a column of the block (i, j), i >= j, and its mirror image: the matrix is symmetric to the last bit.
-  pure subroutine scatter(n, b, i, j, column, stiffness)
-    integer, intent(in) :: n, b, i, j
-    real(DP), intent(in) :: column(MAX_NODES)
+  !> block_ab = block_ab + g_ak m_bk: the innermost loop of the tangent.
+  pure subroutine add_product(n, g, m, block)
+    integer, intent(in) :: n                       !< nodes
+    real(DP), intent(in) :: g(MAX_NODES, 3), m(MAX_NODES, 3)
+    real(DP), intent(inout) :: block(MAX_NODES, MAX_NODES)
+    integer :: a, b
+    do b = 1, n
+      do a = 1, n
+        block(a, b) = block(a, b) + g(a, 1) * m(b, 1) + g(a, 2) * m(b, 2) + g(a, 3) * m(b, 3)
+      end do
+    end do
+  end subroutine add_product
+
+
+  !> Writes the block of the directions (i, j), i >= j, and its mirror image: the matrix is symmetric to the last bit.
+  pure subroutine scatter(n, i, j, block, stiffness)
+    integer, intent(in) :: n, i, j
+    real(DP), intent(in) :: block(MAX_NODES, MAX_NODES)
     real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
-    integer :: a
-    do a = merge(b, 1, i == j), n
-      stiffness(3 * a - 3 + i, 3 * b - 3 + j) = column(a)
-      stiffness(3 * b - 3 + j, 3 * a - 3 + i) = column(a)
+    integer :: a, b
+    do b = 1, n
+      do a = merge(b, 1, i == j), n
+        stiffness(3 * a - 3 + i, 3 * b - 3 + j) = block(a, b)
+        stiffness(3 * b - 3 + j, 3 * a - 3 + i) = block(a, b)
+      end do
     end do
   end subroutine scatter
 

@@ -4,14 +4,15 @@
 !! Voigt order xx yy zz xy yz xz. Strains and stresses are tensor components; a tangent multiplies engineering shears, so that
 !! its entries are the components c_ijkl themselves. Theory: doc/theory/materials.md.
 module amontons_stress
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
-  use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_INDEX, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, &
-    determinant_minus_one, double_dot, pack_voigt, unpack_voigt, symmetric_eigen, trace
+  use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, &
+    determinant_minus_one, double_dot, pack_voigt, unpack_voigt, symmetric_eigen
   implicit none
   private
   public :: stress_small, stress_finite, kirchhoff_stress, lame_constants, logarithm_1p
-  public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
+  public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, LARGEST_GRADIENT
 
   integer, parameter :: STRESS_OK = 0              !< all is well
   integer, parameter :: STRESS_INVERTED = 1        !< det F is not positive
@@ -126,7 +127,8 @@ contains
     log_strain = 0
     energy = 0
     status = STRESS_NOT_FINITE
-    if (.not. all(abs(H) <= LARGEST_GRADIENT)) return
+    if (.not. all(ieee_is_finite(H))) return
+    if (any(abs(H) > LARGEST_GRADIENT)) return
     status = STRESS_INVERTED
     if (determinant_minus_one(H) <= -1) return
     call find_principal(H, principal, status)

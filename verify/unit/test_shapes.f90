@@ -1,0 +1,244 @@
+!> Unit test of amontons_shapes: partition of unity, derivatives, exactness of the rules, faces, extrapolation.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_shapes
+  use amontons_kinds, only: DP
+  use amontons_shapes, only: shape_functions, quadrature, node_coordinates, extrapolation_matrix, facet_shapes, &
+    facet_quadrature, facet_node_coordinates, MAX_FACET_POINTS
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_POINTS, MAX_FACE_NODES, &
+    N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_QUAD8
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  integer :: kind
+
+  do kind = 1, N_KINDS
+    call check_element(kind)
+    call check_rule(kind)
+    call check_faces(kind)
+    call check_extrapolation(kind)
+  end do
+  do kind = FACET_TRI3, FACET_QUAD8
+    call check_facet(kind)
+    call check_facet_rule(kind)
+  end do
+  call check_calculix()
+  call suite%finish()
+
+contains
+
+  !> Values at the nodes, sums, derivatives by differences, the linear field.
+  subroutine check_element(kind)
+    integer, intent(in) :: kind
+    real(DP), parameter :: STEP = 1e-6_DP
+    type(kind_type) :: entry
+    real(DP) :: at(3, MAX_NODES), xi(3), N(MAX_NODES), dN(3, MAX_NODES), plus(MAX_NODES), minus(MAX_NODES), unused(3, MAX_NODES)
+    integer :: a, i
+    entry = element_kind(kind)
+    call node_coordinates(kind, at)
+    do a = 1, entry%n_nodes
+      call shape_functions(kind, at(:, a), N, dN)
+      N(a) = N(a) - 1
+      call suite%near(entry%name // 'one at its node, zero at the others', maxval(abs(N)), 0.0_DP, 1e-15_DP)
+    end do
+    xi = [0.21_DP, 0.37_DP, -0.43_DP]
+    call shape_functions(kind, xi, N, dN)
+    call suite%near(entry%name // 'sum of N', sum(N), 1.0_DP, 1e-15_DP)
+    call suite%near(entry%name // 'sum of dN', maxval(abs(sum(dN, 2))), 0.0_DP, 3e-15_DP)
+    call suite%near(entry%name // 'place', maxval(abs(matmul(at, N) - xi)), 0.0_DP, 1e-15_DP)
+    call suite%that(entry%name // 'zero past the nodes', all(abs(N(entry%n_nodes + 1:)) <= 0))
+    do i = 1, 3
+      xi(i) = xi(i) + STEP
+      call shape_functions(kind, xi, plus, unused)
+      xi(i) = xi(i) - 2 * STEP
+      call shape_functions(kind, xi, minus, unused)
+      xi(i) = xi(i) + STEP
+      call suite%near(entry%name // 'derivative', maxval(abs((plus - minus) / (2 * STEP) - dN(i, :))), 0.0_DP, 1e-9_DP)
+    end do
+  end subroutine check_element
+
+
+  !> The number of points is that of the topology, they lie inside, and all monomials of the rule's degree are exact.
+  subroutine check_rule(kind)
+    integer, intent(in) :: kind
+    type(kind_type) :: entry
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), approximate
+    integer :: n, i, j, k
+    entry = element_kind(kind)
+    call quadrature(kind, n, xi, w)
+    call suite%that(entry%name // 'number of points', n == entry%n_points)
+    do k = 0, 5
+      do j = 0, 5
+        do i = 0, 5
+          if (.not. is_exact(kind, i, j, k)) cycle
+          approximate = sum(w(:n) * xi(1, :n)**i * xi(2, :n)**j * xi(3, :n)**k)
+          call suite%near(entry%name // 'monomial', approximate, exact_integral(kind, i, j, k), 4e-15_DP)
+        end do
+      end do
+    end do
+    if (n >= 8) then
+      call suite%that(entry%name // 'xi runs fastest', xi(1, 2) > xi(1, 1) .and. abs(xi(2, 2) - xi(2, 1)) <= 0)
+      call suite%that(entry%name // 'zeta runs slowest', xi(3, n) > xi(3, 1) .and. abs(xi(3, 2) - xi(3, 1)) <= 0)
+    end if
+  end subroutine check_rule
+
+
+  !> Is the monomial of these exponents within the degree promised?
+  logical function is_exact(kind, i, j, k)
+    integer, intent(in) :: kind, i, j, k
+    select case (kind)
+    case (KIND_C3D4)
+      is_exact = i + j + k <= 1
+    case (KIND_C3D6)
+      is_exact = i + j <= 1 .and. k <= 3
+    case (KIND_C3D10)
+      is_exact = i + j + k <= 2
+    case (KIND_C3D20)
+      is_exact = max(i, j, k) <= 5
+    case default
+      is_exact = max(i, j, k) <= 3
+    end select
+  end function is_exact
+
+
+  !> The integral of xi^i eta^j zeta^k over the parent element.
+  real(DP) function exact_integral(kind, i, j, k)
+    integer, intent(in) :: kind, i, j, k
+    select case (kind)
+    case (KIND_C3D4, KIND_C3D10)
+      exact_integral = factorial(i) * factorial(j) * factorial(k) / factorial(i + j + k + 3)
+    case (KIND_C3D6)
+      exact_integral = factorial(i) * factorial(j) / factorial(i + j + 2) * line_integral(k)
+    case default
+      exact_integral = line_integral(i) * line_integral(j) * line_integral(k)
+    end select
+  end function exact_integral
+
+
+  real(DP) function factorial(n)
+    integer, intent(in) :: n
+    factorial = gamma(real(n + 1, DP))
+  end function factorial
+
+
+  real(DP) function line_integral(k)
+    integer, intent(in) :: k
+    line_integral = 0
+    if (mod(k, 2) == 0) line_integral = 2 / real(k + 1, DP)
+  end function line_integral
+
+
+  !> On each face the element's shape functions are those of the facet, and its other nodes' are zero.
+  subroutine check_faces(kind)
+    integer, intent(in) :: kind
+    type(kind_type) :: entry
+    type(facet_kind_type) :: facet
+    real(DP) :: at(3, MAX_NODES), N(MAX_NODES), dN(3, MAX_NODES)
+    real(DP) :: facet_N(MAX_FACE_NODES), facet_dN(2, MAX_FACE_NODES), facet_ddN(3, MAX_FACE_NODES)
+    integer :: face
+    entry = element_kind(kind)
+    call node_coordinates(kind, at)
+    do face = 1, entry%n_faces
+      facet = facet_kind(entry%face_kind(face))
+      call facet_shapes(entry%face_kind(face), [0.3_DP, 0.45_DP], facet_N, facet_dN, facet_ddN)
+      associate (nodes => entry%face_nodes(:facet%n_nodes, face))
+        call shape_functions(kind, matmul(at(:, nodes), facet_N(:facet%n_nodes)), N, dN)
+        call suite%near(entry%name // 'face and facet', maxval(abs(N(nodes) - facet_N(:facet%n_nodes))), 0.0_DP, 1e-15_DP)
+        N(nodes) = 0
+      end associate
+      call suite%near(entry%name // 'nodes off the face', maxval(abs(N)), 0.0_DP, 1e-15_DP)
+    end do
+  end subroutine check_faces
+
+
+  !> Linear fields come out exactly at every node, constants for the one-point tetrahedron.
+  subroutine check_extrapolation(kind)
+    integer, intent(in) :: kind
+    type(kind_type) :: entry
+    real(DP) :: matrix(MAX_NODES, MAX_POINTS), xi(3, MAX_POINTS), w(MAX_POINTS), at(3, MAX_NODES), field(3, MAX_NODES)
+    integer :: n_nodes, n_points, n
+    entry = element_kind(kind)
+    call extrapolation_matrix(kind, matrix, n_nodes, n_points)
+    call quadrature(kind, n, xi, w)
+    call node_coordinates(kind, at)
+    call suite%that(entry%name // 'size of the extrapolation', n_nodes == entry%n_nodes .and. n_points == entry%n_points)
+    call suite%near(entry%name // 'extrapolates a constant', maxval(abs(sum(matrix(:n_nodes, :), 2) - 1)), 0.0_DP, 1e-13_DP)
+    if (kind == KIND_C3D4) return
+    field = matmul(xi, transpose(matrix))
+    if (kind == KIND_C3D6) then
+      field(:2, :) = 0                            ! two points know nothing of xi and eta
+      at(:2, :) = 0
+    end if
+    call suite%near(entry%name // 'extrapolates a linear field', maxval(abs(field - at)), 0.0_DP, 1e-13_DP)
+  end subroutine check_extrapolation
+
+
+  !> The coefficients are those that CalculiX prints with, to its printed digits.
+  subroutine check_calculix()
+    real(DP) :: matrix(MAX_NODES, MAX_POINTS)
+    integer :: n_nodes, n_points
+    call extrapolation_matrix(KIND_C3D8, matrix, n_nodes, n_points)
+    call suite%near('C3D8: nearest point', matrix(1, 1), 2.549_DP, 5e-4_DP)
+    call suite%near('C3D8: third point belongs to node 4', matrix(4, 3), 2.549_DP, 5e-4_DP)
+    call suite%near('C3D8: farthest point', matrix(7, 1), -0.04904_DP, 5e-5_DP)
+    call extrapolation_matrix(KIND_C3D20, matrix, n_nodes, n_points)
+    call suite%near('C3D20: nearest point', matrix(1, 1), 2.37499_DP, 5e-6_DP)
+    call suite%near('C3D20: farthest point', matrix(7, 1), 0.11575_DP, 5e-6_DP)
+    call suite%near('C3D20: mid-side', matrix(9, 1), 0.32628_DP, 5e-6_DP)
+  end subroutine check_calculix
+
+
+  !> Values at the nodes, sums, first and second derivatives by differences.
+  subroutine check_facet(kind)
+    integer, intent(in) :: kind
+    real(DP), parameter :: STEP = 1e-6_DP
+    type(facet_kind_type) :: entry
+    real(DP) :: at(2, MAX_FACE_NODES), xi(2), N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    real(DP) :: Np(MAX_FACE_NODES), dNp(2, MAX_FACE_NODES), Nm(MAX_FACE_NODES), dNm(2, MAX_FACE_NODES), &
+      unused(3, MAX_FACE_NODES)
+    integer :: a, i
+    entry = facet_kind(kind)
+    call facet_node_coordinates(kind, at)
+    do a = 1, entry%n_nodes
+      call facet_shapes(kind, at(:, a), N, dN, ddN)
+      N(a) = N(a) - 1
+      call suite%near('facet: one at its node', maxval(abs(N)), 0.0_DP, 1e-15_DP)
+    end do
+    xi = [0.21_DP, 0.37_DP]
+    call facet_shapes(kind, xi, N, dN, ddN)
+    call suite%near('facet: sum of N', sum(N), 1.0_DP, 1e-15_DP)
+    call suite%near('facet: place', maxval(abs(matmul(at, N) - xi)), 0.0_DP, 1e-15_DP)
+    do i = 1, 2
+      xi(i) = xi(i) + STEP
+      call facet_shapes(kind, xi, Np, dNp, unused)
+      xi(i) = xi(i) - 2 * STEP
+      call facet_shapes(kind, xi, Nm, dNm, unused)
+      xi(i) = xi(i) + STEP
+      call suite%near('facet: derivative', maxval(abs((Np - Nm) / (2 * STEP) - dN(i, :))), 0.0_DP, 1e-9_DP)
+      dNp = (dNp - dNm) / (2 * STEP)
+      call suite%near('facet: second derivative', maxval(abs(dNp(i, :) - ddN(i, :))), 0.0_DP, 1e-9_DP)
+      call suite%near('facet: mixed derivative', maxval(abs(dNp(3 - i, :) - ddN(3, :))), 0.0_DP, 1e-9_DP)
+    end do
+  end subroutine check_facet
+
+
+  !> All monomials of the degree promised are exact.
+  subroutine check_facet_rule(kind)
+    integer, intent(in) :: kind
+    real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS), approximate
+    integer :: n, i, j
+    integer, parameter :: DEGREE(4) = [2, 3, 4, 5]
+    call facet_quadrature(kind, n, xi, w)
+    do j = 0, 5
+      do i = 0, 5
+        approximate = sum(w(:n) * xi(1, :n)**i * xi(2, :n)**j)
+        if (kind == FACET_QUAD4 .or. kind == FACET_QUAD8) then
+          if (max(i, j) <= DEGREE(kind)) &
+            call suite%near('square rule', approximate, line_integral(i) * line_integral(j), 1e-15_DP)
+        else if (i + j <= DEGREE(kind)) then
+          call suite%near('triangle rule', approximate, factorial(i) * factorial(j) / factorial(i + j + 2), 1e-15_DP)
+        end if
+      end do
+    end do
+  end subroutine check_facet_rule
+
+end program test_shapes
