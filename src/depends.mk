@@ -34,8 +34,8 @@ uses_cards = kinds errors text lookup
 uses_card_form = kinds text lookup cards
 uses_card_table = card_form
 uses_deck_reader = kinds text lookup mesh model cards card_form
-uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
 uses_deck_mesh = kinds text lookup topology mesh model cards card_form deck_reader
+uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
 uses_deck_model = kinds text lookup topology mesh materials surfaces loads model cards card_form deck_reader
 uses_deck =
 
