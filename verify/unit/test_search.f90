@@ -35,7 +35,7 @@ contains
     integer, allocatable :: element(:), face(:)
     call flat_grid(kind, nx, ny, mesh, element, face)
     call shake(mesh, wave, 0.1_DP * wave)
-    call fold(mesh, 4.5_DP, wave)
+    call fold(mesh, 7.0_DP, wave)
     call build_facets(mesh, element, face, facets, error)
     if (allocated(error)) error stop 'the sample surface is bad'
   end subroutine make_grid
