@@ -37,6 +37,7 @@ uses_deck_reader = kinds text lookup mesh model cards card_form
 uses_deck_mesh = kinds text lookup topology mesh model cards card_form deck_reader
 uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
 uses_deck_model = kinds text lookup topology mesh materials surfaces loads model cards card_form deck_reader
+uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
 uses_deck =
 
 # 4 kernels: pure, numbers in and out
@@ -50,11 +51,13 @@ uses_slip = kinds
 
 # 5 system: unknowns, residual, matrix
 uses_state = kinds mesh
-uses_constraints = kinds sparse
+uses_constraints = kinds errors sparse
 uses_assembly = kinds errors sparse partition topology mesh loads steps model element state
 uses_contact = kinds errors topology mesh model shapes facets search gap slip state constraints
-uses_contact_tangent = kinds topology model gap state constraints contact
+uses_contact_tangent = kinds errors sparse topology model gap state constraints contact
 uses_system = kinds errors history sparse factor krylov loads steps model state constraints assembly contact contact_tangent
+uses_audit_words = errors text
+uses_audit_contact = kinds errors text lookup loads model state contact audit_words
 uses_audit = kinds errors mesh model state contact
 
 # 6 solution: the increment, the steps, the results

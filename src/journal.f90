@@ -50,6 +50,7 @@ module amontons_journal
     !> POSIX: 1 if the file descriptor is a terminal.
     function isatty(descriptor) bind(C, name='isatty') result(answer)
       import :: c_int
+      implicit none
       integer(c_int), value :: descriptor
       integer(c_int) :: answer
     end function isatty
@@ -199,7 +200,7 @@ contains
   subroutine show_iteration(self, record)
     class(journal_type), intent(inout) :: self
     type(iteration_record_type), intent(in) :: record
-    character(2 * LIVE_WIDTH) :: line
+    character(160) :: line
     if (self%is_quiet .or. .not. self%is_live) return
     write (line, '(3(a,i0),a,es7.1,2(a,i0),2a)') 'Step ', record%step, ' increment ', record%increment, &
       ' iteration ', record%iteration, ': imbalance ', record%residual, ', stick ', record%n_status(1), ', slip ', &

@@ -221,7 +221,7 @@ contains
   end subroutine take_job
 
 
-  !> From the word of the user to the deck, the name of the job and the folder of the results, by default the deck's own.
+  !> From the word of the user to the deck, the name of the job and the folder of the results (default: the deck's own).
   subroutine find_deck(options, error)
     type(job_options_type), intent(inout) :: options
     type(error_type), allocatable, intent(out) :: error
@@ -294,7 +294,7 @@ contains
       USAGE, &
       '       amontons [options] -i job', &
       '', &
-      'The deck job.inp is written with the cards of Abaqus or CalculiX; amontons --cards lists those that are known.', &
+      'The deck job.inp is written with the cards of Abaqus or CalculiX; amontons --cards lists those known.', &
       '', &
       '  --check                      read the deck, check and audit the model, then stop', &
       '  --threads N                  work with N threads (default: OMP_NUM_THREADS, else all processors)', &

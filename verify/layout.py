@@ -39,7 +39,7 @@ def space_operators(line: str) -> str:
         return f"\0{len(kept) - 1}\0"
 
     line = CONCATENATION.sub(" // ", STRING_OR_COMMENT.sub(hide, line))
-    line = TIMES_ARRAY.sub(" * [", line)
+    line = TIMES_ARRAY.sub(" * [", line).replace(", quiet = ", ", quiet=")
     return re.sub(r"\0(\d+)\0", lambda match: kept[int(match.group(1))], line)
 
 
