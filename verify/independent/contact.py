@@ -83,14 +83,14 @@ class ContactCheck:
     """Judges all increments of a result file."""
 
     def __init__(self, deck: Deck, results: Results, tolerances: Tolerances | None = None) -> None:
-        if deck.dialect != "abaqus":
+        if deck.dialect != "abaqus" or results.dialect != "abaqus":
             raise DeckError("the independent element is the one of the abaqus dialect (mean dilatation, Hencky)")
         if any(step.is_loaded for step in deck.steps):
             raise DeckError("distributed loads: the independent check knows supports and contact only")
         self.deck, self.results, self.tolerances = deck, results, tolerances or Tolerances()
         self.elastic = deck.elastic()
         self.bodies = deck.bodies()
-        self.order = _match(deck.nodes, results.points)
+        self.order = _match(deck, results)
         #: Forces below that of a strain of 1e-6 on a slave's facet are never a scale: nothing is loaded yet.
         edges = [_mean_edge(deck.nodes[deck.facets(deck.pairs[p].master)]) for p in range(len(deck.pairs))]
         self.floor = 1e-6 * float(self.elastic[:, 0].max()) * min(edges, default=1.0) ** 2
@@ -262,13 +262,17 @@ def _above(owner: object, limits: list[tuple[str, float]], where: str) -> list[s
     return [f"{name}{where} is {value:.2e}, allowed {limit:.0e}" for name, value, limit in values if not value <= limit]
 
 
-def _match(deck_nodes: Floats, points: Floats) -> Ints:
-    """For each node of the deck its row in the result file. The file keeps the order of the deck."""
-    if len(points) != len(deck_nodes):
-        raise DeckError(f"the result file has {len(points)} points, the deck {len(deck_nodes)} nodes")
-    if not np.allclose(points, deck_nodes, rtol=0, atol=1e-12 * float(np.ptp(deck_nodes))):
-        raise DeckError("the points of the result file are not the nodes of the deck in the deck's order")
-    return np.arange(len(points))
+def _match(deck: Deck, results: Results) -> Ints:
+    """For each node of the deck its row in the result file: by label, else in the deck's order; the places must agree."""
+    if len(results.points) != len(deck.nodes):
+        raise DeckError(f"the result file has {len(results.points)} points, the deck {len(deck.nodes)} nodes")
+    order = np.arange(len(deck.nodes))
+    if results.labels is not None:
+        row = {int(label): i for i, label in enumerate(results.labels)}
+        order = np.array([row[int(label)] for label in deck.labels])
+    if not np.allclose(results.points[order], deck.nodes, rtol=0, atol=1e-12 * float(np.ptp(deck.nodes))):
+        raise DeckError("the points of the result file are not the nodes of the deck")
+    return order
 
 
 def _free(held: dict[int, set[int]], n_nodes: int) -> Flags:

@@ -24,6 +24,8 @@ class Results:
     displacements: Floats  #: (n_frames, n_nodes, 3) [length]
     reactions: Floats | None  #: (n_frames, n_nodes, 3) RF, where the file has it [force]
     deck_text: str | None
+    labels: NDArray[np.int64] | None = None  #: (n_nodes) the user's node numbers
+    dialect: str = "abaqus"
 
 
 def read_results(path: Path) -> Results:
@@ -31,8 +33,24 @@ def read_results(path: Path) -> Results:
     with h5py.File(path) as file:
         grid = file["VTKHDF"]
         reactions = point_data(grid, "RF") if "RF" in grid["PointData"] else None
-        text = _deck_text(file)
-        return Results(grid["Points"][:], grid["Steps/Values"][:], point_data(grid, "U"), reactions, text)
+        labels = file["AMONTONS/mesh/node_label"][:] if "AMONTONS/mesh/node_label" in file else None
+        dialect = (_text(file, "AMONTONS/dialect") or "abaqus").strip()
+        text = _text(file, "AMONTONS/deck")
+        return Results(
+            grid["Points"][:], grid["Steps/Values"][:], point_data(grid, "U"), reactions, text, labels, dialect
+        )
+
+
+def read_field(path: Path, name: str) -> Floats:
+    """(n_frames, n_nodes, ...) one point array of a file."""
+    with h5py.File(path) as file:
+        return point_data(file["VTKHDF"], name)
+
+
+def read_history(path: Path) -> dict[str, NDArray]:
+    """/AMONTONS/history: one row per attempt at an increment, columns by name."""
+    with h5py.File(path) as file:
+        return {name: values[:] for name, values in file["AMONTONS/history"].items()}
 
 
 def point_data(grid: h5py.Group, name: str) -> Floats:
@@ -43,11 +61,11 @@ def point_data(grid: h5py.Group, name: str) -> Floats:
     return np.stack([values[int(o) : int(o) + n] for o in offsets])
 
 
-def _deck_text(file: h5py.File) -> str | None:
-    """/AMONTONS/deck: the lines of the deck, includes in place."""
-    if "AMONTONS/deck" not in file:
+def _text(file: h5py.File, name: str) -> str | None:
+    """A text in one piece or in lines; None if the file does not have it."""
+    if name not in file:
         return None
-    value = file["AMONTONS/deck"][()]
+    value = file[name][()]
     if isinstance(value, np.ndarray):
         value = b"\n".join(bytes(v).rstrip() for v in value.ravel())
     return value.decode()

@@ -1,0 +1,138 @@
+"""Meshes of every element kind from a mesh of hexahedra, and the cards of small decks with them.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+from make_decks import Mesh
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+KINDS = ["C3D4", "C3D6", "C3D8", "C3D10", "C3D20", "C3D20R"]
+QUADRATIC = {"C3D10", "C3D20", "C3D20R"}
+
+#: Corner nodes (from 0) of the faces S1, S2, ... as Abaqus numbers them.
+_TET = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]
+_WEDGE = [[0, 1, 2], [3, 4, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]]
+_HEX = [[0, 1, 2, 3], [4, 7, 6, 5], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]]
+FACES = {"C3D4": _TET, "C3D10": _TET, "C3D6": _WEDGE, "C3D8": _HEX, "C3D20": _HEX, "C3D20R": _HEX}
+
+_TET_EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
+_HEX_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+
+
+@dataclass
+class Solids:
+    """Elements of one kind; indices from 0, labels in a deck are one more."""
+
+    kind: str
+    nodes: Floats  #: (n_nodes, 3)
+    elements: Ints  #: (n_elements, nodes of the kind)
+
+    def where(self, axis: int, value: float) -> Ints:
+        """Nodes with a coordinate at a value."""
+        return np.flatnonzero(np.abs(self.nodes[:, axis] - value) < 1e-9)
+
+    def outer_faces(self, nodes: Iterable[int] | None = None) -> list[tuple[int, int]]:
+        """(element from 0, face from 1) of the faces that belong to one element; of those, whose corners are all in nodes."""
+        owners: dict[tuple[int, ...], list[tuple[int, int]]] = {}
+        for e, element in enumerate(self.elements):
+            for f, local in enumerate(FACES[self.kind], start=1):
+                owners.setdefault(tuple(sorted(int(n) for n in element[local])), []).append((e, f))
+        wanted = set(range(len(self.nodes))) if nodes is None else {int(n) for n in nodes}
+        return [found[0] for corners, found in owners.items() if len(found) == 1 and wanted.issuperset(corners)]
+
+    def boundary_nodes(self) -> Ints:
+        """Nodes on the outer faces, mid-sides included."""
+        edges = _TET_EDGES if self.kind == "C3D10" else _HEX_EDGES
+        outer: set[int] = set()
+        for e, f in self.outer_faces():
+            local = FACES[self.kind][f - 1]
+            members = list(local)
+            if self.kind in QUADRATIC:
+                members += [len(set(sum(edges, ()))) + i for i, (a, b) in enumerate(edges) if a in local and b in local]
+            outer.update(int(n) for n in self.elements[e][members])
+        return np.array(sorted(outer))
+
+    def cards(self) -> str:
+        """*NODE and *ELEMENT with the sets ALL (elements) and NODES."""
+        lines = ["*NODE, NSET=NODES"]
+        lines += [f"{i}, " + ", ".join(f"{v:.15g}" for v in x) for i, x in enumerate(self.nodes, start=1)]
+        lines += [f"*ELEMENT, TYPE={self.kind}, ELSET=ALL"]
+        for i, nodes in enumerate(self.elements, start=1):
+            labels = [str(i), *(str(n + 1) for n in nodes)]
+            lines += [", ".join(labels[:11]) + ("," if len(labels) > 11 else "")]
+            lines += [", ".join(labels[11:])] if len(labels) > 11 else []
+        return "\n".join(lines) + "\n"
+
+
+def as_kind(mesh: Mesh, kind: str) -> Solids:
+    """Hexahedra as they are, cut into six tetrahedra or two wedges, and with mid-side nodes where the kind has them."""
+    elements = mesh.elements
+    if kind in ("C3D4", "C3D10"):
+        elements = np.concatenate([elements[:, tet] for tet in _six_tetrahedra()])
+    if kind == "C3D6":
+        elements = np.concatenate([elements[:, w] for w in ([0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7])])
+    if kind not in QUADRATIC:
+        return Solids(kind, mesh.nodes, elements)
+    return _with_mid_sides(kind, mesh.nodes, elements, _TET_EDGES if kind == "C3D10" else _HEX_EDGES)
+
+
+def _six_tetrahedra() -> list[list[int]]:
+    """Kuhn's cut of a cube along the diagonal from corner 0 to corner 6; conforming between neighbours of a grid."""
+    corner = {(0, 0, 0): 0, (1, 0, 0): 1, (1, 1, 0): 2, (0, 1, 0): 3, (0, 0, 1): 4, (1, 0, 1): 5, (1, 1, 1): 6, (0, 1, 1): 7}
+    cut = []
+    for order in permutations(range(3)):
+        place, path = [0, 0, 0], [0]
+        for axis in order:
+            place[axis] = 1
+            path.append(corner[tuple(place)])
+        is_even = np.linalg.det(np.eye(3)[list(order)]) > 0
+        cut.append(path if is_even else [path[1], path[0], *path[2:]])
+    return cut
+
+
+def _with_mid_sides(kind: str, nodes: Floats, elements: Ints, edges: Sequence[tuple[int, int]]) -> Solids:
+    """Mid-side nodes halfway."""
+    made: dict[tuple[int, int], int] = {}
+    places = [tuple(x) for x in nodes]
+    rows = []
+    for element in elements:
+        row = list(element)
+        for a, b in edges:
+            ends = (int(element[a]), int(element[b]))
+            key = (min(ends), max(ends))
+            if key not in made:
+                made[key] = len(places)
+                places.append(tuple((nodes[key[0]] + nodes[key[1]]) / 2))
+            row.append(made[key])
+        rows.append(row)
+    return Solids(kind, np.array(places), np.array(rows))
+
+
+def node_set(name: str, members: Iterable[int]) -> str:
+    """*NSET of indices from 0."""
+    labels = [str(int(m) + 1) for m in members]
+    rows = [", ".join(labels[i : i + 10]) for i in range(0, len(labels), 10)]
+    return f"*NSET, NSET={name}\n" + "\n".join(rows) + "\n"
+
+
+def prescribed(members: Iterable[int], values: Floats) -> str:
+    """*BOUNDARY with all three displacements of each node."""
+    lines = ["*BOUNDARY"]
+    for node, value in zip(members, values, strict=True):
+        lines += [f"{int(node) + 1}, {d}, {d}, {float(v):.17g}" for d, v in enumerate(value, start=1)]
+    return "\n".join(lines) + "\n"
+
+
+def pressure_on(faces: Iterable[tuple[int, int]], magnitude: float) -> str:
+    """*DLOAD with a pressure on faces."""
+    return "*DLOAD\n" + "".join(f"{e + 1}, P{f}, {magnitude:.17g}\n" for e, f in faces)
