@@ -1,19 +1,20 @@
 !> Element: internal forces, tangent, body force and pressure of one element or facet; plain, B-bar or F-bar.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory and symbols: doc/theory/elements.md. Force and tangent are the first and second derivative of the element's strain
-!! energy, so the tangent is symmetric, at finite strain and with mean dilatation too. Inside, arrays run over the nodes first:
-!! that is the loop the compiler turns into vector instructions.
+!! Theory and symbols: doc/theory/elements.md. Force and tangent are the first and second derivative of the element's
+!! strain energy, so the tangent is symmetric, at finite strain and with mean dilatation too. Inside, arrays run over
+!! the nodes first: that is the loop the compiler turns into vector instructions.
 module amontons_element
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type
   use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
-  use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, logarithm_1p, STRESS_OK, STRESS_INVERTED, &
-    LARGEST_GRADIENT
-  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, cross_product, determinant_minus_one, invert, pack_voigt
-  use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_NODES, MAX_POINTS, MAX_FACE_NODES, &
-    KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R, N_KINDS
+  use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, logarithm_1p, STRESS_OK, &
+    STRESS_INVERTED, LARGEST_GRADIENT
+  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, cross_product, determinant_minus_one, invert, &
+    pack_voigt
+  use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_NODES, MAX_POINTS, &
+    MAX_FACE_NODES, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R, N_KINDS
   implicit none
   private
   public :: points_type, element_system, element_forces, element_tangent
@@ -23,9 +24,10 @@ module amontons_element
   integer, parameter :: ELEMENT_OK = 0             !< all is well
   integer, parameter :: ELEMENT_INVERTED = 1       !< det F is not positive at an integration point
   integer, parameter :: ELEMENT_NOT_FINITE = 2     !< a displacement is NaN, infinite or beyond all bounds
-  integer, parameter :: ELEMENT_DEGENERATE = 3     !< the undeformed element has no positive volume at an integration point
+  integer, parameter :: ELEMENT_DEGENERATE = 3     !< the undeformed volume of a point is not positive
 
-  ! The table of module topology once more as constants, so that the loops have known lengths (a unit test compares them).
+  ! The table of module topology once more, as constants: so the loops have known lengths. The unit test notices if
+  ! they differ.
   integer, parameter :: N_NODES(N_KINDS) = [4, 6, 8, 8, 10, 20, 20]
   integer, parameter :: N_POINTS(N_KINDS) = [1, 2, 8, 8, 4, 27, 8]
   logical, parameter :: IS_MEAN(N_KINDS) = [.false., .false., .true., .false., .false., .false., .false.]
@@ -42,7 +44,7 @@ module amontons_element
   type :: motion_type
     real(DP) :: gradient(MAX_NODES, 3, MAX_POINTS) !< dN_a/dx_j, current under NLGEOM [1/length]
     real(DP) :: mean(MAX_NODES, 3)                 !< their mean over the (current) volume [1/length]
-    real(DP) :: H(3, 3, MAX_POINTS)                !< displacement gradient du_i/dX_j, that of F-bar with mean dilatation [-]
+    real(DP) :: H(3, 3, MAX_POINTS)                !< displacement gradient du_i/dX_j, or that of F-bar [-]
     real(DP) :: j(MAX_POINTS)                      !< det(1 + H) - 1 [-]
     real(DP) :: reference(MAX_POINTS)              !< reference volumes of the points [length^3]
     real(DP) :: current(MAX_POINTS)                !< their current volumes [length^3]
@@ -58,7 +60,7 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
     real(DP), intent(out) :: force(3, MAX_NODES)   !< internal force, zero past the nodes [force]
-    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric, defined up to 3 * nodes
+    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric, set up to 3 * nodes
     type(points_type), intent(out) :: points
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
     select case (kind)                             ! constants here make loops of known length there
@@ -103,7 +105,7 @@ contains
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
-    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric, defined up to 3 * nodes
+    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric, set up to 3 * nodes
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
     real(DP) :: force(3, MAX_NODES)
     type(points_type) :: points
@@ -146,8 +148,9 @@ contains
 
   !> Consistent nodal forces of a pressure on a facet in its current place, and their derivative, the load stiffness:
   !! force_a = -pressure * integral of N_a (dx/dxi1 x dx/dxi2).
-  !! Positive pressure pushes against the normal of the right-hand rule. The derivative is not symmetric for an open surface.
-  !! Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed., section 8.5.
+  !! Positive pressure pushes against the normal of the right-hand rule. The derivative is not symmetric for an open
+  !! surface. Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed.,
+  !! section 8.5.
   pure subroutine facet_pressure(facet_kind, x, pressure, force, stiffness)
     integer, intent(in) :: facet_kind              !< FACET_...
     real(DP), intent(in) :: x(:, :)                !< (3, nodes) current coordinates [length]
@@ -250,8 +253,8 @@ contains
   end subroutine set_reference
 
 
-  !> Displacement gradients; under NLGEOM current gradients and volumes; with mean dilatation the mean gradients and F-bar.
-  !! Displacements count from node 1, so that a translation gives exactly nothing.
+  !> Displacement gradients; under NLGEOM current gradients and volumes; with mean dilatation the mean gradients and
+  !! F-bar. Displacements count from node 1, so that a translation gives exactly nothing.
   pure subroutine move(kind, u, is_nlgeom, motion, status)
     integer, intent(in) :: kind
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) [length]
@@ -401,9 +404,12 @@ contains
         total = total + pressure
       end if
       do a = 1, n
-        f(a, 1) = f(a, 1) + t(1) * motion%gradient(a, 1, p) + t(4) * motion%gradient(a, 2, p) + t(6) * motion%gradient(a, 3, p)
-        f(a, 2) = f(a, 2) + t(4) * motion%gradient(a, 1, p) + t(2) * motion%gradient(a, 2, p) + t(5) * motion%gradient(a, 3, p)
-        f(a, 3) = f(a, 3) + t(6) * motion%gradient(a, 1, p) + t(5) * motion%gradient(a, 2, p) + t(3) * motion%gradient(a, 3, p)
+        f(a, 1) = f(a, 1) + t(1) * motion%gradient(a, 1, p) + t(4) * motion%gradient(a, 2, p) &
+          + t(6) * motion%gradient(a, 3, p)
+        f(a, 2) = f(a, 2) + t(4) * motion%gradient(a, 1, p) + t(2) * motion%gradient(a, 2, p) &
+          + t(5) * motion%gradient(a, 3, p)
+        f(a, 3) = f(a, 3) + t(6) * motion%gradient(a, 1, p) + t(5) * motion%gradient(a, 2, p) &
+          + t(3) * motion%gradient(a, 3, p)
       end do
     end do
     if (is_mean_dilatation) f(:n, :) = f(:n, :) + total * motion%mean(:n, :)
@@ -411,8 +417,8 @@ contains
   end subroutine add_forces
 
 
-  !> The tangent: sum over the points of B^T c B + (g . tau g) 1; the terms of the mean dilatation are folded into c and tau
-  !! but for three products of vectors of the element.
+  !> The tangent: sum over the points of B^T c B + (g . tau g) 1; the terms of the mean dilatation are folded into c
+  !! and tau but for three products of vectors of the element.
   pure subroutine set_stiffness(n, n_rule, is_mean_dilatation, motion, tau, tangent, stiffness)
     integer, intent(in) :: n, n_rule               !< nodes, points
     logical, intent(in) :: is_mean_dilatation

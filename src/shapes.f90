@@ -2,11 +2,12 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Natural coordinates: hexahedra -1..1 in xi, eta, zeta; tetrahedra 0..1 with node 1 at the origin; wedges 0..1 in the
-!! triangle (xi, eta), -1..1 along zeta. Integration points are ordered as CalculiX prints them: xi fastest, then eta, then zeta.
+!! triangle (xi, eta), -1..1 along zeta. Integration points are ordered as CalculiX prints them: xi fastest, then eta,
+!! then zeta.
 module amontons_shapes
   use amontons_kinds, only: DP
-  use amontons_topology, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R, &
-    FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
+  use amontons_topology, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, &
+    KIND_C3D20R, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
   implicit none
   private
   public :: shape_functions, quadrature, node_coordinates, extrapolation_matrix
@@ -22,7 +23,8 @@ module amontons_shapes
     -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], [3, 20])
   real(DP), parameter :: TETRAHEDRON(3, 10) = reshape([real(DP) :: 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, &
     0.5_DP, 0, 0, 0.5_DP, 0.5_DP, 0, 0, 0.5_DP, 0, 0, 0, 0.5_DP, 0.5_DP, 0, 0.5_DP, 0, 0.5_DP, 0.5_DP], [3, 10])
-  real(DP), parameter :: WEDGE(3, 6) = reshape([real(DP) :: 0, 0, -1, 1, 0, -1, 0, 1, -1, 0, 0, 1, 1, 0, 1, 0, 1, 1], [3, 6])
+  real(DP), parameter :: WEDGE(3, 6) = reshape([real(DP) :: &
+    0, 0, -1, 1, 0, -1, 0, 1, -1, 0, 0, 1, 1, 0, 1, 0, 1, 1], [3, 6])
   real(DP), parameter :: SQUARE(2, 8) = reshape([real(DP) :: &
     -1, -1, 1, -1, 1, 1, -1, 1, 0, -1, 1, 0, 0, 1, -1, 0], [2, 8])
   real(DP), parameter :: TRIANGLE(2, 6) = reshape([real(DP) :: &
@@ -35,7 +37,8 @@ module amontons_shapes
   real(DP), parameter :: GAUSS_3 = sqrt(15.0_DP) / 5
   ! Four points of a tetrahedron, degree 2. P. C. Hammer, A. H. Stroud, MTAC 10 (1956) 137-139.
   real(DP), parameter :: TETRA_A = (5 - sqrt(5.0_DP)) / 20, TETRA_B = (5 + 3 * sqrt(5.0_DP)) / 20
-  ! Six points of a triangle, degree 4. G. R. Cowper, Gaussian quadrature formulas for triangles, IJNME 7 (1973) 405-408.
+  ! Six points of a triangle, degree 4. G. R. Cowper, Gaussian quadrature formulas for triangles,
+  ! Int. J. Numer. Meth. Engng 7 (1973) 405-408.
   real(DP), parameter :: COWPER_A = 0.44594849091596489_DP, COWPER_B = 0.09157621350977074_DP
   real(DP), parameter :: COWPER_WA = 0.11169079483900573_DP, COWPER_WB = 0.054975871827660934_DP
 
@@ -62,10 +65,12 @@ contains
       call tetrahedron_shapes(xi, N(:10), dN(:, :10))
     case (KIND_C3D20, KIND_C3D20R)
       call serendipity_shapes(xi, N, dN)
+    case default                                   ! no such kind: nothing is set
     end select
   end subroutine shape_functions
 
 
+  !> N = 1/8 (1 + xi_a xi)(1 + eta_a eta)(1 + zeta_a zeta).
   pure subroutine trilinear_shapes(xi, N, dN)
     real(DP), intent(in) :: xi(3)
     real(DP), intent(out) :: N(8), dN(3, 8)
@@ -83,6 +88,7 @@ contains
   end subroutine trilinear_shapes
 
 
+  !> Corners: the trilinear function times (xi_a xi + eta_a eta + zeta_a zeta - 2); mid-sides: a parabola on the edge.
   pure subroutine serendipity_shapes(xi, N, dN)
     real(DP), intent(in) :: xi(3)
     real(DP), intent(out) :: N(20), dN(3, 20)
@@ -109,6 +115,7 @@ contains
   end subroutine serendipity_shapes
 
 
+  !> Area coordinate of the triangle times 1/2 (1 + zeta_a zeta).
   pure subroutine wedge_shapes(xi, N, dN)
     real(DP), intent(in) :: xi(3)
     real(DP), intent(out) :: N(6), dN(3, 6)
@@ -126,6 +133,7 @@ contains
   end subroutine wedge_shapes
 
 
+  !> Corners: L (2 L - 1); mid-sides: 4 L_i L_j, with the volume coordinates L.
   pure subroutine tetrahedron_shapes(xi, N, dN)
     real(DP), intent(in) :: xi(3)
     real(DP), intent(out) :: N(10), dN(3, 10)
@@ -181,6 +189,7 @@ contains
     case (KIND_C3D20)
       n = 27
       call tensor_rule([-GAUSS_3, 0.0_DP, GAUSS_3], [5.0_DP, 8.0_DP, 5.0_DP] / 9, xi, w)
+    case default                                   ! no such kind: nothing is set
     end select
   end subroutine quadrature
 
@@ -220,6 +229,7 @@ contains
       xi(:, :8) = HEXAHEDRON(:, :8)
     case (KIND_C3D20, KIND_C3D20R)
       xi = HEXAHEDRON
+    case default                                   ! no such kind: nothing is set
     end select
   end subroutine node_coordinates
 
@@ -267,11 +277,13 @@ contains
       n_nodes = 20
       n_points = 27
       call extrapolate_serendipity(matrix)
+    case default                                   ! no such kind: nothing is set
     end select
   end subroutine extrapolation_matrix
 
 
-  !> Trilinear through the points of the 2x2x2 rule. A trilinear function is, on an edge's middle, the mean of the corners.
+  !> Trilinear through the points of the 2x2x2 rule. A trilinear function is, on an edge's middle, the mean of the
+  !! corners.
   pure subroutine extrapolate_trilinear(n_nodes, matrix)
     integer, intent(in) :: n_nodes
     real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
@@ -334,7 +346,7 @@ contains
   !> Shape functions of a facet with first and second derivatives; entries past its nodes are zero.
   pure subroutine facet_shapes(facet_kind, xi, N, dN, ddN)
     integer, intent(in) :: facet_kind              !< FACET_...
-    real(DP), intent(in) :: xi(2)                  !< natural coordinates: triangles 0..1, node 1 at the origin; squares -1..1 [-]
+    real(DP), intent(in) :: xi(2)                  !< triangles 0..1, node 1 at the origin; squares -1..1 [-]
     real(DP), intent(out) :: N(MAX_FACE_NODES)     !< values [-]
     real(DP), intent(out) :: dN(2, MAX_FACE_NODES) !< derivatives by xi(1), xi(2) [-]
     real(DP), intent(out) :: ddN(3, MAX_FACE_NODES)   !< second derivatives 11, 22, 12 [-]
@@ -351,10 +363,12 @@ contains
       call triangle_shapes(xi, N(:6), dN(:, :6), ddN(:, :6))
     case (FACET_QUAD8)
       call square_shapes(xi, N, dN, ddN)
+    case default                                   ! no such kind: nothing is set
     end select
   end subroutine facet_shapes
 
 
+  !> N = 1/4 (1 + xi_a xi)(1 + eta_a eta).
   pure subroutine bilinear_shapes(xi, N, dN, ddN)
     real(DP), intent(in) :: xi(2)
     real(DP), intent(out) :: N(4), dN(2, 4), ddN(3, 4)
@@ -370,6 +384,7 @@ contains
   end subroutine bilinear_shapes
 
 
+  !> Corners: L (2 L - 1); mid-sides: 4 L_i L_j, with the area coordinates L.
   pure subroutine triangle_shapes(xi, N, dN, ddN)
     real(DP), intent(in) :: xi(2)
     real(DP), intent(out) :: N(6), dN(2, 6), ddN(3, 6)
@@ -394,6 +409,7 @@ contains
   end subroutine triangle_shapes
 
 
+  !> The serendipity functions of the square.
   pure subroutine square_shapes(xi, N, dN, ddN)
     real(DP), intent(in) :: xi(2)
     real(DP), intent(out) :: N(8), dN(2, 8), ddN(3, 8)
@@ -456,6 +472,7 @@ contains
         xi(:, p) = [THREE(i), THREE(j)]
         w(p) = WEIGHT(i) * WEIGHT(j)
       end do
+    case default                                   ! no such kind: nothing is set
     end select
   end subroutine facet_quadrature
 
@@ -485,6 +502,7 @@ contains
       xi(:, :4) = SQUARE(:, :4)
     case (FACET_QUAD8)
       xi = SQUARE
+    case default                                   ! no such kind: nothing is set
     end select
   end subroutine facet_node_coordinates
 

@@ -1,14 +1,14 @@
 !> Stress: the elastic laws: stress, consistent tangent and strain energy from the strain.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Voigt order xx yy zz xy yz xz. Strains and stresses are tensor components; a tangent multiplies engineering shears, so that
-!! its entries are the components c_ijkl themselves. Theory: doc/theory/materials.md.
+!! Voigt order xx yy zz xy yz xz. Strains and stresses are tensor components; a tangent multiplies engineering shears,
+!! so that its entries are the components c_ijkl themselves. Theory: doc/theory/materials.md.
 module amontons_stress
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
-  use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, &
-    determinant_minus_one, double_dot, pack_voigt, unpack_voigt, symmetric_eigen
+  use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
+    pack_voigt, unpack_voigt, symmetric_eigen
   implicit none
   private
   public :: stress_small, stress_finite, kirchhoff_stress, lame_constants, logarithm_1p
@@ -66,8 +66,9 @@ contains
   !! | Hencky         | lambda/2 (tr e)^2 + G e:e, e = 1/2 ln b | lambda tr(e) 1 + 2 G e  |
   !! | Saint-Venant   | lambda/2 (tr E)^2 + G E:E               | F (lambda tr(E) 1 + 2 G E) F^T |
   !!
-  !! The displacement gradient H = F - 1 comes in, not F: strains of 1e-9 keep full relative precision, and H = 0 gives zero.
-  !! Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed., sections 6.5, 6.6.
+  !! The displacement gradient H = F - 1 comes in, not F: strains of 1e-9 keep full relative precision, and H = 0
+  !! gives zero. Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed.,
+  !! sections 6.5, 6.6.
   pure subroutine stress_finite(material, H, tau, tangent, log_strain, energy, status)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient du_i/dX_j, F = 1 + H [-]
@@ -103,8 +104,8 @@ contains
   end subroutine kirchhoff_stress
 
 
-  !> ln(1 + x) for small and large x. Reference: W. Kahan; in D. Goldberg, What every computer scientist should know about
-  !! floating-point arithmetic, ACM Computing Surveys 23 (1991), theorem 4.
+  !> ln(1 + x) for small and large x. Reference: W. Kahan; in D. Goldberg, What every computer scientist should know
+  !! about floating-point arithmetic, ACM Computing Surveys 23 (1991), theorem 4.
   pure elemental function logarithm_1p(x) result(y)
     real(DP), intent(in) :: x                      !< more than -1 [-]
     real(DP) :: y
@@ -180,8 +181,8 @@ contains
 
   !> The tangent of Hencky's law in its principal axes, turned to the axes of space:
   !! c_AABB = lambda + (2 G - 2 tau_A) delta_AB, c_ABAB = G d coth(d) - (tau_A + tau_B)/2 with d = e_A - e_B.
-  !! Reference: C. Miehe, M. Lambrecht, Algorithms for computation of stresses and elasticity moduli in terms of Seth-Hill's
-  !! family of generalized strain tensors, Commun. Numer. Meth. Engng 17 (2001) 337-353.
+  !! Reference: C. Miehe, M. Lambrecht, Algorithms for computation of stresses and elasticity moduli in terms of
+  !! Seth-Hill's family of generalized strain tensors, Commun. Numer. Meth. Engng 17 (2001) 337-353.
   pure function hencky_tangent(lambda, G, principal) result(c)
     real(DP), intent(in) :: lambda, G              !< [stress]
     type(principal_type), intent(in) :: principal
@@ -217,8 +218,8 @@ contains
       y = d / t
     else
       q = t * t
-      y = 1 + q * (1 / 3.0_DP + q * (1 / 5.0_DP + q * (1 / 7.0_DP + q * (1 / 9.0_DP + q * (1 / 11.0_DP + q * (1 / 13.0_DP &
-        + q * (1 / 15.0_DP)))))))
+      y = 1 + q * (1 / 3.0_DP + q * (1 / 5.0_DP + q * (1 / 7.0_DP + q * (1 / 9.0_DP + q * (1 / 11.0_DP &
+        + q * (1 / 13.0_DP + q / 15))))))
     end if
   end function d_coth_d
 

@@ -57,7 +57,8 @@ contains
   end function determinant_minus_one
 
 
-  !> Inverse and determinant of a 3x3 matrix by the adjugate. A zero determinant gives an inverse of zeros: the caller tests.
+  !> Inverse and determinant of a 3x3 matrix by the adjugate. A zero determinant gives an inverse of zeros: the caller
+  !! tests.
   pure subroutine invert(A, inverse, det)
     real(DP), intent(in) :: A(3, 3)
     real(DP), intent(out) :: inverse(3, 3)
@@ -119,13 +120,13 @@ contains
   end function von_mises
 
 
-  !> Eigenvalues and orthonormal eigenvectors of a symmetric 3x3 matrix, unordered; exact to rounding of the deviator's size,
-  !! also for (nearly) equal eigenvalues.
+  !> Eigenvalues and orthonormal eigenvectors of a symmetric 3x3 matrix, unordered; exact to rounding of the
+  !! deviator's size, also for (nearly) equal eigenvalues.
   !!
   !! The eigenvalue that stands apart from the two others by at least sqrt(3) of the scaled deviator is the root beta of
-  !! beta^3 - 3 beta - 2 h = 0, found by Newton's method from above, and its eigenvector a column of the adjugate: both are
-  !! well conditioned. The other two follow from the 2x2 matrix on the plane across by one Jacobi rotation, which does not mind
-  !! equal eigenvalues. Cost: about 150 operations, no trigonometry.
+  !! beta^3 - 3 beta - 2 h = 0, found by Newton's method from above, and its eigenvector a column of the adjugate:
+  !! both are well conditioned. The other two follow from the 2x2 matrix on the plane across by one Jacobi rotation,
+  !! which does not mind equal eigenvalues. Cost: about 150 operations, no trigonometry.
   !! Reference: D. Eberly, A robust eigensolver for 3x3 symmetric matrices, Geometric Tools (2014), sections 2 to 4.
   pure subroutine symmetric_eigen(A, values, vectors)
     real(DP), intent(in) :: A(6)                   !< Voigt vector
@@ -163,7 +164,8 @@ contains
     integer :: i
     p = sqrt(double_dot(d, d) / 6)
     m = d * (1 / p)
-    h = 0.5_DP * (m(1) * (m(2) * m(3) - m(5) * m(5)) - m(4) * (m(4) * m(3) - m(5) * m(6)) + m(6) * (m(4) * m(5) - m(2) * m(6)))
+    h = 0.5_DP * (m(1) * (m(2) * m(3) - m(5) * m(5)) - m(4) * (m(4) * m(3) - m(5) * m(6)) &
+      + m(6) * (m(4) * m(5) - m(2) * m(6)))
     beta = 2
     if (abs(h) < 1) then
       beta = 1.7320508075688772_DP + 0.2679491924311228_DP * abs(h)

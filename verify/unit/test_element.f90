@@ -9,8 +9,8 @@ program test_element
   use amontons_shapes, only: node_coordinates, shape_functions
   use amontons_stress, only: stress_small, stress_finite
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, determinant
-  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_FACE_NODES, N_KINDS, &
-    KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20R, FACET_TRI3, FACET_QUAD8
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_FACE_NODES, &
+    N_KINDS, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20R, FACET_TRI3, FACET_QUAD8
   use check, only: suite_type
   implicit none
   integer, parameter :: N_DOF = 3 * MAX_NODES
@@ -52,7 +52,8 @@ contains
     integer, intent(in) :: kind
     real(DP), intent(in) :: amount                 !< of the corners, and a tenth of it for the mid-side nodes
     real(DP), intent(out) :: X(3, MAX_NODES)
-    real(DP), parameter :: A(3, 3) = reshape([1.3_DP, 0.2_DP, -0.1_DP, 0.1_DP, 0.8_DP, 0.3_DP, -0.2_DP, 0.1_DP, 1.1_DP], [3, 3])
+    real(DP), parameter :: A(3, 3) = reshape([1.3_DP, 0.2_DP, -0.1_DP, 0.1_DP, 0.8_DP, 0.3_DP, -0.2_DP, 0.1_DP, &
+      1.1_DP], [3, 3])
     real(DP) :: xi(3, MAX_NODES), r(3, MAX_NODES), N(MAX_NODES), dN(3, MAX_NODES), straight(3, MAX_NODES)
     type(kind_type) :: entry
     integer :: linear, corners, a_node
@@ -82,7 +83,8 @@ contains
     character(:), allocatable :: name
     type(kind_type) :: entry
     entry = element_kind(kind)
-    name = trim(entry%name) // merge(' plain', '      ', kind == KIND_C3D8_FULL) // merge(' large ', ' small ', is_nlgeom) // what
+    name = trim(entry%name) // merge(' plain', '      ', kind == KIND_C3D8_FULL) // merge(' large ', ' small ', &
+      is_nlgeom) // what
   end function title
 
 
@@ -90,7 +92,8 @@ contains
   subroutine check_patch(kind, is_nlgeom)
     integer, intent(in) :: kind
     logical, intent(in) :: is_nlgeom
-    real(DP), parameter :: H(3, 3) = reshape([0.3_DP, 0.1_DP, -0.2_DP, -0.4_DP, -0.1_DP, 0.1_DP, 0.2_DP, 0.3_DP, 0.2_DP], [3, 3])
+    real(DP), parameter :: H(3, 3) = reshape([0.3_DP, 0.1_DP, -0.2_DP, -0.4_DP, -0.1_DP, 0.1_DP, 0.2_DP, 0.3_DP, &
+      0.2_DP], [3, 3])
     real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), expected(6), strain(6), c(6, 6), energy
     type(points_type) :: points
     type(kind_type) :: entry
@@ -112,22 +115,25 @@ contains
     do p = 1, entry%n_points
       call suite%near(title(kind, is_nlgeom, 'patch: stress'), maxval(abs(points%stress(:, p) - expected)), 0.0_DP, &
         1e-12_DP * maxval(abs(expected)))
-      call suite%near(title(kind, is_nlgeom, 'patch: strain'), maxval(abs(points%strain(:, p) - strain)), 0.0_DP, 1e-13_DP)
+      call suite%near(title(kind, is_nlgeom, 'patch: strain'), maxval(abs(points%strain(:, p) - strain)), 0.0_DP, &
+        1e-13_DP)
       call suite%near(title(kind, is_nlgeom, 'patch: energy'), points%energy(p), energy, 1e-12_DP * energy)
     end do
     call suite%that(title(kind, is_nlgeom, 'patch: no force past the nodes'), all(abs(force(:, n + 1:)) <= 0))
   end subroutine check_patch
 
 
-  !> The force is the derivative of the energy and the tangent that of the force, on a distorted, turned, strongly deformed
-  !! element; the three procedures agree to the last bit, and the tangent is symmetric.
+  !> The force is the derivative of the energy and the tangent that of the force, on a distorted, turned, strongly
+  !! deformed element; the three procedures agree to the last bit, and the tangent is symmetric.
   subroutine check_derivatives(kind, is_nlgeom)
     integer, intent(in) :: kind
     logical, intent(in) :: is_nlgeom
     real(DP), parameter :: STEP = 1e-5_DP
-    real(DP), parameter :: H(3, 3) = reshape([-0.6_DP, 0.9_DP, 0.1_DP, -0.8_DP, -0.4_DP, 0.3_DP, 0.2_DP, 0.1_DP, 0.2_DP], [3, 3])
+    real(DP), parameter :: H(3, 3) = reshape([-0.6_DP, 0.9_DP, 0.1_DP, -0.8_DP, -0.4_DP, 0.3_DP, 0.2_DP, 0.1_DP, &
+      0.2_DP], [3, 3])
     real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), K(N_DOF, N_DOF), again(3, MAX_NODES)
-    real(DP) :: K_again(N_DOF, N_DOF), differences(N_DOF, N_DOF), fp(3, MAX_NODES), fm(3, MAX_NODES), wp, wm, slope(N_DOF)
+    real(DP) :: K_again(N_DOF, N_DOF), differences(N_DOF, N_DOF), fp(3, MAX_NODES), fm(3, MAX_NODES), wp, wm, &
+      slope(N_DOF)
     type(points_type) :: points
     type(kind_type) :: entry
     integer :: n, a, j, dof, status
@@ -177,7 +183,8 @@ contains
     entry = element_kind(kind)
     moved = u
     moved(j, a) = moved(j, a) + step
-    call element_forces(kind, material, X(:, :entry%n_nodes), moved(:, :entry%n_nodes), is_nlgeom, force, points, status)
+    call element_forces(kind, material, X(:, :entry%n_nodes), moved(:, :entry%n_nodes), is_nlgeom, force, points, &
+      status)
     energy = sum(points%energy(:entry%n_points) * points%volume(:entry%n_points))
   end subroutine displaced
 
@@ -205,8 +212,8 @@ contains
   !> A translation, however far, gives exactly nothing; a rotation nothing but rounding, and turns the tangent.
   subroutine check_rigid_motion(kind)
     integer, intent(in) :: kind
-    real(DP), parameter :: Q(3, 3) = reshape([0.36_DP, 0.48_DP, -0.8_DP, -0.8_DP, 0.6_DP, 0.0_DP, 0.48_DP, 0.64_DP, 0.6_DP], &
-      [3, 3])
+    real(DP), parameter :: Q(3, 3) = reshape([0.36_DP, 0.48_DP, -0.8_DP, -0.8_DP, 0.6_DP, 0.0_DP, 0.48_DP, 0.64_DP, &
+      0.6_DP], [3, 3])
     real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), K0(N_DOF, N_DOF), K(N_DOF, N_DOF), worst
     type(points_type) :: points
     type(kind_type) :: entry
@@ -258,7 +265,8 @@ contains
       do a = 1, n
         moment = moment + cross_product(place(:, a), force(:, a))
       end do
-      call suite%near(title(kind, is_nlgeom, 'sum of forces'), maxval(abs(sum(force, 2))), 0.0_DP, 1e-14_DP * norm2(force))
+      call suite%near(title(kind, is_nlgeom, 'sum of forces'), maxval(abs(sum(force, 2))), 0.0_DP, &
+        1e-14_DP * norm2(force))
       call suite%near(title(kind, is_nlgeom, 'sum of moments'), maxval(abs(moment)), 0.0_DP, 1e-14_DP * norm2(force))
     end do
   end subroutine check_balance
@@ -294,8 +302,8 @@ contains
   end subroutine check_volume
 
 
-  !> Six modes cost no energy; with reduced integration more: the wedge's twist about its axis (1), the hourglass modes of
-  !! C3D20R (6), which do not spread through a mesh.
+  !> Six modes cost no energy; with reduced integration more: the wedge's twist about its axis (1), the hourglass
+  !! modes of C3D20R (6), which do not spread through a mesh.
   subroutine check_modes(kind)
     integer, intent(in) :: kind
     integer, parameter :: EXPECTED(N_KINDS) = [6, 7, 6, 6, 6, 6, 12]
@@ -314,7 +322,8 @@ contains
   end subroutine check_modes
 
 
-  !> Near incompressibility one mode of a C3D8 is stiff, the change of its volume; without mean dilatation seven are more.
+  !> Near incompressibility one mode of a C3D8 is stiff, the change of its volume; without mean dilatation seven are
+  !! more.
   subroutine check_no_locking()
     real(DP) :: X(3, MAX_NODES), K(N_DOF, N_DOF), values(24)
     type(material_type) :: rubber
@@ -365,8 +374,8 @@ contains
   end subroutine find_eigenvalues
 
 
-  !> Internal forces of a uniform pressure are those of the pressure on all faces, current and exact; and these have no sum.
-  !! (Not of C3D6 and C3D20R distorted, nor C3D10 curved: their points do not integrate the gradients exactly.)
+  !> Internal forces of a uniform pressure are those of the pressure on all faces, current and exact; and these have
+  !! no sum. (Not of C3D6 and C3D20R distorted, nor C3D10 curved: their points do not integrate the gradients exactly.)
   subroutine check_hydrostatic(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), outside(3, MAX_NODES), pressure
@@ -399,7 +408,8 @@ contains
     call suite%near(title(kind, .true., 'closed surface: no force'), maxval(abs(sum(outside, 2))), 0.0_DP, 1e-14_DP * &
       norm2(outside))
     if (kind == KIND_C3D6 .or. kind == KIND_C3D20R) return
-    call suite%near(title(kind, .true., 'pressure inside and outside'), norm2(force - outside), 0.0_DP, 1e-12_DP * norm2(outside))
+    call suite%near(title(kind, .true., 'pressure inside and outside'), norm2(force - outside), 0.0_DP, &
+      1e-12_DP * norm2(outside))
   end subroutine check_hydrostatic
 
 
@@ -421,8 +431,8 @@ contains
     if (facet%n_corners == 3) x(:2, :6) = TRIANGLE
     area = merge(4.0_DP, 2.0_DP, facet%n_corners == 4)
     call facet_pressure(kind, x(:, :n), 3.0_DP, force, K)
-    call suite%near('pressure: pushes against the normal', maxval(abs(sum(force, 2) - [0.0_DP, 0.0_DP, -3 * area])), 0.0_DP, &
-      1e-14_DP)
+    call suite%near('pressure: pushes against the normal', maxval(abs(sum(force, 2) &
+      - [0.0_DP, 0.0_DP, -3 * area])), 0.0_DP, 1e-14_DP)
     call random_number(r)
     x = x + 0.3_DP * (r - 0.5_DP)
     call facet_pressure(kind, x(:, :n), 3.0_DP, force, K)

@@ -1,4 +1,4 @@
-!> Unit test of amontons_stress: closed forms, objectivity, energy and tangent by differences, tiny strains, error exits.
+!> Unit test of amontons_stress: closed forms, objectivity, energy and tangent by differences, tiny strains, exits.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_stress
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
@@ -70,14 +70,16 @@ contains
     H(3, 3) = exp(e(3)) - 1
     call stress_finite(material, H, tau, tangent, strain, energy, status)
     call suite%near('stretch: strain', maxval(abs(strain - e)), 0.0_DP, 1e-15_DP)
-    call suite%near('stretch: stress', maxval(abs(tau - lambda * 0.3_DP * VOIGT_IDENTITY - 2 * G * e)), 0.0_DP, 1e-14_DP)
+    call suite%near('stretch: stress', maxval(abs(tau - lambda * 0.3_DP * VOIGT_IDENTITY - 2 * G * e)), 0.0_DP, &
+      1e-14_DP)
     call suite%near('stretch: energy', energy, 0.5_DP * lambda * 0.09_DP + G * 0.21_DP, 1e-14_DP)
     call suite%near('stretch: c_1111', tangent(1, 1), lambda + 2 * G - 2 * tau(1), 1e-14_DP)
     call suite%near('stretch: c_1212', tangent(4, 4), &
       (tau(1) * exp(2 * e(2)) - tau(2) * exp(2 * e(1))) / (exp(2 * e(1)) - exp(2 * e(2))), 1e-13_DP)
     H = 0.5_DP * IDENTITY
     call stress_finite(material, H, tau, tangent, strain, energy, status)
-    call suite%near('dilatation: stress', maxval(abs(tau - (3 * lambda + 2 * G) * log(1.5_DP) * VOIGT_IDENTITY)), 0.0_DP, 1e-14_DP)
+    call suite%near('dilatation: stress', maxval(abs(tau - (3 * lambda + 2 * G) * log(1.5_DP) * VOIGT_IDENTITY)), &
+      0.0_DP, 1e-14_DP)
     H = 0
     H(1, 1) = 1e-9_DP
     call stress_finite(material, H, tau, tangent, strain, energy, status)
@@ -106,7 +108,8 @@ contains
     F = IDENTITY + H
     S = lambda * E(2, 2) * IDENTITY + 2 * G * E
     call stress_finite(material, H, tau, tangent, strain, energy, status)
-    call suite%near('simple shear: F S F^T', maxval(abs(unpack_voigt(tau) - matmul(F, matmul(S, transpose(F))))), 0.0_DP, 1e-14_DP)
+    call suite%near('simple shear: F S F^T', maxval(abs(unpack_voigt(tau) - matmul(F, matmul(S, transpose(F))))), &
+      0.0_DP, 1e-14_DP)
     call suite%near('simple shear: energy', energy, 0.5_DP * sum(S * E), 1e-14_DP)
     call suite%near('simple shear: trace of ln b', sum(strain(:3)), 0.0_DP, 1e-15_DP)
   end subroutine check_saint_venant_closed_forms
@@ -115,7 +118,7 @@ contains
   !> Small, large, turned, with two and three equal stretches, nearly equal ones, and none at all.
   subroutine check_derivatives_of_many()
     real(DP) :: H(3, 3), R(3, 3)
-    real(DP), parameter :: CLOSE(4) = [1e-3_DP, 1e-6_DP, 1e-9_DP, 1e-13_DP]
+    real(DP), parameter :: NEARBY(4) = [1e-3_DP, 1e-6_DP, 1e-9_DP, 1e-13_DP]
     integer :: k
     R = reshape([0.0_DP, 1.0_DP, 0.0_DP, -1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP], [3, 3])
     do k = 1, 10
@@ -130,9 +133,9 @@ contains
     H = 0.3_DP * IDENTITY
     H(3, 3) = -0.2_DP
     call check_derivatives('two equal', H)
-    do k = 1, size(CLOSE)
-      H(1, 1) = 0.3_DP + CLOSE(k)
-      H(1, 2) = 0.7_DP * CLOSE(k)
+    do k = 1, size(NEARBY)
+      H(1, 1) = 0.3_DP + NEARBY(k)
+      H(1, 2) = 0.7_DP * NEARBY(k)
       call check_derivatives('two close', H)
     end do
     H = 0
@@ -162,7 +165,8 @@ contains
         call kirchhoff_stress(material, H + STEP * matmul(l, IDENTITY + H), tp, strain, wp, status)
         call kirchhoff_stress(material, H - STEP * matmul(l, IDENTITY + H), tm, strain, wm, status)
         d = pack_voigt(l)
-        call suite%near(name // ': energy by differences', (wp - wm) / (2 * STEP), double_dot(tau, d), 2e-9_DP * size_of)
+        call suite%near(name // ': energy by differences', (wp - wm) / (2 * STEP), double_dot(tau, d), &
+          2e-9_DP * size_of)
         d(4:) = 2 * d(4:)
         expected = matmul(c, d) + pack_voigt(matmul(l, t) + matmul(t, transpose(l)))
         call suite%near(name // ': tangent by differences', maxval(abs((tp - tm) / (2 * STEP) - expected)), 0.0_DP, &
@@ -181,7 +185,8 @@ contains
     H = 0.4_DP * (H - 0.5_DP)
     call kirchhoff_stress(material, H, t1, strain, w1, status)
     call kirchhoff_stress(material, matmul(Q, IDENTITY + H) - IDENTITY, t2, strain, w2, status)
-    call suite%near('objective stress', maxval(abs(unpack_voigt(t2) - matmul(Q, matmul(unpack_voigt(t1), transpose(Q))))), &
+    call suite%near('objective stress', maxval(abs(unpack_voigt(t2) - &
+      matmul(Q, matmul(unpack_voigt(t1), transpose(Q))))), &
       0.0_DP, 2e-14_DP)
     call suite%near('objective energy', w2, w1, 1e-14_DP)
     call kirchhoff_stress(material, matmul(IDENTITY + H, Q) - IDENTITY, t2, strain, w2, status)

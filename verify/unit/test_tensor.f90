@@ -2,8 +2,9 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_tensor
   use amontons_kinds, only: DP
-  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX, cross_product, determinant, &
-    determinant_minus_one, invert, trace, pack_voigt, unpack_voigt, double_dot, von_mises, symmetric_eigen
+  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX, cross_product, &
+    determinant, determinant_minus_one, invert, trace, pack_voigt, unpack_voigt, double_dot, von_mises, &
+    symmetric_eigen
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -32,7 +33,8 @@ contains
       a1 = A(:, 1)
       a2 = A(:, 2)
       a3 = A(:, 3)
-      call suite%near('determinant is the triple product', determinant(A), dot_product(a1, cross_product(a2, a3)), 1e-15_DP)
+      call suite%near('determinant is the triple product', determinant(A), dot_product(a1, cross_product(a2, a3)), &
+        1e-15_DP)
       call invert(A, inverse, det)
       call suite%near('determinant of invert', det, determinant(A), 1e-15_DP)
       call suite%near('A times its inverse', maxval(abs(matmul(A, inverse) - IDENTITY)), 0.0_DP, 1e-14_DP / abs(det))
@@ -48,8 +50,7 @@ contains
     call invert(A, inverse, det)
     call suite%near('singular: determinant', det, 0.0_DP, 0.0_DP)
     call suite%near('singular: inverse of zeros', maxval(abs(inverse)), 0.0_DP, 0.0_DP)
-    call suite%near('trace', trace(reshape([1.0_DP, 9.0_DP, 9.0_DP, 9.0_DP, 2.0_DP, 9.0_DP, 9.0_DP, 9.0_DP, 4.0_DP], [3, 3])), &
-      7.0_DP, 0.0_DP)
+    call suite%near('trace', trace(reshape([real(DP) :: 1, 9, 9, 9, 2, 9, 9, 9, 4], [3, 3])), 7.0_DP, 0.0_DP)
   end subroutine check_matrices
 
 
@@ -66,11 +67,12 @@ contains
     A = A + transpose(A)
     B = B + transpose(B)
     call suite%near('unpack of pack', maxval(abs(unpack_voigt(pack_voigt(A)) - A)), 0.0_DP, 0.0_DP)
-    call suite%near('order xx yy zz xy yz xz', maxval(abs(pack_voigt(A) - [A(1, 1), A(2, 2), A(3, 3), A(1, 2), A(2, 3), &
-      A(1, 3)])), 0.0_DP, 0.0_DP)
+    call suite%near('order xx yy zz xy yz xz', maxval(abs(pack_voigt(A) &
+      - [A(1, 1), A(2, 2), A(3, 3), A(1, 2), A(2, 3), A(1, 3)])), 0.0_DP, 0.0_DP)
     call suite%near('double dot', double_dot(pack_voigt(A), pack_voigt(B)), sum(A * B), 1e-14_DP)
     call suite%near('Mises of tension', von_mises([0.0_DP, -3.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP]), 3.0_DP, 1e-15_DP)
-    call suite%near('Mises of shear', von_mises([0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 2.0_DP, 0.0_DP]), 2 * sqrt(3.0_DP), 1e-15_DP)
+    call suite%near('Mises of shear', von_mises([0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 2.0_DP, 0.0_DP]), &
+      2 * sqrt(3.0_DP), 1e-15_DP)
     call suite%near('Mises of pressure', von_mises(-7 * VOIGT_IDENTITY), 0.0_DP, 0.0_DP)
   end subroutine check_voigt
 
