@@ -7,11 +7,12 @@
 !! expressions from the last to the first gives C and c. See doc/theory/solver.md, "One elimination".
 module amontons_constraints
   use amontons_kinds, only: DP
-  use amontons_sparse, only: sparse_type
+  use amontons_errors, only: error_type
+  use amontons_sparse, only: sparse_type, from_triplets
   implicit none
   private
   public :: constraints_type, row_type, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
-  public :: start_constraints, fix_unknown, add_row, finish_constraints, condense_forces
+  public :: start_constraints, fix_unknown, add_row, finish_constraints, condense_forces, condensation
 
   integer, parameter :: ROW_ACCEPTED = 0       !< the row made an unknown dependent
   integer, parameter :: ROW_REDUNDANT = 1      !< stronger rows say the same already
@@ -328,5 +329,25 @@ contains
     end subroutine add
 
   end subroutine condense_forces
+
+
+  !> The same as a matrix E (n_unknowns x n_unknowns): condensed = E force.
+  subroutine condensation(self, matrix, error)
+    type(constraints_type), intent(in) :: self      !< finished
+    type(sparse_type), intent(out) :: matrix
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+    integer :: i, k
+    row = pack([(i, i=1, self%n_unknowns)], self%owner == 0)
+    column = row
+    value = spread(1.0_DP, 1, size(row))
+    do k = 1, self%n_rows
+      row = [row, self%rows(k)%unknown]
+      column = [column, spread(self%rows(k)%pivot, 1, size(self%rows(k)%unknown))]
+      value = [value, self%rows(k)%coefficient]
+    end do
+    call from_triplets(self%n_unknowns, self%n_unknowns, row, column, value, matrix, error)
+  end subroutine condensation
 
 end module amontons_constraints

@@ -11,11 +11,20 @@ module amontons_contact_tangent
   use amontons_model, only: model_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, row_type, add_row, ROW_CONFLICT
+  use amontons_errors, only: error_type
+  use amontons_sparse, only: sparse_type, from_triplets
   use amontons_gap, only: gap_derivative, gap_derivative_type
   use amontons_contact, only: contact_type, facet_weights, contact_slip_vector
   implicit none
   private
-  public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent
+  public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices
+
+  !> Entries of a matrix as they come.
+  type :: triplets_type
+    integer :: n = 0
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+  end type triplets_type
 
   !> The linearised contact force of one closed slave node.
   type :: link_type
@@ -305,5 +314,69 @@ contains
       end associate
     end do
   end subroutine apply_contact_tangent
+
+
+  !> The same change as two matrices over all unknowns: dF_c = D_R dRhat + D_u du. For solvers that need the tangent whole.
+  subroutine contact_matrices(links, n_unknowns, by_imbalance, by_displacement, error)
+    type(link_type), intent(in) :: links(:)
+    integer, intent(in) :: n_unknowns
+    type(sparse_type), intent(out) :: by_imbalance       !< D_R [-]
+    type(sparse_type), intent(out) :: by_displacement    !< D_u [force/length]
+    type(error_type), allocatable, intent(out) :: error
+    type(triplets_type) :: r, u
+    integer :: i, j
+    call reserve(r, 9 * sum([(1 + links(i)%n_weights, i=1, size(links))]))
+    call reserve(u, 9 * sum([((1 + links(i)%n_weights) * (1 + size(links(i)%nodes)), i=1, size(links))]))
+    do i = 1, size(links)
+      associate (link => links(i))
+        call put_column(link, link%node, link%force_imbalance, spread(spread(0.0_DP, 1, 2), 2, 3), r)
+        call put_column(link, link%node, link%force_slave, link%xi_slave, u)
+        do j = 1, size(link%nodes)
+          call put_column(link, link%nodes(j), link%force_nodes(:, :, j), link%xi_nodes(:, :, j), u)
+        end do
+      end associate
+    end do
+    call from_triplets(n_unknowns, n_unknowns, r%row(:r%n), r%column(:r%n), r%value(:r%n), by_imbalance, error)
+    if (allocated(error)) return
+    call from_triplets(n_unknowns, n_unknowns, u%row(:u%n), u%column(:u%n), u%value(:u%n), by_displacement, error)
+  end subroutine contact_matrices
+
+
+  !> What a change at one node does to the slave and to the nodes of its facet.
+  subroutine put_column(link, node, d_lambda, d_xi, triplets)
+    type(link_type), intent(in) :: link
+    integer, intent(in) :: node
+    real(DP), intent(in) :: d_lambda(3, 3), d_xi(2, 3)
+    type(triplets_type), intent(inout) :: triplets
+    integer :: i
+    call put_block(link%node, node, d_lambda, triplets)
+    do i = 1, link%n_weights
+      call put_block(link%nodes(i), node, -link%weights(i) * d_lambda &
+        - outer(link%force, matmul(link%d_weights(:, i), d_xi)), triplets)
+    end do
+  end subroutine put_column
+
+
+  pure subroutine put_block(row_node, column_node, block, triplets)
+    integer, intent(in) :: row_node, column_node
+    real(DP), intent(in) :: block(3, 3)
+    type(triplets_type), intent(inout) :: triplets
+    integer :: r, c
+    do c = 1, 3
+      do r = 1, 3
+        triplets%n = triplets%n + 1
+        triplets%row(triplets%n) = 3 * (row_node - 1) + r
+        triplets%column(triplets%n) = 3 * (column_node - 1) + c
+        triplets%value(triplets%n) = block(r, c)
+      end do
+    end do
+  end subroutine put_block
+
+
+  pure subroutine reserve(triplets, n)
+    type(triplets_type), intent(inout) :: triplets
+    integer, intent(in) :: n
+    allocate (triplets%row(n), triplets%column(n), triplets%value(n))
+  end subroutine reserve
 
 end module amontons_contact_tangent

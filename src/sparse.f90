@@ -12,7 +12,7 @@ module amontons_sparse
   implicit none
   private
   public :: sparse_type, reduction_type
-  public :: from_triplets, symmetric_pattern, expand_pattern, entry_position, transpose_of, full_of, product_of
+  public :: from_triplets, symmetric_pattern, expand_pattern, entry_position, transpose_of, full_of, product_of, sum_of
   public :: multiply, multiply_transpose, multiply_symmetric
   public :: analyse_reduction, reduce_matrix
 
@@ -394,6 +394,41 @@ contains
       end do
     end do
   end function n_distinct
+
+
+  !> A + factor * B, rows merged in ascending order of the columns.
+  pure function sum_of(left, factor, right) result(matrix)
+    type(sparse_type), intent(in) :: left      !< A (n x m)
+    real(DP), intent(in) :: factor
+    type(sparse_type), intent(in) :: right     !< B (n x m)
+    type(sparse_type) :: matrix                !< (n x m)
+    integer :: i, n, p, q, p_end, q_end, a, b
+    call allocate_matrix(matrix, left%n_rows, left%n_columns, size(left%column) + size(right%column))
+    n = 0
+    do i = 1, left%n_rows
+      matrix%first(i) = n + 1
+      p = left%first(i)
+      q = right%first(i)
+      p_end = left%first(i + 1)
+      q_end = right%first(i + 1)
+      do while (p < p_end .or. q < q_end)
+        a = left%n_columns + 1
+        b = a
+        if (p < p_end) a = left%column(p)
+        if (q < q_end) b = right%column(q)
+        n = n + 1
+        matrix%column(n) = min(a, b)
+        matrix%value(n) = 0
+        if (a <= b) matrix%value(n) = left%value(p)
+        if (b <= a) matrix%value(n) = matrix%value(n) + factor * right%value(q)
+        if (a <= b) p = p + 1
+        if (b <= a) q = q + 1
+      end do
+    end do
+    matrix%first(left%n_rows + 1) = n + 1
+    matrix%column = matrix%column(:n)
+    matrix%value = matrix%value(:n)
+  end function sum_of
 
 
   !> y = M x. Threads share the rows: bitwise the same for any number of threads.

@@ -19,18 +19,18 @@ module amontons_system
   use amontons_history, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: state_type, fields_type, STATUS_OPEN
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, multiply, multiply_transpose, &
-    multiply_symmetric
-  use amontons_factor, only: factor_type, analyse, factorise, solve, FACTOR_OK
+    multiply_symmetric, product_of, transpose_of, full_of, sum_of
+  use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, lu_factorise, lu_solve, FACTOR_OK
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, KRYLOV_CONVERGED
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, finish_constraints, &
-    condense_forces, ROW_CONFLICT
+    condense_forces, condensation, ROW_CONFLICT
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
   use amontons_contact, only: contact_type, create_contact, set_supports, evaluate_contact, begin_contact_increment
-  use amontons_contact_tangent, only: link_type, linearise_contact, add_contact_rows, apply_contact_tangent
+  use amontons_contact_tangent, only: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices
   implicit none
   private
   public :: system_type, create_system, begin_step, begin_increment, evaluate, linearise, find_direction, change_forces, &
-    residual_pair
+    tangent_matrix, residual_pair
   public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
 
   integer, parameter :: TROUBLE_NONE = 0
@@ -65,6 +65,7 @@ module amontons_system
     integer :: n_factorisations = 0                !< since the last reset by the stepper
     integer :: n_krylov = 0
     integer :: n_shifted = 0                       !< factorisations that needed a shift
+    integer :: n_whole = 0                         !< directions that needed UMFPACK
     real(DP) :: seconds(N_PHASES) = 0              !< [s]
   end type system_type
 
@@ -160,7 +161,7 @@ contains
   end subroutine prescribe
 
 
-  !> A displacement without an amplitude runs straight from where it was at the start of the step to its end value.
+  !> The displacement of a support now. One new in this step runs straight from where it was at the start of the step.
   pure real(DP) function prescribed_value(model, step, i, fields, u_start) result(value)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -170,7 +171,7 @@ contains
     associate (load => step%prescribed(i))
       if (load%is_held) then
         value = u_start
-      else if (load%amplitude == 0 .and. load%start /= load%end) then
+      else if (load%amplitude == 0 .and. load%is_from_current) then
         value = u_start + (load%end - u_start) * (fields%step_time / step%period)
       else
         value = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
@@ -432,12 +433,52 @@ contains
       call gmres(tangent, preconditioner, b, v, options, report, error)
       if (allocated(error)) return
       system%n_krylov = system%n_krylov + report%n_iterations
-      if (report%status /= KRYLOV_CONVERGED) trouble = TROUBLE_SOLVER
+      if (report%status /= KRYLOV_CONVERGED) call solve_whole(system, b, v, trouble, error)
+      if (allocated(error)) return
       call multiply(system%whole%map, v, start)
       flat = flat + start
     end if
     du = reshape(flat, shape(du))
   end subroutine solve_direction
+
+
+  !> The fall-back when GMRES does not arrive: J as a matrix, factorised by UMFPACK with pivoting.
+  subroutine solve_whole(system, b, v, trouble, error)
+    type(system_type), intent(inout) :: system
+    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
+    real(DP), intent(inout) :: v(:)                !< (n_free) [length]
+    integer, intent(out) :: trouble
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: J
+    type(lu_type) :: lu
+    integer :: status
+    trouble = TROUBLE_NONE
+    call tangent_matrix(system, J, error)
+    if (allocated(error)) return
+    call lu_factorise(lu, J, status, error)
+    if (allocated(error)) return
+    system%n_factorisations = system%n_factorisations + 1
+    system%n_whole = system%n_whole + 1
+    if (status == FACTOR_OK) call lu_solve(lu, b, v)
+    if (status /= FACTOR_OK .or. .not. all(abs(v) <= huge(1.0_DP))) trouble = TROUBLE_SOLVER
+  end subroutine solve_whole
+
+
+  !> J = C' (K + D_R E K - D_u) C, with dF_c = D_R dRhat + D_u du and dRhat = -E K du.
+  subroutine tangent_matrix(system, J, error)
+    type(system_type), intent(in) :: system
+    type(sparse_type), intent(out) :: J            !< (n_free x n_free)
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: K, E, by_imbalance, by_displacement
+    K = full_of(system%assembly%stiffness)
+    call condensation(system%base, E, error)
+    if (allocated(error)) return
+    call contact_matrices(system%links, system%whole%n_unknowns, by_imbalance, by_displacement, error)
+    if (allocated(error)) return
+    K = sum_of(K, 1.0_DP, product_of(by_imbalance, product_of(E, K)))
+    K = sum_of(K, -1.0_DP, by_displacement)
+    J = product_of(transpose_of(system%whole%map), product_of(K, system%whole%map))
+  end subroutine tangent_matrix
 
 
   !> b = C' (R - K c + dF_c(c)).

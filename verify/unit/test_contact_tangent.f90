@@ -9,8 +9,10 @@ program test_contact_tangent
   use amontons_steps, only: step_type
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
-  use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, linearise, change_forces
+  use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, linearise, change_forces, &
+    tangent_matrix
   use amontons_contact_tangent, only: linearise_contact
+  use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -74,9 +76,31 @@ contains
       state%new%u = u - H * du
       call evaluate(system, model, step, .true., state, trouble)
       minus = system%residual
+      call check_matrix(name, system, i)
       call suite%near(name // ': tangent', norm2((minus - plus) / (2.0_DP * H) - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
     end do
   end subroutine check_tangent
+
+
+  !> The tangent as a matrix on the free unknowns does what the operator does.
+  subroutine check_matrix(name, system, seed)
+    character(*), intent(in) :: name
+    type(system_type), intent(in) :: system
+    integer, intent(in) :: seed
+    type(sparse_type) :: J
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: v(:), flat(:), w(:), y(:), z(:)
+    integer :: i
+    call tangent_matrix(system, J, error)
+    call suite%that(name // ': the matrix is made', .not. allocated(error))
+    v = [(sin(real(7 * i + seed, DP)**2), i=1, system%whole%n_free)]
+    allocate (flat(system%whole%n_unknowns), w(system%whole%n_unknowns), y(size(v)), z(size(v)))
+    call multiply(system%whole%map, v, flat)
+    call change_forces(system, flat, w)
+    call multiply_transpose(system%whole%map, w, y)
+    call multiply(J, v, z)
+    call suite%near(name // ': matrix and operator', norm2(y - z) / norm2(y), 0.0_DP, 1.0e-13_DP)
+  end subroutine check_matrix
 
 
   !> Smooth numbers without a pattern, the same in every run.
