@@ -16,6 +16,8 @@ program test_gap
   do kind = FACET_TRI3, FACET_QUAD8
     call check_flat(suite, kind)
     call check_rays(suite, kind)
+    call check_cylinder(suite, kind, 1.0_DP)
+    call check_cylinder(suite, kind, -1.0_DP)
     call check_continuity(suite, kind)
     call check_derivatives(suite, kind)
   end do
@@ -119,6 +121,50 @@ contains
     call suite%that('rays: every one is found', n_wrong == 0)
     call suite%near('rays: place and gap', error, 0.0_DP, 1.0e-12_DP)
   end subroutine check_rays
+
+
+  !> Half a cylinder of radius 1 in facets of 15 degrees, seen from outside (side 1) or inside (-1): far points are
+  !! found from 45 degrees away, and at the nodes the smooth normal is the radius (triangles: nearly).
+  subroutine check_cylinder(suite, kind, side)
+    type(suite_type), intent(inout) :: suite
+    integer, intent(in) :: kind
+    real(DP), intent(in) :: side
+    type(mesh_type) :: mesh
+    type(facets_type) :: facets
+    type(error_type), allocatable :: error
+    integer, allocatable :: element(:), face(:)
+    real(DP), parameter :: GAPS(3) = [0.4_DP, 0.0_DP, -0.4_DP]
+    real(DP) :: angle, want(2), xi(2), g, n(3), xm(3), worst, turned
+    integer :: i, f, goal, status, n_wrong, cell, cells
+    call flat_grid(kind, 12, 2, mesh, element, face)
+    do i = 1, mesh%n_nodes - 1
+      angle = mesh%coordinates(1, i) * PI / 12
+      mesh%coordinates(:, i) = [sin(angle), 0.3_DP * mesh%coordinates(2, i), side * cos(angle)]
+    end do
+    call build_facets(mesh, element, face, facets, error)
+    cells = facets%n / 24                            ! facets per cell; the walk starts 3 cells away
+    worst = 0
+    n_wrong = 0
+    do goal = 1, facets%n
+      do i = 1, 6
+        want = place_inside(kind, i + goal)
+        call fixed_point(facets, mesh%coordinates, goal, want, xm)
+        call smooth_normal(facets, mesh%coordinates, goal, want, n)
+        cell = (goal - 1) / cells
+        f = 1 + cells * (12 * (cell / 12) + min(max(modulo(cell, 12) + merge(3, -3, modulo(i, 2) == 0), 0), 11))
+        call project_point(facets, mesh%coordinates, xm + GAPS(1 + modulo(i, 3)) * n, f, xi, g, n, status)
+        if (f /= goal .or. status /= PROJECT_ON) n_wrong = n_wrong + 1
+        if (f == goal) worst = max(worst, norm2(xi - want), abs(g - GAPS(1 + modulo(i, 3))))
+      end do
+    end do
+    call suite%that('cylinder: every one is found', n_wrong == 0)
+    call suite%near('cylinder: place and gap', worst, 0.0_DP, 1.0e-11_DP)
+    f = facets%n / 2 - merge(1, 0, kind == FACET_TRI3 .or. kind == FACET_TRI6)
+    call fixed_point(facets, mesh%coordinates, f, corner(kind, 1), xm)
+    call smooth_normal(facets, mesh%coordinates, f, corner(kind, 1), n)
+    turned = norm2(n - side * [xm(1), 0.0_DP, xm(3)])
+    call suite%near('cylinder: normal at a node', turned, 0.0_DP, 0.05_DP)
+  end subroutine check_cylinder
 
 
   !> At a smooth edge gap and normal are the same from both sides, and a point a little beyond changes the facet.
