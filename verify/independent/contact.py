@@ -34,6 +34,7 @@ class Tolerances:
     tension: float = 1e-6  #: p < 0, of the largest p
     open_force: float = 1e-6  #: force on a node that does not touch, of the largest contact force
     balance: float = 1e-6  #: forces and moments of the bodies, of the sum of absolute forces
+    stress: float = 1e-9  #: stresses on file against our own, of the largest
     equilibrium: float = 1e-5  #: imbalance of a node, of the largest nodal force
     direction: float = 1e-3  #: friction against slip, sine of the angle, for slips above a hundredth of the largest
     slip: float = 1e-8  #: a node slips if it moves by more than this times the mean edge
@@ -72,6 +73,7 @@ class IncrementCheck:
     body_force: float = 0.0  #: worst resultant of supports and contact on a body, over the largest sum of absolute forces
     body_moment: float = 0.0  #: the same of moments, over that sum times the body's size
     reactions: float = 0.0  #: worst difference between RF on file and our own, over the largest
+    stress: float = 0.0  #: worst difference between the stresses on file and our own, over the largest
     failures: list[str] = field(default_factory=list)
 
     def as_dict(self) -> dict[str, object]:
@@ -116,6 +118,7 @@ class ContactCheck:
             deck.nodes[deck.elements], displacement[deck.elements], self.elastic, step.is_nlgeom
         )
         internal = kernel.nodal_forces(state, deck.elements, len(deck.nodes))
+        check.stress = self._stress_difference(state, check.frame)
         is_free = _free(step.held, len(deck.nodes))
         contact = np.zeros_like(internal)
         closed = {}
@@ -125,6 +128,17 @@ class ContactCheck:
             contact += force
         self._equilibrium(check, internal, contact, is_free, now if step.is_nlgeom else deck.nodes)
         return now, closed
+
+    def _stress_difference(self, state: kernel.ElementState, frame: int) -> float:
+        """Stresses at the integration points: those on file against those from the displacements."""
+        if self.results.stresses is None or self.results.element_labels is None:
+            return 0.0
+        row = {int(label): i for i, label in enumerate(self.results.element_labels)}
+        order = [row[int(label)] for label in self.deck.element_labels]
+        on_file = self.results.stresses[frame].reshape(-1, 8, 6)[order]
+        own = state.cauchy[..., [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
+        floor = 1e-6 * float(self.elastic[:, 0].max())
+        return float(np.abs(on_file - own).max()) / max(float(np.abs(own).max()), floor)
 
     def _pair(
         self, p: int, internal: Floats, is_free: Flags, before: Floats, now: Floats, was_closed: Flags, is_nlgeom: bool
@@ -247,7 +261,7 @@ class ContactCheck:
         """Compares with the tolerances; names what fails."""
         t = self.tolerances
         limits = [("equilibrium", t.equilibrium), ("body_force", t.balance), ("body_moment", t.balance)]
-        limits += [("reactions", t.equilibrium)]
+        limits += [("reactions", t.equilibrium), ("stress", t.stress)]
         check.failures += _above(check, limits, "")
         for pair in check.pairs:
             limits = [("friction", t.friction), ("unused", t.friction), ("direction", t.direction)]

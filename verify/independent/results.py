@@ -26,6 +26,8 @@ class Results:
     deck_text: str | None
     labels: NDArray[np.int64] | None = None  #: (n_nodes) the user's node numbers
     dialect: str = "abaqus"
+    element_labels: NDArray[np.int64] | None = None  #: (n_elements) the user's element numbers
+    stresses: Floats | None = None  #: (n_frames, n_points, 6) Cauchy stress xx yy zz xy yz xz at the integration points
 
 
 def read_results(path: Path) -> Results:
@@ -33,11 +35,18 @@ def read_results(path: Path) -> Results:
     with h5py.File(path) as file:
         grid = file["VTKHDF"]
         reactions = point_data(grid, "RF") if "RF" in grid["PointData"] else None
-        labels = file["AMONTONS/mesh/node_label"][:] if "AMONTONS/mesh/node_label" in file else None
-        dialect = (_text(file, "AMONTONS/dialect") or "abaqus").strip()
-        text = _text(file, "AMONTONS/deck")
+        times = grid["Steps/Values"][:]
+        stresses = _values(file, "AMONTONS/integration_points/S")
         return Results(
-            grid["Points"][:], grid["Steps/Values"][:], point_data(grid, "U"), reactions, text, labels, dialect
+            points=grid["Points"][:],
+            times=times,
+            displacements=point_data(grid, "U"),
+            reactions=reactions,
+            deck_text=_text(file, "AMONTONS/deck"),
+            labels=_values(file, "AMONTONS/mesh/node_label"),
+            dialect=(_text(file, "AMONTONS/dialect") or "abaqus").strip(),
+            element_labels=_values(file, "AMONTONS/mesh/element_label"),
+            stresses=None if stresses is None else stresses.reshape(len(times), -1, 6),
         )
 
 
@@ -59,6 +68,11 @@ def point_data(grid: h5py.Group, name: str) -> Floats:
     values = grid["PointData"][name]
     offsets = grid["Steps/PointDataOffsets"][name][:]
     return np.stack([values[int(o) : int(o) + n] for o in offsets])
+
+
+def _values(file: h5py.File, name: str) -> NDArray | None:
+    """A data set; None if the file does not have it."""
+    return file[name][:] if name in file else None
 
 
 def _text(file: h5py.File, name: str) -> str | None:
