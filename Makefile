@@ -66,7 +66,7 @@ INCLUDES := $(HDF5_I) $(addprefix -I,$(wildcard /usr/include/suitesparse /usr/li
 LDLIBS := $(HDF5_L) $(foreach p,$(PLACES),-L$(p)/lib -Wl,-rpath,$(p)/lib) \
   -lopenblas -lumfpack -lcholmod -lamd -lcolamd -lsuitesparseconfig -lmetis -lhdf5_fortran -lhdf5 -lm
 
-FFLAGS := -std=f2018 $(COMMON) $(CHECK_$(BUILD)) $(FWARN)
+FFLAGS := -std=f2018 -fimplicit-none $(COMMON) $(CHECK_$(BUILD)) $(FWARN)
 CFLAGS := -std=c11 $(COMMON) $(CWARN)
 export FC CC INCLUDES LDLIBS PYTHON
 

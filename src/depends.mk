@@ -38,7 +38,8 @@ uses_deck_mesh = kinds text lookup topology mesh model cards card_form deck_read
 uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
 uses_deck_model = kinds text lookup topology mesh materials surfaces loads model cards card_form deck_reader
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
-uses_deck =
+uses_deck_steps = kinds text steps model cards card_form card_table deck_reader deck_loads
+uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_model deck_steps
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -55,10 +56,11 @@ uses_constraints = kinds errors sparse
 uses_assembly = kinds errors sparse partition topology mesh loads steps model element state
 uses_contact = kinds errors topology mesh model shapes facets search gap slip state constraints
 uses_contact_tangent = kinds errors sparse topology model gap state constraints contact
-uses_system = kinds errors history sparse factor krylov loads steps model state constraints assembly contact contact_tangent
+uses_system = kinds errors history sparse partition factor krylov loads steps model state constraints assembly contact contact_tangent
 uses_audit_words = errors text
 uses_audit_contact = kinds errors text lookup loads model state contact audit_words
-uses_audit = kinds errors mesh model state contact
+uses_audit_bodies = kinds errors text lookup tensor dense topology steps model element state contact audit_words audit_contact
+uses_audit = kinds errors text lookup topology loads steps model element state constraints contact audit_words audit_contact audit_bodies
 
 # 6 solution: the increment, the steps, the results
 uses_converge = kinds steps
