@@ -32,6 +32,7 @@ module amontons_loads
     integer :: node = 0                          !< node index
     integer :: dof = 0                           !< 1 to 3
     logical :: is_held = .false.                 !< FIXED: keeps the displacement that it has at the start of the step
+    logical :: is_from_current = .false.         !< starts from the displacement at the start of the step instead of `start`
     integer :: line = 0                          !< line of the card in the deck, for messages
   end type prescribed_type
 

@@ -1,0 +1,436 @@
+!> Card table: every card once, as data: keyword, place, parameters, data lines, a sentence; also those that we refuse.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Checks, messages, `amontons --cards` and the manual come from this table. A new card is one entry here and one small
+!! procedure in the reader.
+module amontons_card_table
+  use amontons_card_form, only: card_table_type, render_table, IN_MODEL, IN_STEP, IN_BOTH, STATUS_NOTED, &
+    STATUS_REFUSED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD
+  implicit none
+  private
+  public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES
+
+  character(*), parameter :: NODE_VARIABLES = 'U|RF'              !< what NODE PRINT knows
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E'            !< what EL PRINT knows
+  character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN' !< what CONTACT PRINT knows
+
+contains
+
+  !> Builds the table. It is no variable of the module, so that two jobs can read at once.
+  subroutine make_card_table(table)
+    type(card_table_type), intent(out) :: table
+    call describe_mesh(table)
+    call describe_materials(table)
+    call describe_contact(table)
+    call describe_amplitude_and_equation(table)
+    call describe_loads(table)
+    call describe_steps(table)
+    call describe_controls(table)
+    call describe_prints(table)
+    call describe_files(table)
+    call describe_noted(table)
+    call describe_refused_materials(table)
+    call describe_refused_procedures(table)
+    call describe_refused_parts(table)
+  end subroutine make_card_table
+
+
+  !> The table as text, for `amontons --cards` and the manual.
+  subroutine list_cards(text)
+    character(:), allocatable, intent(out) :: text
+    type(card_table_type) :: table
+    call make_card_table(table)
+    call render_table(table, text)
+  end subroutine list_cards
+
+
+  subroutine describe_mesh(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('HEADING', IN_MODEL, 'Text that describes the job; it is kept with the results.', data='free text')
+    call table%card('INCLUDE', IN_BOTH, 'Reads another file in place of this card; the file is looked for beside ' // &
+      'this one first.')
+    call table%option('INPUT', VALUE_TEXT, 'Path of the file.', default='required')
+
+    call table%card('NODE', IN_MODEL, 'Defines nodes.', data='number, x, y, z')
+    call table%option('NSET', VALUE_NAME, 'Puts the nodes into this node set as well.')
+    call table%option('SYSTEM', VALUE_WORD, 'Coordinate system.', allowed='R', default='R')
+    call table%refuse_words('C|S', 'Give Cartesian coordinates.')
+    call table%option('INPUT', VALUE_TEXT, 'Write *NODE and below it *INCLUDE, INPUT=file.', status=STATUS_REFUSED)
+
+    call table%card('ELEMENT', IN_MODEL, 'Defines elements; a row of nodes may go on in further lines.', &
+      data='number, node, node, ...')
+    call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D10, C3D20 or C3D20R.', default= &
+      'required')
+    call table%option('ELSET', VALUE_NAME, 'Puts the elements into this element set as well.')
+    call table%option('INPUT', VALUE_TEXT, 'Write *ELEMENT, TYPE=... and below it *INCLUDE, INPUT=file.', &
+      status=STATUS_REFUSED)
+
+    call table%card('NSET', IN_BOTH, 'Defines a node set or extends it.', &
+      data='node numbers and names of node sets; with GENERATE first, last, step')
+    call table%option('NSET', VALUE_NAME, 'Name of the set.', default='required')
+    call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of node numbers.')
+    call table%option('ELSET', VALUE_NAME, 'Takes the nodes of the elements of this element set.')
+    call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
+    call table%option('INSTANCE', VALUE_NAME, 'Write the deck flat, without parts and instances.', &
+      status=STATUS_REFUSED)
+
+    call table%card('ELSET', IN_BOTH, 'Defines an element set or extends it.', &
+      data='element numbers and names of element sets; with GENERATE first, last, step')
+    call table%option('ELSET', VALUE_NAME, 'Name of the set.', default='required')
+    call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of element numbers.')
+    call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
+    call table%option('INSTANCE', VALUE_NAME, 'Write the deck flat, without parts and instances.', &
+      status=STATUS_REFUSED)
+
+    call table%card('SURFACE', IN_MODEL, 'Defines a surface of element faces or of nodes.', &
+      data='element or element set, face S1 to S6; with TYPE=NODE node or node set')
+    call table%option('NAME', VALUE_NAME, 'Name of the surface.', default='required')
+    call table%option('TYPE', VALUE_WORD, 'Faces or nodes; a surface of nodes can only be a slave.', allowed= &
+      'ELEMENT|NODE', default='ELEMENT')
+    call table%refuse_words('CUTTING SURFACE|REVOLUTION|CYLINDER|SEGMENTS|USER|EULERIAN MATERIAL', &
+      'Mesh the body and give its element faces.')
+    call table%option('INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
+    call table%option('COMBINE|CROP|SCALE|FILLET RADIUS|MAX RATIO', VALUE_TEXT, 'Give element faces.', &
+      status=STATUS_REFUSED)
+  end subroutine describe_mesh
+
+
+  subroutine describe_materials(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('MATERIAL', IN_MODEL, 'Starts a material; the cards of its properties follow.')
+    call table%option('NAME', VALUE_NAME, 'Name of the material.', default='required')
+    call table%option('SRATE FACTOR|RTOL', VALUE_TEXT, 'Only rates of strain use it.', status=STATUS_NOTED)
+
+    call table%card('ELASTIC', IN_MODEL, 'Isotropic linear elasticity.', parent='MATERIAL', &
+      data='Young''s modulus, Poisson''s ratio; one line, without temperature dependence')
+    call table%option('TYPE', VALUE_WORD, 'Kind of elasticity.', allowed='ISOTROPIC|ISO', default='ISOTROPIC')
+    call table%refuse_words('ORTHO|ORTHOTROPIC|ENGINEERING CONSTANTS|ANISO|ANISOTROPIC|LAMINA|TRACTION|COUPLED ' // &
+      'TRACTION|SHEAR', 'Only isotropic elasticity is.')
+    call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=STATUS_NOTED)
+    call table%option('DEPENDENCIES', VALUE_TEXT, 'Properties cannot depend on field variables.', status=STATUS_REFUSED)
+
+    call table%card('DENSITY', IN_MODEL, 'Mass density, needed by gravity.', parent='MATERIAL', data= &
+      'density; one line')
+    call table%option('DEPENDENCIES', VALUE_TEXT, 'Properties cannot depend on field variables.', status=STATUS_REFUSED)
+
+    call table%card('SOLID SECTION', IN_MODEL, 'Gives the elements of a set their material.', data= &
+      'one line, which is ignored')
+    call table%option('ELSET', VALUE_NAME, 'The elements.', default='required')
+    call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
+    call table%option('ORIENTATION', VALUE_NAME, 'Isotropic materials have no direction.', status=STATUS_NOTED)
+    call table%option('CONTROLS|STACK DIRECTION|LAYUP|OFFSET|NODAL THICKNESS', VALUE_TEXT, &
+      'The elements are chosen by their type alone.', status=STATUS_NOTED)
+    call table%option('COMPOSITE|SYMMETRIC', VALUE_TEXT, 'Layered solids do not exist here.', status=STATUS_REFUSED)
+    call table%option('REF NODE', VALUE_TEXT, 'Generalised plane strain does not exist here.', status=STATUS_REFUSED)
+  end subroutine describe_materials
+
+
+  subroutine describe_contact(table)
+    type(card_table_type), intent(inout) :: table
+    character(*), parameter :: EXACT = 'Contact is enforced exactly, without a penalty.'
+    call table%card('SURFACE INTERACTION', IN_MODEL, 'Starts an interaction; SURFACE BEHAVIOR and FRICTION follow.', &
+      data='one line, which is ignored')
+    call table%option('NAME', VALUE_NAME, 'Name of the interaction.', default='required')
+    call table%option('PAD THICKNESS|TRACKING THICKNESS', VALUE_TEXT, 'Surfaces have no thickness.', &
+      status=STATUS_REFUSED)
+    call table%option('USER|UNSYMM|DEPVAR|PROPERTIES', VALUE_TEXT, 'User subroutines do not exist here.', &
+      status=STATUS_REFUSED)
+
+    call table%card('SURFACE BEHAVIOR', IN_MODEL, 'The law normal to the surfaces; without this card it is HARD.', &
+      parent='SURFACE INTERACTION', data='none with HARD')
+    call table%option('PRESSURE-OVERCLOSURE', VALUE_WORD, 'HARD: no penetration and no tension, exactly.', allowed= &
+      'HARD', default='HARD')
+    call table%refuse_words('LINEAR|EXPONENTIAL|TABULAR|TIED|SCALE FACTOR|USER', 'Use HARD, which needs no stiffness.')
+    call table%option('PENALTY|AUGMENTED LAGRANGE|DIRECT', VALUE_OPTIONAL_WORD, EXACT, allowed='LINEAR|NONLINEAR', &
+      status=STATUS_NOTED)
+    call table%option('NO SEPARATION', VALUE_NONE, 'Surfaces that touch may always part again.', status=STATUS_REFUSED)
+
+    call table%card('FRICTION', IN_MODEL, 'Coulomb friction; without this card the surfaces are frictionless.', &
+      parent='SURFACE INTERACTION', data='coefficient of friction; one line (calculix dialect: coefficient, stick ' // &
+      'slope)')
+    call table%option('SLIP TOLERANCE|ELASTIC SLIP', VALUE_TEXT, 'Sticking is enforced exactly, without an ' // &
+      'elastic slip.', status=STATUS_NOTED)
+    call table%option('LAGRANGE', VALUE_NONE, 'Sticking is enforced exactly.', status=STATUS_NOTED)
+    call table%option('ROUGH', VALUE_NONE, 'Give a large coefficient of friction.', status=STATUS_REFUSED)
+    call table%option('TAUMAX', VALUE_REAL, 'Shear is limited by the coefficient of friction alone.', &
+      status=STATUS_REFUSED)
+    call table%option('EXPONENTIAL DECAY|ANISOTROPIC|USER|DEPENDENCIES|DEPVAR|PROPERTIES|TEST DATA', VALUE_TEXT, &
+      'The coefficient of friction is one constant.', status=STATUS_REFUSED)
+
+    call table%card('CONTACT PAIR', IN_MODEL, 'Two surfaces that may touch.', data='slave surface, master surface')
+    call table%option('INTERACTION', VALUE_NAME, 'Their interaction.', default='required')
+    call table%option('TYPE', VALUE_WORD, 'How contact is enforced: the nodes of the slave on the faces of the ' // &
+      'master.', allowed='NODE TO SURFACE', default='NODE TO SURFACE')
+    call table%refuse_words('SURFACE TO SURFACE|MORTAR|LINMORTAR|PGLINMORTAR|MASSLESS', 'Use NODE TO SURFACE.')
+    call table%option('SMALL SLIDING', VALUE_NONE, 'Each slave node keeps the facet and the normal of the start ' // &
+      'of the step.')
+    call table%option('ADJUST', VALUE_TEXT, 'Slave nodes nearer than this distance are moved onto the master, ' // &
+      'without stress.')
+    call table%option('SMOOTH|EXTENSION ZONE|HCRIT|TRACKING|SUPPLEMENTARY CONSTRAINTS|CPSET|MINIMUM DISTANCE|' // &
+      'MECHANICAL CONSTRAINT|WEIGHT|GEOMETRIC CORRECTION', VALUE_TEXT, 'The search and the normals are our own.', &
+      status=STATUS_NOTED)
+    call table%option('TIED|NO THICKNESS', VALUE_NONE, 'Only surfaces that can part and slide are.', &
+      status=STATUS_REFUSED)
+    call table%option('OP', VALUE_TEXT, 'A pair lives through all steps.', status=STATUS_REFUSED)
+  end subroutine describe_contact
+
+
+  subroutine describe_amplitude_and_equation(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('AMPLITUDE', IN_BOTH, 'A table of factors over time, linear in between and constant outside.', &
+      data='time, factor, time, factor, ...; any number of pairs in a line')
+    call table%option('NAME', VALUE_NAME, 'Name of the amplitude.', default='required')
+    call table%option('TIME', VALUE_WORD, 'Time since the start of the step or of the job.', allowed= &
+      'STEP TIME|TOTAL TIME', default='STEP TIME')
+    call table%option('VALUE', VALUE_WORD, 'Factors are relative.', allowed='RELATIVE', default='RELATIVE')
+    call table%refuse_words('ABSOLUTE', 'Give the load as a magnitude and the amplitude as a factor.')
+    call table%option('DEFINITION', VALUE_WORD, 'Kind of amplitude.', allowed='TABULAR', default='TABULAR')
+    call table%refuse_words('EQUALLY SPACED|PERIODIC|MODULATED|DECAY|SMOOTH STEP|SOLUTION DEPENDENT|USER|ACTUATOR|' // &
+      'SPECTRUM', 'Give a table of time and factor.')
+    call table%option('SHIFTX|SHIFTY|SMOOTH|FIXED INTERVAL|BEGIN|VARIABLES|USER', VALUE_TEXT, &
+      'Write the shifted or smoothed table itself.', status=STATUS_REFUSED)
+
+    call table%card('EQUATION', IN_MODEL, 'Sums of displacements that are zero; the first term is the one ' // &
+      'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term')
+    call table%option('INPUT|REMOVE', VALUE_TEXT, 'Write the equations into the deck.', status=STATUS_REFUSED)
+  end subroutine describe_amplitude_and_equation
+
+
+  subroutine describe_loads(table)
+    type(card_table_type), intent(inout) :: table
+    character(*), parameter :: LATER = 'Give an amplitude with the delay in it.'
+    call table%card('BOUNDARY', IN_BOTH, 'Prescribes displacements; before the first step it holds from the first ' // &
+      'step on.', data='node or node set, first and last degree of freedom (1 to 3), displacement; or node, ' // &
+      'PINNED, ENCASTRE, XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM or ZASYMM')
+    call table%option('OP', VALUE_WORD, 'NEW releases what earlier steps prescribed.', allowed='MOD|NEW', default='MOD')
+    call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the displacement grows linearly over ' // &
+      'the step.')
+    call table%option('FIXED', VALUE_NONE, 'Keeps the displacement that the nodes have at the start of the step.')
+    call table%option('TYPE', VALUE_WORD, 'What is prescribed.', allowed='DISPLACEMENT', default='DISPLACEMENT')
+    call table%refuse_words('VELOCITY|ACCELERATION', 'Prescribe displacements.')
+    call table%option('TIME DELAY', VALUE_REAL, LATER, status=STATUS_REFUSED)
+    call table%option('USER|SUBMODEL|STEP|DATA SET|LOAD CASE|REGION TYPE|BASE NAME|MASSLESS', VALUE_TEXT, &
+      'Give the displacements themselves.', status=STATUS_REFUSED)
+
+    call table%card('CLOAD', IN_STEP, 'Forces on nodes.', data='node or node set, degree of freedom (1 to 3), force')
+    call table%option('OP', VALUE_WORD, 'NEW lets the forces of earlier steps go to zero.', allowed='MOD|NEW', &
+      default='MOD')
+    call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the force grows linearly over the step.')
+    call table%option('TIME DELAY', VALUE_REAL, LATER, status=STATUS_REFUSED)
+    call table%option('FOLLOWER|USER|SUBMODEL|STEP|DATA SET|LOAD CASE|SECTOR|OMEGA0|CYCLIC MODE|REGION TYPE', &
+      VALUE_TEXT, 'Give forces that keep their direction.', status=STATUS_REFUSED)
+
+    call table%card('DLOAD', IN_STEP, 'Pressure on element faces, positive when it pushes into the element, and ' // &
+      'gravity.', data='element or element set, P1 to P6, pressure; or surface, P, pressure; or element or ' // &
+      'element set, GRAV, acceleration, direction x, y, z')
+    call describe_distributed(table)
+    call table%card('DSLOAD', IN_STEP, 'Pressure on a surface, positive when it pushes into the body.', &
+      data='surface, P, pressure')
+    call describe_distributed(table)
+  end subroutine describe_loads
+
+
+  subroutine describe_distributed(table)
+    type(card_table_type), intent(inout) :: table
+    call table%option('OP', VALUE_WORD, 'NEW lets the loads of earlier steps go to zero.', allowed='MOD|NEW', default= &
+      'MOD')
+    call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the load grows linearly over the step.')
+    call table%option('FOLLOWER', VALUE_WORD, 'Under NLGEOM a pressure follows the face.', allowed='YES', default='YES')
+    call table%refuse_words('NO', 'A pressure follows its face.')
+    call table%option('TIME DELAY', VALUE_REAL, 'Give an amplitude with the delay in it.', status=STATUS_REFUSED)
+    call table%option('SUBMODEL|STEP|DATA SET|LOAD CASE|SECTOR|CYCLIC MODE|REGION TYPE|ORIENTATION|CONSTANT ' // &
+      'RESULTANT|REF NODE', VALUE_TEXT, 'Give pressures on faces.', status=STATUS_REFUSED)
+  end subroutine describe_distributed
+
+
+  subroutine describe_steps(table)
+    type(card_table_type), intent(inout) :: table
+    character(*), parameter :: NOT_NEEDED = 'Newton''s method is our own and needs no hint.'
+    call table%card('STEP', IN_BOTH, 'Starts a load step; a line of text after it is its title.', data='free text')
+    call table%option('NLGEOM', VALUE_OPTIONAL_WORD, 'Finite displacements and strains, in this step and all ' // &
+      'later ones.', allowed='YES|NO', default='as in the step before')
+    call table%option('INC', VALUE_INTEGER, 'Most increments of the step.', default='100')
+    call table%option('AMPLITUDE', VALUE_WORD, 'Loads without an amplitude grow linearly, or act in full at once.', &
+      allowed='RAMP|STEP', default='RAMP')
+    call table%option('NAME', VALUE_TEXT, '', status=STATUS_NOTED)
+    call table%option('UNSYMM|CONVERT SDI|EXTRAPOLATION|SOLVER', VALUE_TEXT, NOT_NEEDED, status=STATUS_NOTED)
+    call table%option('PERTURBATION', VALUE_NONE, 'All steps are general steps.', status=STATUS_REFUSED)
+
+    call table%card('STATIC', IN_STEP, 'The step is quasi-static.', &
+      data='first increment, length of the step, least increment, largest increment; all optional')
+    call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', allowed='NO STOP')
+    call table%option('SOLVER', VALUE_TEXT, 'The solver is our own.', status=STATUS_NOTED)
+    call table%option('FULLY PLASTIC|RIKS|STABILIZE|ALLSDTOL|CONTINUE|FACTOR|ADIABATIC|LONG TERM|TIME RESET|' // &
+      'TOTAL TIME AT START', VALUE_TEXT, 'Leave it out.', status=STATUS_REFUSED)
+
+    call table%card('LINE SEARCH', IN_STEP, 'The one-step line search of contact, in this step and all later ones ' // &
+      '(our own card).')
+    call table%option('TYPE', VALUE_WORD, 'NONE: full steps; ALL: one length from all unknowns; GLOBAL: one ' // &
+      'length from the slave nodes; NODAL: a length for each slave node; AUTO: we choose.', allowed= &
+      'NONE|ALL|GLOBAL|NODAL|AUTO', default='required')
+
+    call table%card('END STEP', IN_STEP, 'Ends the step.')
+  end subroutine describe_steps
+
+
+  subroutine describe_controls(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('CONTROLS', IN_STEP, 'Changes how a step is solved, in this step and all later ones.', data= &
+      'TIME INCREMENTATION: I0, IR, IP, IC, IL, IG, -, IA; second line DF, DC, DB, -, -, -, DD. FIELD: Rn, Cn, -, ' // &
+      '-, Rp, -, -, Rl. LINE SEARCH: -, s max, s min. GAP: penetration allowed over the edge of a facet. A blank ' // &
+      'field keeps its value.')
+    call table%option('PARAMETERS', VALUE_WORD, 'What is changed.', &
+      allowed='TIME INCREMENTATION|FIELD|LINE SEARCH|GAP|CONTACT')
+    call table%refuse_words('CONSTRAINTS|VCCT LINEAR SCALING|DIRECT CYCLIC|CFD', &
+      'Use TIME INCREMENTATION, FIELD or LINE SEARCH.')
+    call table%option('RESET', VALUE_NONE, 'Back to the defaults.')
+    call table%option('ANALYSIS|TYPE', VALUE_TEXT, 'The defaults serve contact.', status=STATUS_NOTED)
+    call table%option('FIELD', VALUE_WORD, 'The field that the numbers are for.', allowed='DISPLACEMENT|GLOBAL', &
+      default='DISPLACEMENT')
+    call table%refuse_words('ROTATION|TEMPERATURE|PORE FLUID PRESSURE|ELECTRICAL POTENTIAL|HYDROSTATIC FLUID ' // &
+      'PRESSURE|CONCENTRATION|WARPING', 'Displacements are the only field.')
+  end subroutine describe_controls
+
+
+  subroutine describe_prints(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('NODE PRINT', IN_STEP, 'Prints values of nodes to the .dat file.', data='variables: U, RF')
+    call describe_print(table)
+    call table%option('NSET', VALUE_NAME, 'The nodes.', default='required')
+    call table%option('GLOBAL', VALUE_WORD, 'Values are in global directions.', allowed='YES|NO', default='YES')
+    call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
+
+    call table%card('EL PRINT', IN_STEP, 'Prints values of integration points to the .dat file.', data= &
+      'variables: S, E')
+    call describe_print(table)
+    call table%option('ELSET', VALUE_NAME, 'The elements.', default='required')
+    call table%option('GLOBAL', VALUE_WORD, 'Values are in global directions.', allowed='YES|NO', default='YES')
+    call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
+    call table%option('POSITION', VALUE_WORD, 'Values are at the integration points.', allowed='INTEGRATION POINTS', &
+      default='INTEGRATION POINTS')
+    call table%refuse_words('NODES|CENTROIDAL|AVERAGED AT NODES', 'Nodal values are in the result file.')
+
+    call table%card('CONTACT PRINT', IN_STEP, 'Prints values of slave nodes to the .dat file.', &
+      data='variables: CDIS, CSTR, SCEN')
+    call describe_print(table)
+    call table%option('NSET|SLAVE|MASTER|SET', VALUE_NAME, 'All slave nodes are printed.', status=STATUS_NOTED)
+    call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
+  end subroutine describe_prints
+
+
+  subroutine describe_print(table)
+    type(card_table_type), intent(inout) :: table
+    call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
+      default='1')
+    call table%option('TOTALS', VALUE_WORD, 'Prints the sum too, or only the sum.', allowed='NO|YES|ONLY', default='NO')
+    call table%option('TIME POINTS', VALUE_NAME, 'Use FREQUENCY.', status=STATUS_NOTED)
+  end subroutine describe_print
+
+
+  subroutine describe_files(table)
+    type(card_table_type), intent(inout) :: table
+    character(*), parameter :: NAMES(9) = [character(14) :: 'NODE FILE', 'NODE OUTPUT', 'EL FILE', 'EL OUTPUT', &
+      'ELEMENT OUTPUT', 'CONTACT FILE', 'CONTACT OUTPUT', 'ENERGY OUTPUT', 'ENERGY FILE']
+    character(*), parameter :: ALL_FIELDS = 'The result file holds all fields at all nodes.'
+    integer :: i
+    do i = 1, size(NAMES)
+      call table%card(trim(NAMES(i)), IN_STEP, 'Asks for results in the file; it always holds all fields.', &
+        data='variables, which are not needed')
+      call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
+      call table%option('TIME POINTS', VALUE_NAME, 'Use FREQUENCY.', status=STATUS_NOTED)
+      call table%option('NSET|ELSET|SET|SLAVE|MASTER|SURFACE|INTERACTION', VALUE_NAME, ALL_FIELDS, status=STATUS_NOTED)
+      call table%option('GLOBAL|OUTPUT|OUTPUT ALL|POSITION|VARIABLE|DIRECTIONS|LAST ITERATIONS|CONTACT ELEMENTS|' // &
+        'EXTERIOR|SECTION FORCES|TOTALS|MODE|REBAR|ELASTIC', VALUE_TEXT, '', status=STATUS_NOTED)
+    end do
+    call table%card('OUTPUT', IN_STEP, 'Asks for results in the file; it always holds all fields.', data='none')
+    call table%option('FIELD|HISTORY|DIAGNOSTICS', VALUE_NONE, 'Kind of output.')
+    call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
+    call table%option('TIME POINTS|NUMBER INTERVAL|TIME INTERVAL', VALUE_TEXT, 'Use FREQUENCY.', status=STATUS_NOTED)
+    call table%option('NAME|OP|VARIABLE|TIME MARKS|MODE LIST|FILTER', VALUE_TEXT, '', status=STATUS_NOTED)
+  end subroutine describe_files
+
+
+  subroutine describe_noted(table)
+    type(card_table_type), intent(inout) :: table
+    call table%cards_with(STATUS_NOTED, 'PREPRINT|RESTART|TIME POINTS|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE ' // &
+      'OUTPUT|SECTION PRINT|SECTION FILE|SECTION OUTPUT|FACE PRINT|INTEGRATED OUTPUT|INTEGRATED OUTPUT SECTION|' // &
+      'INCREMENTATION OUTPUT|MODAL FILE|MODAL OUTPUT|MODAL PRINT|RADIATION FILE|RADIATION OUTPUT|RADIATION PRINT|' // &
+      'SURFACE OUTPUT|USER OUTPUT VARIABLES|ELEMENT RESPONSE|NODE RESPONSE|CONTACT RESPONSE|ELEMENT MATRIX OUTPUT|' // &
+      'MATRIX OUTPUT|DIAGNOSTICS|FILTER|DATA CHECK|LOAD CASE NAME|END LOAD CASE NAME', 'It asks for output that ' // &
+      'we do not write; the result file holds all fields, and forces and moments are in its tables.')
+    call table%cards_with(STATUS_NOTED, 'EXPANSION|CONDUCTIVITY|SPECIFIC HEAT|LATENT HEAT|INELASTIC HEAT FRACTION|' // &
+      'ELECTRICAL CONDUCTIVITY|JOULE HEAT FRACTION|MAGNETIC PERMEABILITY|FLUID CONSTANTS|SPECIFIC GAS CONSTANT|' // &
+      'PHYSICAL CONSTANTS|ABSOLUTE ZERO|GAP CONDUCTANCE|GAP HEAT GENERATION|EMISSIVITY', 'There is no temperature ' // &
+      'here, so it has no effect.')
+    call table%cards_with(STATUS_NOTED, 'DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
+      'FIXED MASS SCALING', 'Rates do not count in a quasi-static step, so it has no effect.')
+    call table%cards_with(STATUS_NOTED, 'CONTACT CONTROLS|CONTACT FORMULATION|CONTACT STABILIZATION|SECTION ' // &
+      'CONTROLS|SOLUTION TECHNIQUE|SOLVER CONTROLS', 'Contact and the solver are our own and need no such help.')
+  end subroutine describe_noted
+
+
+  subroutine describe_refused_materials(table)
+    type(card_table_type), intent(inout) :: table
+    call table%cards_with(STATUS_REFUSED, 'PLASTIC|CYCLIC HARDENING|DEFORMATION PLASTICITY|CREEP|VISCO|' // &
+      'VISCOELASTIC|HYPERELASTIC|HYPERFOAM|HYPOELASTIC|MOHR COULOMB|MOHR COULOMB HARDENING|DRUCKER PRAGER|DRUCKER ' // &
+      'PRAGER HARDENING|DRUCKER PRAGER CREEP|CAP PLASTICITY|CAP HARDENING|CLAY PLASTICITY|CLAY HARDENING|' // &
+      'CRUSHABLE FOAM|CRUSHABLE FOAM HARDENING|CONCRETE|CONCRETE DAMAGED PLASTICITY|CONCRETE COMPRESSION ' // &
+      'HARDENING|CONCRETE TENSION STIFFENING|BRITTLE CRACKING|CAST IRON PLASTICITY|CAST IRON COMPRESSION ' // &
+      'HARDENING|CAST IRON TENSION HARDENING|DAMAGE INITIATION|DAMAGE EVOLUTION|DAMAGE STABILIZATION|RATE ' // &
+      'DEPENDENT|POTENTIAL|POROUS ELASTIC|POROUS METAL PLASTICITY|MULLINS EFFECT|HYSTERESIS|LOW DENSITY FOAM|NO ' // &
+      'COMPRESSION|NO TENSION|FAIL STRAIN|FAIL STRESS|SHEAR FAILURE|TENSILE FAILURE|ANNEAL TEMPERATURE|SWELLING|' // &
+      'JOINTED MATERIAL|SUPERELASTIC|SHAPE MEMORY ALLOY|EOS|FABRIC|GASKET ELASTICITY|GASKET THICKNESS BEHAVIOR|' // &
+      'VISCOUS|UNIAXIAL TEST DATA|BIAXIAL TEST DATA|PLANAR TEST DATA|SIMPLE SHEAR TEST DATA|VOLUMETRIC TEST DATA', &
+      'Give the material with *ELASTIC; linear elasticity, with finite strains under NLGEOM, is the only law.')
+    call table%cards_with(STATUS_REFUSED, 'USER MATERIAL|USER ELEMENT|USER SECTION|USER DEFINED FIELD|UEL ' // &
+      'PROPERTY|DEPVAR', 'User subroutines do not exist here.')
+    call table%cards_with(STATUS_REFUSED, 'TEMPERATURE|INITIAL CONDITIONS|INITIAL STRAIN INCREASE|FIELD|PRESSURE ' // &
+      'STRESS|MASS FLOW RATE', 'The bodies start without stress and have no temperature.')
+    call table%cards_with(STATUS_REFUSED, 'ORIENTATION|DISTRIBUTION|DISTRIBUTION TABLE|TRANSFORM|TRANSFORMF|' // &
+      'SYSTEM|NODAL ROTATION', 'Everything is in the global Cartesian directions; with skew supports use *EQUATION.')
+  end subroutine describe_refused_materials
+
+
+  subroutine describe_refused_procedures(table)
+    type(card_table_type), intent(inout) :: table
+    call table%cards_with(STATUS_REFUSED, 'DYNAMIC|MODAL DYNAMIC|STEADY STATE DYNAMICS|FREQUENCY|COMPLEX ' // &
+      'FREQUENCY|BUCKLE|HEAT TRANSFER|UNCOUPLED TEMPERATURE-DISPLACEMENT|COUPLED TEMPERATURE-DISPLACEMENT|' // &
+      'ELECTROMAGNETICS|GREEN|HCF|CRACK PROPAGATION|SENSITIVITY|ROBUST DESIGN|FEASIBLE DIRECTION|SUBSTRUCTURE ' // &
+      'GENERATE|GEOSTATIC|SOILS|ANNEAL|DIRECT CYCLIC|RANDOM RESPONSE|RESPONSE SPECTRUM|MASS DIFFUSION|ACOUSTIC|' // &
+      'PIEZOELECTRIC|COUPLED THERMAL-ELECTRICAL|STEADY STATE TRANSPORT|MATRIX GENERATE|MATRIX ASSEMBLE|COMPLEX ' // &
+      'EIGENVALUE EXTRACTION|NO ANALYSIS|REFINE MESH|STEADY STATE DETECTION', 'Use *STATIC; to read and check a ' // &
+      'deck without solving it, run amontons --check.')
+    call table%cards_with(STATUS_REFUSED, 'MODEL CHANGE|CHANGE FRICTION|CHANGE MATERIAL|CHANGE PLASTIC|CHANGE ' // &
+      'SOLID SECTION|CHANGE SURFACE BEHAVIOR|CHANGE CONTACT TYPE|CONTACT INTERFERENCE|CLEARANCE|IMPORT|IMPORT ' // &
+      'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS|CONTACT INITIALIZATION ASSIGNMENT|CONTACT ' // &
+      'INITIALIZATION DATA', 'The model is the same in all steps.')
+    call table%cards_with(STATUS_REFUSED, 'BASE MOTION|CORRELATION LENGTH|CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|' // &
+      'RADIATE|CRADIATE|SRADIATE|VIEWFACTOR|CAVITY DEFINITION|FLOW|SFLOW|DFLOW|DECHARGE|CECHARGE|MASS FLOW|LIMIT ' // &
+      'VELOCITY|VALUES AT INFINITY|SELECT CYCLIC SYMMETRY MODES|SELECT EIGENMODES|INERTIA RELIEF|LOAD CASE|END ' // &
+      'LOAD CASE|SUBMODEL|FOUNDATION|INCIDENT WAVE|DESIGN RESPONSE|DESIGN VARIABLES|OBJECTIVE|CONSTRAINT|' // &
+      'GEOMETRIC CONSTRAINT|GEOMETRIC TOLERANCES|RANDOM FIELD|RETAINED NODAL DOFS|SUBSTRUCTURE MATRIX OUTPUT|' // &
+      'SUBSTRUCTURE PATH|SUBSTRUCTURE LOAD CASE', 'The loads are those of *BOUNDARY, *CLOAD and *DLOAD.')
+  end subroutine describe_refused_procedures
+
+
+  subroutine describe_refused_parts(table)
+    type(card_table_type), intent(inout) :: table
+    call table%cards_with(STATUS_REFUSED, 'TIE|MPC|NETWORK MPC|COUPLING|KINEMATIC|DISTRIBUTING|KINEMATIC COUPLING|' // &
+      'DISTRIBUTING COUPLING|RIGID BODY|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|CYCLIC SYMMETRY MODEL|' // &
+      'PRE-TENSION SECTION|RELEASE|TIE COEFFICIENT', 'Use *EQUATION, or mesh the bodies together.')
+    call table%cards_with(STATUS_REFUSED, 'BEAM SECTION|BEAM GENERAL SECTION|SHELL SECTION|SHELL GENERAL SECTION|' // &
+      'MEMBRANE SECTION|COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|NODAL ' // &
+      'THICKNESS|NORMAL|TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|HOURGLASS STIFFNESS|REBAR|REBAR LAYER|SPRING|' // &
+      'DASHPOT|GAP|MASS|ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
+      'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
+      'All bodies are meshed with solid elements and *SOLID SECTION.')
+    call table%cards_with(STATUS_REFUSED, 'PART|END PART|ASSEMBLY|END ASSEMBLY|INSTANCE|END INSTANCE', &
+      'Write the deck flat; in Abaqus/CAE: Model, Edit Attributes, Do not use parts and assemblies in input files.')
+    call table%cards_with(STATUS_REFUSED, 'NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|PARAMETER|PARAMETER DEPENDENCE|' // &
+      'PARAMETER TABLE', 'Write the nodes, elements and numbers themselves.')
+    call table%cards_with(STATUS_REFUSED, 'CONTACT|CONTACT INCLUSIONS|CONTACT EXCLUSIONS|CONTACT PROPERTY ' // &
+      'ASSIGNMENT|SURFACE PROPERTY ASSIGNMENT|SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &
+      'IMPACTOR|BOND|GAP ELECTRICAL CONDUCTANCE', 'Name the pairs that may touch with *CONTACT PAIR.')
+  end subroutine describe_refused_parts
+
+end module amontons_card_table

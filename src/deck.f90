@@ -1,0 +1,231 @@
+!> Deck: reads a deck into the model; the order of the work, where cards may stand, and the dialect.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck
+  use amontons_cards, only: row_type, parameter_type, open_cards, open_cards_text, publish_remarks, line_text, &
+    read_parameters, start_rows, next_row
+  use amontons_card_form, only: find_entry, match_parameters, IN_MODEL, IN_STEP, IN_BOTH, STATUS_USED, STATUS_NOTED, &
+    STATUS_REFUSED
+  use amontons_card_table, only: make_card_table
+  use amontons_deck_mesh, only: draft_type, read_nodes, read_elements, read_sections, keep_solids
+  use amontons_deck_model, only: read_heading, read_materials, read_amplitudes, read_surfaces, read_interactions, &
+    read_pairs, read_equations
+  use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
+  use amontons_deck_sets, only: read_sets
+  use amontons_deck_steps, only: read_steps
+  use amontons_errors, only: complaints_type, error_type, set_error, EXIT_DECK
+  use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
+  use amontons_text, only: squeezed, plural
+  implicit none
+  private
+  public :: read_deck, read_deck_text
+
+contains
+
+  !> Reads the deck of a job from its file.
+  !!
+  !! After: the model is complete if no error is allocated. All errors of the deck are in the list of complaints, in the
+  !! order of the deck. Cost: linear in the size of the deck.
+  subroutine read_deck(options, model, complaints, error)
+    type(job_options_type), intent(in) :: options          !< with deck and dialect
+    type(model_type), intent(out) :: model
+    type(complaints_type), intent(inout) :: complaints
+    type(error_type), allocatable, intent(out) :: error    !< EXIT_IO, EXIT_DECK
+    type(reader_type) :: reader
+    call open_cards(options%deck, reader%cards, reader%remarks, error)
+    if (allocated(error)) return
+    call read_model(reader, options, model, complaints, error)
+  end subroutine read_deck
+
+
+  !> Reads a deck from memory.
+  subroutine read_deck_text(text, options, model, complaints, error)
+    character(*), intent(in) :: text                       !< the whole deck, lines ended by newline
+    type(job_options_type), intent(in) :: options          !< with dialect; deck names the deck in messages if allocated
+    type(model_type), intent(out) :: model
+    type(complaints_type), intent(inout) :: complaints
+    type(error_type), allocatable, intent(out) :: error    !< EXIT_DECK
+    type(reader_type) :: reader
+    if (allocated(options%deck)) then
+      call open_cards_text(text, options%deck, reader%cards, reader%remarks)
+    else
+      call open_cards_text(text, 'deck', reader%cards, reader%remarks)
+    end if
+    call read_model(reader, options, model, complaints, error)
+  end subroutine read_deck_text
+
+
+  !> From cards to model. Names are known before they are used: the order of the cards in the model does not matter.
+  subroutine read_model(reader, options, model, complaints, error)
+    type(reader_type), intent(inout) :: reader
+    type(job_options_type), intent(in) :: options
+    type(model_type), intent(inout) :: model
+    type(complaints_type), intent(inout) :: complaints
+    type(error_type), allocatable, intent(out) :: error
+    type(draft_type) :: draft
+    call make_card_table(reader%table)
+    call choose_dialect(reader, options)
+    model%dialect = reader%dialect
+    call check_cards(reader)
+    call read_heading(reader, model)
+    call read_nodes(reader, draft, model%mesh)
+    call read_elements(reader, model%mesh, draft)
+    call read_sets(reader, draft, model%mesh)
+    call read_materials(reader, model)
+    call read_sections(reader, model, draft)
+    call keep_solids(reader, model, draft)
+    call read_amplitudes(reader, model)
+    call read_surfaces(reader, model)
+    call read_interactions(reader, model)
+    call read_pairs(reader, model)
+    call read_equations(reader, model)
+    call read_steps(reader, model)
+    call publish_remarks(reader%cards, reader%remarks, complaints)
+    model%deck_text = reader%cards%text(:reader%cards%n_text)
+    if (reader%remarks%n_errors > 0) call set_error(error, EXIT_DECK, plural(reader%remarks%n_errors, 'error') // &
+      ' in the deck.')
+  end subroutine read_model
+
+
+  !> The dialect: what the job says, else a comment '** dialect: calculix' before the first card that is not HEADING.
+  subroutine choose_dialect(reader, options)
+    type(reader_type), intent(inout) :: reader
+    type(job_options_type), intent(in) :: options
+    character(:), allocatable :: key
+    integer :: line, last, c
+    last = reader%cards%n_lines
+    do c = 1, reader%cards%n_cards
+      if (reader%cards%cards(c)%key == 'HEADING') cycle
+      last = reader%cards%cards(c)%line - 1
+      exit
+    end do
+    reader%dialect = DIALECT_ABAQUS
+    do line = 1, last
+      key = squeezed(line_text(reader%cards, line))
+      if (len(key) < 10) cycle
+      if (key(:10) /= '**DIALECT:') cycle
+      if (key(11:) == 'CALCULIX') then
+        reader%dialect = DIALECT_CALCULIX
+      else if (key(11:) == 'ABAQUS') then
+        reader%dialect = DIALECT_ABAQUS
+      else
+        call complain(reader, line, 'The dialect must be abaqus or calculix.')
+      end if
+    end do
+    if (options%dialect /= DIALECT_FROM_DECK) reader%dialect = options%dialect
+  end subroutine choose_dialect
+
+
+  !> Finds every card in the table, checks its place and parameters, and numbers the steps.
+  subroutine check_cards(reader)
+    type(reader_type), intent(inout) :: reader
+    character(:), allocatable :: owner
+    integer :: c, n_steps
+    logical :: is_in_step
+    allocate (reader%step_of_card(reader%cards%n_cards), source=0)
+    call tell_text_before_cards(reader)
+    owner = ''
+    n_steps = 0
+    is_in_step = .false.
+    do c = 1, reader%cards%n_cards
+      call look_up_card(reader, c)
+      if (is_card(reader, c, 'STEP')) then
+        if (is_in_step) call complain(reader, reader%cards%cards(c)%line, 'The step before this one has no *END STEP.')
+        n_steps = n_steps + 1
+        is_in_step = .true.
+      end if
+      if (is_in_step) reader%step_of_card(c) = n_steps
+      call check_place(reader, c, is_in_step, n_steps, owner)
+      call check_parameters(reader, c)
+      if (is_card(reader, c, 'ENDSTEP')) is_in_step = .false.
+    end do
+    if (is_in_step) call complain(reader, 0, 'The last step has no *END STEP.')
+  end subroutine check_cards
+
+
+  !> Tells text that stands before the first card.
+  subroutine tell_text_before_cards(reader)
+    type(reader_type), intent(inout) :: reader
+    character(:), allocatable :: text
+    integer :: line, last
+    last = reader%cards%n_lines
+    if (reader%cards%n_cards > 0) last = reader%cards%first_card_line - 1
+    do line = 1, last
+      text = squeezed(line_text(reader%cards, line))
+      if (text == '') cycle
+      if (text(1:1) == '*') cycle
+      call note(reader, line, 'Text before the first card is passed over.')
+      return
+    end do
+  end subroutine tell_text_before_cards
+
+
+  !> Finds the entry of a card in the table; tells a card that is not there, refused or noted.
+  subroutine look_up_card(reader, c)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    logical :: is_abbreviated
+    associate (card => reader%cards%cards(c))
+      call find_entry(reader%table, card%key, card%entry, is_abbreviated)
+      if (card%entry == 0) then
+        call complain(reader, card%line, 'The card *' // card%key // ' is not known. amontons --cards lists all cards.')
+        return
+      end if
+      associate (entry => reader%table%entries(card%entry))
+        if (is_abbreviated) call note(reader, card%line, 'The card *' // card%key // ' is taken as *' // entry%keyword &
+          // '; abbreviations are better written out.')
+        if (entry%status == STATUS_REFUSED) call complain(reader, card%line, 'The card *' // entry%keyword // &
+          ' is not supported. ' // entry%sentence)
+        if (entry%status == STATUS_NOTED) call note(reader, card%line, 'The card *' // entry%keyword // &
+          ' is read past. ' // entry%sentence)
+      end associate
+    end associate
+  end subroutine look_up_card
+
+
+  !> Tells a card that stands in the wrong place. Cards that we do not read end no block.
+  subroutine check_place(reader, c, is_in_step, n_steps, owner)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    logical, intent(in) :: is_in_step
+    integer, intent(in) :: n_steps               !< steps begun
+    character(:), allocatable, intent(inout) :: owner   !< key of the card whose block is open
+    integer :: position
+    logical :: is_abbreviated
+    if (reader%cards%cards(c)%entry == 0) return
+    associate (entry => reader%table%entries(reader%cards%cards(c)%entry), line => reader%cards%cards(c)%line)
+      if (entry%status /= STATUS_USED) return
+      if (entry%parent == '') then
+        owner = entry%key
+      else if (owner /= entry%parent) then
+        call find_entry(reader%table, entry%parent, position, is_abbreviated)
+        call complain(reader, line, 'The card *' // entry%keyword // ' must stand in the block of a *' // &
+          reader%table%entries(position)%keyword // '.')
+      end if
+      if (entry%where == IN_STEP .and. .not. is_in_step) call complain(reader, line, 'The card *' // entry%keyword // &
+        ' must stand in a step, between *STEP and *END STEP.')
+      if (entry%where == IN_MODEL .and. n_steps > 0) call complain(reader, line, 'The card *' // entry%keyword // &
+        ' must stand before the first step.')
+      if (entry%where == IN_BOTH .and. n_steps > 0 .and. .not. is_in_step .and. entry%key == 'BOUNDARY') call &
+        complain( reader, line, 'The card *BOUNDARY must stand before the first step or in a step.')
+    end associate
+  end subroutine check_place
+
+
+  !> Tells what is wrong with the parameters of a card, and data lines of a card that takes none.
+  subroutine check_parameters(reader, c)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), allocatable :: parameters(:)
+    type(row_type) :: row
+    associate (card => reader%cards%cards(c))
+      if (card%entry == 0) return
+      if (reader%table%entries(card%entry)%status /= STATUS_USED) return
+      call read_parameters(reader%cards, card, parameters)
+      call match_parameters(reader%table%entries(card%entry), parameters, card%line, reader%remarks)
+      if (reader%table%entries(card%entry)%data /= '') return
+      call start_rows(card, row)
+      if (next_row(reader%cards, row)) call need_no_data(reader, row)
+    end associate
+  end subroutine check_parameters
+
+end module amontons_deck

@@ -1,0 +1,657 @@
+!> Deck loads: the cards BOUNDARY, CLOAD, DLOAD and DSLOAD to what acts in each step, with what earlier steps left.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! | case | start of the step | end of the step |
+!! |---|---|---|
+!! | new in this step | 0; a displacement: what the node has then | its value |
+!! | given again in this step | value at the end of the step before | its new value; forces of one step add up |
+!! | kept from the step before | value at the end of that step | the same |
+!! | OP=NEW, not given again | displacement: released; load: value at the end of the step before | load: 0 |
+!! | STEP, AMPLITUDE=STEP | the value at the end | |
+!! | with an amplitude | reference value times amplitude; kept on only if it runs in total time | |
+module amontons_deck_loads
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer, is_empty_field
+  use amontons_card_form, only: has_parameter, parameter_word
+  use amontons_deck_model, only: face_number
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
+    nodes_of_field, elements_of_field, find_amplitude, is_card
+  use amontons_loads, only: load_type, load_value, prescribed_type, concentrated_type, distributed_type, &
+    DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY
+  use amontons_model, only: model_type
+  use amontons_text, only: squeezed, text_of, plural, NUMBER_OK
+  use amontons_topology, only: kind_type, element_kind
+  implicit none
+  private
+  public :: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, hand_over_loads
+
+  integer, parameter :: FAMILY_BOUNDARY = 1, FAMILY_CLOAD = 2, FAMILY_DLOAD = 3, FAMILY_GRAVITY = 4
+
+  !> A prescribed displacement that stands.
+  type, extends(prescribed_type) :: held_type
+    real(DP) :: before = 0                       !< value at the end of the step before
+    logical :: was_active = .false.              !< it acted in the step before
+    logical :: is_active = .true.                !< it acts in this step
+    integer :: step = 0                          !< step that gave it last; 0: the model
+  end type held_type
+
+  !> A load that stands.
+  type, extends(load_type) :: force_type
+    integer :: key = 0                           !< what it acts on
+    real(DP) :: before = 0                       !< value at the end of the step before
+    logical :: is_active = .true.
+    integer :: step = 0                          !< step that gave it last
+    integer :: next = 0                          !< next load on the same thing
+  end type force_type
+
+  !> Loads by what they act on.
+  type :: forces_type
+    integer :: n = 0
+    type(force_type), allocatable :: items(:)
+    integer, allocatable :: head(:)              !< (keys) first load on it, 0 none
+  end type forces_type
+
+  !> Where a gravity load acts.
+  type :: gravity_type
+    character(:), allocatable :: region          !< squeezed name or number
+    integer, allocatable :: elements(:)
+    real(DP) :: direction(3) = 0
+  end type gravity_type
+
+  !> All that stands at this point of the deck.
+  type :: standing_type
+    integer :: step = 0                          !< present step
+    logical :: is_step = .false.                 !< STEP, AMPLITUDE=STEP
+    logical :: has_new(4) = .false.              !< (FAMILY_...) OP=NEW has been seen in this step
+    integer :: n_held = 0
+    type(held_type), allocatable :: held(:)
+    integer, allocatable :: held_at(:)           !< (3 n_nodes) index into held, 0 none
+    type(forces_type) :: cloads                  !< key 3 (node - 1) + dof
+    type(forces_type) :: pressures               !< key 6 (element - 1) + face
+    type(forces_type) :: gravities               !< key: index into places
+    type(gravity_type), allocatable :: places(:)
+  end type standing_type
+
+contains
+
+  !> Nothing stands yet.
+  subroutine start_standing(model, standing)
+    type(model_type), intent(in) :: model
+    type(standing_type), intent(out) :: standing
+    allocate (standing%held(256), standing%places(0))
+    allocate (standing%held_at(3 * model%mesh%n_nodes), source=0)
+    allocate (standing%cloads%head(3 * model%mesh%n_nodes), source=0)
+    allocate (standing%pressures%head(6 * model%mesh%n_elements), source=0)
+    allocate (standing%gravities%head(1024), source=0)
+    allocate (standing%cloads%items(256), standing%pressures%items(256), standing%gravities%items(16))
+  end subroutine start_standing
+
+
+  !> Goes to the next step: everything keeps the value that it had at the end of the step before.
+  subroutine begin_step(model, period, total_time, is_step, standing)
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: period               !< length of the step before [time]
+    real(DP), intent(in) :: total_time           !< total time at its end [time]
+    logical, intent(in) :: is_step               !< the new step has AMPLITUDE=STEP
+    type(standing_type), intent(inout) :: standing
+    integer :: i
+    standing%step = standing%step + 1
+    standing%is_step = is_step
+    standing%has_new = .false.
+    do i = 1, standing%n_held
+      associate (held => standing%held(i))
+        held%was_active = held%is_active
+        held%is_from_current = .false.
+        call keep_value(model, period, total_time, held%load_type, held%before)
+      end associate
+    end do
+    call keep_forces(model, period, total_time, standing%cloads)
+    call keep_forces(model, period, total_time, standing%pressures)
+    call keep_forces(model, period, total_time, standing%gravities)
+  end subroutine begin_step
+
+
+  !> A load after its step: constant at its last value, unless its amplitude runs in total time.
+  subroutine keep_value(model, period, total_time, load, before)
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: period, total_time   !< [time]
+    type(load_type), intent(inout) :: load
+    real(DP), intent(out) :: before              !< the last value
+    before = load%end
+    if (load%amplitude > 0) then
+      before = load_value(load, model%amplitudes, period, total_time, period)
+      if (model%amplitudes(load%amplitude)%is_total_time) return
+    end if
+    load%amplitude = 0
+    load%start = before
+    load%end = before
+  end subroutine keep_value
+
+
+  !> Keeps the loads that are not zero, and closes the gaps in the list.
+  subroutine keep_forces(model, period, total_time, forces)
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: period, total_time   !< [time]
+    type(forces_type), intent(inout) :: forces
+    type(force_type) :: force
+    integer :: i, n
+    n = 0
+    do i = 1, forces%n
+      forces%head(forces%items(i)%key) = 0
+    end do
+    do i = 1, forces%n
+      force = forces%items(i)
+      if (.not. force%is_active) cycle
+      call keep_value(model, period, total_time, force%load_type, force%before)
+      if (.not. abs(force%end) > 0) cycle
+      n = n + 1
+      force%next = forces%head(force%key)
+      forces%head(force%key) = n
+      forces%items(n) = force
+    end do
+    forces%n = n
+  end subroutine keep_forces
+
+
+  !> BOUNDARY in the model (step 0) or in the present step.
+  subroutine read_boundary(reader, model, c, step, standing)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: step                  !< present step; 0: the model
+    type(standing_type), intent(inout) :: standing
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(prescribed_type) :: common
+    integer :: n_changed
+    call open_card(reader, c, parameters, row)
+    if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') call release_held(step, standing)
+    call find_amplitude(reader, c, parameters, common%amplitude)
+    common%is_held = has_parameter(parameters, 'FIXED')
+    n_changed = 0
+    do while (next_row(reader%cards, row))
+      call read_boundary_row(reader, model, row, step, common, standing, n_changed)
+    end do
+    if (n_changed > 0) call note(reader, reader%cards%cards(c)%line, plural(n_changed, 'displacement') // &
+      ' of this step had another value by an earlier line; the later one counts.')
+  end subroutine read_boundary
+
+
+  !> OP=NEW: what earlier steps prescribed is released, once in a step.
+  subroutine release_held(step, standing)
+    integer, intent(in) :: step
+    type(standing_type), intent(inout) :: standing
+    integer :: i
+    if (standing%has_new(FAMILY_BOUNDARY) .or. step == 0) return
+    standing%has_new(FAMILY_BOUNDARY) = .true.
+    do i = 1, standing%n_held
+      if (standing%held(i)%step < step) standing%held(i)%is_active = .false.
+    end do
+  end subroutine release_held
+
+
+  !> One row of BOUNDARY.
+  subroutine read_boundary_row(reader, model, row, step, common, standing, n_changed)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: step
+    type(prescribed_type), intent(in) :: common  !< with amplitude and is_held
+    type(standing_type), intent(inout) :: standing
+    integer, intent(inout) :: n_changed          !< displacements given differently before in this step
+    type(prescribed_type) :: new
+    integer, allocatable :: nodes(:)
+    logical :: is_fixed(3), is_ok
+    integer :: i, dof
+    is_ok = .true.
+    new = common
+    new%line = reader%cards%line_number(row%line)
+    call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
+    call read_dofs(reader, row, is_fixed, new%end, is_ok)
+    if (.not. is_ok) return
+    do i = 1, size(nodes)
+      do dof = 1, 3
+        if (.not. is_fixed(dof)) cycle
+        new%node = nodes(i)
+        new%dof = dof
+        call hold(new, step, standing, n_changed)
+      end do
+    end do
+  end subroutine read_boundary_row
+
+
+  !> The degrees of freedom of a BOUNDARY row: first, last, value; or a word.
+  subroutine read_dofs(reader, row, is_fixed, value, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    logical, intent(out) :: is_fixed(3)
+    real(DP), intent(out) :: value               !< [length]
+    logical, intent(inout) :: is_ok
+    integer :: first, last, status
+    is_fixed = .false.
+    value = 0
+    call field_integer(reader%cards, row, 2, first, status)
+    if (status /= NUMBER_OK) then
+      call read_support_word(reader, row, is_fixed, is_ok)
+      return
+    end if
+    call need_at_most(reader, row, 4)
+    call need_integer(reader, row, 3, 'last degree of freedom', last, is_ok, default=first)
+    call need_real(reader, row, 4, 'displacement', value, is_ok, 0.0_DP)
+    if (.not. is_ok) return
+    if (first < 1 .or. last < first .or. last > 6) then
+      call complain(reader, row%line, 'The degrees of freedom must be 1 to 3, the first not above the last.')
+      is_ok = .false.
+    else if (first > 3 .and. abs(value) > 0) then
+      call complain(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom are 1 to 3.')
+      is_ok = .false.
+    else
+      if (last > 3) call note(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom ' // &
+        text_of(max(4, first)) // ' to ' // text_of(last) // ' are passed over.')
+      is_fixed(first:min(3, last)) = .true.
+    end if
+  end subroutine read_dofs
+
+
+  !> A word such as PINNED or XSYMM.
+  subroutine read_support_word(reader, row, is_fixed, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    logical, intent(out) :: is_fixed(3)
+    logical, intent(inout) :: is_ok
+    is_fixed = .false.
+    call need_at_most(reader, row, 2)
+    select case (squeezed(field_text(reader%cards, row, 2)))
+    case ('ENCASTRE', 'PINNED')
+      is_fixed = .true.
+    case ('XSYMM')
+      is_fixed(1) = .true.
+    case ('YSYMM')
+      is_fixed(2) = .true.
+    case ('ZSYMM')
+      is_fixed(3) = .true.
+    case ('XASYMM')
+      is_fixed(2:3) = .true.
+    case ('YASYMM')
+      is_fixed(1) = .true.
+      is_fixed(3) = .true.
+    case ('ZASYMM')
+      is_fixed(1:2) = .true.
+    case default
+      is_ok = .false.
+      call complain(reader, row%line, 'The second field must be the first degree of freedom, or ENCASTRE, PINNED, ' // &
+        'XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM or ZASYMM; it is ''' // field_text(reader%cards, row, 2) // '''.')
+    end select
+  end subroutine read_support_word
+
+
+  !> Prescribes one degree of freedom.
+  subroutine hold(new, step, standing, n_changed)
+    type(prescribed_type), intent(in) :: new     !< with node, dof, end, amplitude, is_held, line
+    integer, intent(in) :: step
+    type(standing_type), intent(inout) :: standing
+    integer, intent(inout) :: n_changed
+    type(held_type), allocatable :: larger(:)
+    integer :: i
+    logical :: was_held, was_here
+    i = standing%held_at(3 * new%node - 3 + new%dof)
+    was_here = i > 0
+    if (.not. was_here) then
+      if (standing%n_held == size(standing%held)) then
+        allocate (larger(2 * standing%n_held))
+        larger(:standing%n_held) = standing%held
+        call move_alloc(larger, standing%held)
+      end if
+      standing%n_held = standing%n_held + 1
+      i = standing%n_held
+      standing%held_at(3 * new%node - 3 + new%dof) = i
+    end if
+    associate (held => standing%held(i))
+      if (was_here .and. held%step == step .and. held%is_active) then
+        if (is_other(held, new)) n_changed = n_changed + 1
+      end if
+      was_held = held%is_held .and. held%was_active
+      held%prescribed_type = new
+      held%start = held%before
+      held%is_from_current = step > 1 .and. (was_held .or. .not. held%was_active)
+      if (standing%is_step .and. new%amplitude == 0) then
+        held%start = held%end
+        held%is_from_current = .false.
+      end if
+      if (new%is_held) held%is_from_current = .true.
+      held%step = step
+      held%is_active = .true.
+    end associate
+  end subroutine hold
+
+
+  !> Whether a prescription differs from the one given before.
+  pure function is_other(held, new) result(differs)
+    type(held_type), intent(in) :: held
+    type(prescribed_type), intent(in) :: new
+    logical :: differs
+    differs = abs(held%end - new%end) > 0 .or. held%amplitude /= new%amplitude .or. (held%is_held .neqv. new%is_held)
+  end function is_other
+
+
+  !> CLOAD in the present step.
+  subroutine read_cload(reader, model, c, standing)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(standing_type), intent(inout) :: standing
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: nodes(:)
+    real(DP) :: value
+    integer :: amplitude, dof, i
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') call &
+      fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_CLOAD), standing%cloads)
+    call find_amplitude(reader, c, parameters, amplitude)
+    do while (next_row(reader%cards, row))
+      is_ok = .true.
+      call need_at_most(reader, row, 3)
+      call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
+      call need_integer(reader, row, 2, 'degree of freedom', dof, is_ok)
+      call need_real(reader, row, 3, 'force', value, is_ok, 0.0_DP)
+      if (is_ok .and. (dof < 1 .or. dof > 3)) then
+        call complain(reader, row%line, 'The degree of freedom of a force must be 1, 2 or 3; the nodes of solids ' // &
+          'take no moments.')
+        is_ok = .false.
+      end if
+      if (.not. is_ok) cycle
+      do i = 1, size(nodes)
+        call add_force(3 * nodes(i) - 3 + dof, value, amplitude, standing%step, standing%is_step, standing%cloads)
+      end do
+    end do
+  end subroutine read_cload
+
+
+  !> OP=NEW: the loads of earlier steps go to zero over this step, once in a step.
+  subroutine fade_forces(step, is_step, has_new, forces)
+    integer, intent(in) :: step                  !< present step
+    logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP
+    logical, intent(inout) :: has_new            !< OP=NEW has been seen in this step
+    type(forces_type), intent(inout) :: forces
+    integer :: i
+    if (has_new) return
+    has_new = .true.
+    do i = 1, forces%n
+      associate (force => forces%items(i))
+        if (force%step == step) cycle
+        force%amplitude = 0
+        force%start = merge(0.0_DP, force%before, is_step)
+        force%end = 0
+      end associate
+    end do
+  end subroutine fade_forces
+
+
+  !> Adds a load: in place of those that earlier steps left there, and on top of those that this step gave.
+  subroutine add_force(key, value, amplitude, step, is_step, forces)
+    integer, intent(in) :: key                   !< what it acts on
+    real(DP), intent(in) :: value
+    integer, intent(in) :: amplitude             !< 0: none
+    integer, intent(in) :: step
+    logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP
+    type(forces_type), intent(inout) :: forces
+    type(force_type), allocatable :: larger(:)
+    type(force_type) :: new
+    integer :: i
+    i = forces%head(key)
+    do while (i > 0)
+      associate (old => forces%items(i))
+        if (old%step == step .and. old%amplitude == amplitude) then
+          old%end = old%end + value
+          if (is_step .and. amplitude == 0) old%start = old%end
+          return
+        end if
+        if (old%step < step .and. old%is_active) then
+          new%start = new%start + old%before
+          old%is_active = .false.
+        end if
+        i = old%next
+      end associate
+    end do
+    if (forces%n == size(forces%items)) then
+      allocate (larger(2 * forces%n))
+      larger(:forces%n) = forces%items
+      call move_alloc(larger, forces%items)
+    end if
+    new%key = key
+    new%end = value
+    new%amplitude = amplitude
+    new%step = step
+    if (is_step .and. amplitude == 0) new%start = value
+    new%next = forces%head(key)
+    forces%n = forces%n + 1
+    forces%items(forces%n) = new
+    forces%head(key) = forces%n
+  end subroutine add_force
+
+
+  !> DLOAD or DSLOAD in the present step.
+  subroutine read_dload(reader, model, c, standing)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(standing_type), intent(inout) :: standing
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: label
+    integer :: amplitude
+    call open_card(reader, c, parameters, row)
+    if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') then
+      call fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_DLOAD), standing%pressures)
+      call fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_GRAVITY), standing%gravities)
+    end if
+    call find_amplitude(reader, c, parameters, amplitude)
+    do while (next_row(reader%cards, row))
+      label = squeezed(field_text(reader%cards, row, 2))
+      if (label == 'P') then
+        call read_surface_pressure(reader, model, row, amplitude, standing)
+      else if (is_card(reader, c, 'DSLOAD')) then
+        call complain(reader, row%line, 'The second field must be P, a pressure; it is ''' // label // '''.')
+      else if (face_number(label, 'P') > 0) then
+        call read_face_pressure(reader, model, row, amplitude, standing)
+      else if (label == 'GRAV') then
+        call read_gravity(reader, model, row, amplitude, standing)
+      else
+        call complain(reader, row%line, 'The second field must be P1 to P6 (pressure on a face), P (pressure on a ' // &
+          'surface) or GRAV (gravity); it is ''' // label // '''.')
+      end if
+    end do
+  end subroutine read_dload
+
+
+  !> Row: surface, P, pressure.
+  subroutine read_surface_pressure(reader, model, row, amplitude, standing)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: amplitude
+    type(standing_type), intent(inout) :: standing
+    real(DP) :: value
+    integer :: s, i
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 3)
+    call need_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
+    s = reader%surfaces%find(field_text(reader%cards, row, 1))
+    if (s == 0) then
+      call complain(reader, row%line, 'There is no surface ''' // field_text(reader%cards, row, 1) // '''.')
+      return
+    end if
+    if (model%surfaces(s)%is_node_based) then
+      call complain(reader, row%line, 'The surface ''' // model%surfaces(s)%name // &
+        ''' is made of nodes; a pressure needs element faces.')
+      return
+    end if
+    if (.not. is_ok) return
+    do i = 1, size(model%surfaces(s)%element)
+      call add_force(6 * model%surfaces(s)%element(i) - 6 + model%surfaces(s)%face(i), value, amplitude, &
+        standing%step, standing%is_step, standing%pressures)
+    end do
+  end subroutine read_surface_pressure
+
+
+  !> Row: element or element set, P1 to P6, pressure.
+  subroutine read_face_pressure(reader, model, row, amplitude, standing)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: amplitude
+    type(standing_type), intent(inout) :: standing
+    integer, allocatable :: elements(:)
+    type(kind_type) :: entry
+    real(DP) :: value
+    integer :: face, i, n_without
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 3)
+    call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
+    call need_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
+    if (.not. is_ok) return
+    face = face_number(field_text(reader%cards, row, 2), 'P')
+    n_without = 0
+    do i = 1, size(elements)
+      entry = element_kind(model%mesh%kind(elements(i)))
+      if (face > entry%n_faces) then
+        n_without = n_without + 1
+      else
+        call add_force(6 * elements(i) - 6 + face, value, amplitude, standing%step, standing%is_step, &
+          standing%pressures)
+      end if
+    end do
+    if (n_without > 0) call complain(reader, row%line, plural(n_without, 'element') // ' here have no face ' // &
+      text_of(face) // '; tetrahedra have 4 faces, wedges 5, hexahedra 6.')
+  end subroutine read_face_pressure
+
+
+  !> Row: element or element set, GRAV, acceleration, direction.
+  subroutine read_gravity(reader, model, row, amplitude, standing)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: amplitude
+    type(standing_type), intent(inout) :: standing
+    type(gravity_type) :: place
+    real(DP) :: value
+    integer :: i
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 6)
+    call elements_of_field(reader, model%mesh, row, 1, place%elements, is_ok)
+    call need_real(reader, row, 3, 'acceleration', value, is_ok, 0.0_DP)
+    do i = 1, 3
+      call need_real(reader, row, i + 3, 'direction', place%direction(i), is_ok, 0.0_DP)
+    end do
+    if (.not. is_ok) return
+    if (.not. norm2(place%direction) > 0) then
+      call complain(reader, row%line, 'The direction of gravity must not be zero: region, GRAV, acceleration, x, y, z.')
+      return
+    end if
+    place%direction = place%direction / norm2(place%direction)
+    place%region = squeezed(field_text(reader%cards, row, 1))
+    call need_density(reader, model, row, place%elements)
+    do i = 1, size(standing%places)
+      if (standing%places(i)%region == place%region .and. all(abs(standing%places(i)%direction - place%direction) < &
+        1.0e-12_DP)) exit
+    end do
+    if (i > size(standing%places)) standing%places = [standing%places, place]
+    if (i > size(standing%gravities%head)) then
+      call complain(reader, row%line, 'More than ' // text_of(size(standing%gravities%head)) // &
+        ' gravity loads; gather the elements in sets.')
+      return
+    end if
+    call add_force(i, value, amplitude, standing%step, standing%is_step, standing%gravities)
+  end subroutine read_gravity
+
+
+  !> Tells materials without a density in elements that gravity acts on.
+  subroutine need_density(reader, model, row, elements)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: elements(:)
+    logical :: is_told(size(model%materials))
+    integer :: i, m
+    is_told = .false.
+    do i = 1, size(elements)
+      m = model%mesh%material(elements(i))
+      if (m == 0) cycle
+      if (is_told(m) .or. model%materials(m)%has_density) cycle
+      is_told(m) = .true.
+      call complain(reader, row%line, 'Gravity needs a density; the material ''' // model%materials(m)%name // &
+        ''' has no *DENSITY card.')
+    end do
+  end subroutine need_density
+
+
+  !> The complete lists of what acts in the present step.
+  subroutine hand_over_loads(standing, prescribed, concentrated, distributed)
+    type(standing_type), intent(in) :: standing
+    type(prescribed_type), allocatable, intent(out) :: prescribed(:)
+    type(concentrated_type), allocatable, intent(out) :: concentrated(:)
+    type(distributed_type), allocatable, intent(out) :: distributed(:)
+    integer :: i, n
+    allocate (prescribed(count(standing%held(:standing%n_held)%is_active)))
+    n = 0
+    do i = 1, standing%n_held
+      if (.not. standing%held(i)%is_active) cycle
+      n = n + 1
+      prescribed(n) = standing%held(i)%prescribed_type
+    end do
+    allocate (concentrated(count(standing%cloads%items(:standing%cloads%n)%is_active)))
+    n = 0
+    do i = 1, standing%cloads%n
+      associate (force => standing%cloads%items(i))
+        if (.not. force%is_active) cycle
+        n = n + 1
+        concentrated(n)%load_type = force%load_type
+        concentrated(n)%node = (force%key - 1) / 3 + 1
+        concentrated(n)%dof = modulo(force%key - 1, 3) + 1
+      end associate
+    end do
+    call hand_over_distributed(standing, distributed)
+  end subroutine hand_over_loads
+
+
+  !> Pressures face by face and gravity element by element.
+  subroutine hand_over_distributed(standing, distributed)
+    type(standing_type), intent(in) :: standing
+    type(distributed_type), allocatable, intent(out) :: distributed(:)
+    integer :: i, k, n
+    n = count(standing%pressures%items(:standing%pressures%n)%is_active)
+    do i = 1, standing%gravities%n
+      if (standing%gravities%items(i)%is_active) n = n + size(standing%places(standing%gravities%items(i)%key)%elements)
+    end do
+    allocate (distributed(n))
+    n = 0
+    do i = 1, standing%pressures%n
+      associate (force => standing%pressures%items(i))
+        if (.not. force%is_active) cycle
+        n = n + 1
+        distributed(n)%load_type = force%load_type
+        distributed(n)%kind = DISTRIBUTED_PRESSURE
+        distributed(n)%element = (force%key - 1) / 6 + 1
+        distributed(n)%face = modulo(force%key - 1, 6) + 1
+      end associate
+    end do
+    do i = 1, standing%gravities%n
+      associate (force => standing%gravities%items(i), place => standing%places(standing%gravities%items(i)%key))
+        if (.not. force%is_active) cycle
+        do k = 1, size(place%elements)
+          n = n + 1
+          distributed(n)%load_type = force%load_type
+          distributed(n)%kind = DISTRIBUTED_GRAVITY
+          distributed(n)%element = place%elements(k)
+          distributed(n)%direction = place%direction
+        end do
+      end associate
+    end do
+  end subroutine hand_over_distributed
+
+end module amontons_deck_loads

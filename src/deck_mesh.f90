@@ -1,0 +1,488 @@
+!> Deck mesh: the cards NODE, ELEMENT and SOLID SECTION to nodes, elements and their materials.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Elements are first gathered as they stand (drafts), also those of kinds that we do not have: mesh generators write
+!! the lines and faces of a body together with its solids. When the sections are known, such leftovers are dropped if
+!! nothing needs them, else refused.
+module amontons_deck_mesh
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, start_rows, field_integer, field_text
+  use amontons_card_form, only: parameter_text, parameter_word
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, is_card
+  use amontons_lookup, only: integer_list_type, label_table_type, name_table_type
+  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_text, only: text_of, plural, upper_case, NUMBER_OK
+  use amontons_topology, only: kind_type, element_kind, kind_of_name, KIND_C3D8, KIND_C3D8_FULL, MAX_NODES
+  implicit none
+  private
+  public :: draft_type, read_nodes, read_elements, read_sections, keep_solids
+
+  !> All elements of the deck as they stand.
+  type :: draft_type
+    integer :: n = 0
+    integer, allocatable :: label(:)             !< (n)
+    integer, allocatable :: kind(:)              !< (n) KIND_..., 0: a kind that we do not have
+    integer, allocatable :: card(:)              !< (n) its ELEMENT card
+    integer, allocatable :: line(:)              !< (n) its line
+    integer, allocatable :: first(:)             !< (n + 1) start of its nodes
+    type(integer_list_type) :: nodes             !< node indices, 0: no such node
+    integer, allocatable :: material(:)          !< (n) index of the material, 0: no section
+    integer, allocatable :: kept(:)              !< (n) index in the mesh, 0: dropped
+    integer, allocatable :: node_first(:)        !< (n_cards) first node of a NODE card
+    integer, allocatable :: node_last(:)         !< (n_cards) last node of a NODE card
+    integer, allocatable :: element_first(:)     !< (n_cards) first element of an ELEMENT card
+    integer, allocatable :: element_last(:)      !< (n_cards) last element of an ELEMENT card
+    type(label_table_type) :: labels             !< label to index here
+  end type draft_type
+
+contains
+
+  !> Reads all NODE cards.
+  subroutine read_nodes(reader, draft, mesh)
+    type(reader_type), intent(inout) :: reader
+    type(draft_type), intent(inout) :: draft
+    type(mesh_type), intent(inout) :: mesh
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: line(:)
+    integer :: c, n_rows
+    n_rows = count_rows(reader, 'NODE')
+    allocate (mesh%node_label(n_rows), mesh%coordinates(3, n_rows), line(n_rows))
+    allocate (draft%node_first(reader%cards%n_cards), draft%node_last(reader%cards%n_cards))
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'NODE')) cycle
+      call open_card(reader, c, parameters, row)
+      draft%node_first(c) = mesh%n_nodes + 1
+      do while (next_row(reader%cards, row))
+        call read_node(reader, row, mesh, line)
+      end do
+      draft%node_last(c) = mesh%n_nodes
+    end do
+    mesh%node_label = mesh%node_label(:mesh%n_nodes)
+    mesh%coordinates = mesh%coordinates(:, :mesh%n_nodes)
+    call reader%node_labels%build(mesh%node_label)
+    call tell_doubled(reader, reader%node_labels, mesh%node_label, line, 'node')
+    if (mesh%n_nodes == 0) call complain(reader, 0, 'The deck has no nodes: there is no *NODE card with data.')
+  end subroutine read_nodes
+
+
+  !> One node: number, x, y, z; missing coordinates are zero.
+  subroutine read_node(reader, row, mesh, line)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(mesh_type), intent(inout) :: mesh
+    integer, intent(inout) :: line(:)            !< line of each node
+    character(1), parameter :: AXES(3) = ['x', 'y', 'z']
+    integer :: label, i
+    logical :: is_ok
+    is_ok = .true.
+    call need_label(reader, row, 'node', label, is_ok)
+    call need_at_most(reader, row, 4)
+    mesh%n_nodes = mesh%n_nodes + 1
+    do i = 1, 3
+      call need_real(reader, row, i + 1, AXES(i), mesh%coordinates(i, mesh%n_nodes), is_ok, 0.0_DP)
+    end do
+    mesh%node_label(mesh%n_nodes) = label
+    line(mesh%n_nodes) = row%line
+    if (.not. is_ok) mesh%n_nodes = mesh%n_nodes - 1
+  end subroutine read_node
+
+
+  !> The number of a node or element in the first field: a positive integer.
+  subroutine need_label(reader, row, what, label, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    character(*), intent(in) :: what             !< 'node' or 'element'
+    integer, intent(out) :: label
+    logical, intent(inout) :: is_ok
+    integer :: status
+    call field_integer(reader%cards, row, 1, label, status)
+    if (status == NUMBER_OK .and. label > 0) return
+    is_ok = .false.
+    call complain(reader, row%line, 'The first field must be the number of the ' // what // &
+      ', a positive integer; it is ''' // field_text(reader%cards, row, 1) // '''.')
+  end subroutine need_label
+
+
+  !> Upper bound of the data rows of all cards with a keyword.
+  pure function count_rows(reader, key) result(n)
+    type(reader_type), intent(in) :: reader
+    character(*), intent(in) :: key
+    integer :: n, c
+    n = 0
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, key)) n = n + max(0, reader%cards%cards(c)%data_last - reader%cards%cards(c)%data_first + &
+        1)
+    end do
+  end function count_rows
+
+
+  !> Tells numbers that are given twice.
+  subroutine tell_doubled(reader, table, label, line, what)
+    type(reader_type), intent(inout) :: reader
+    type(label_table_type), intent(in) :: table
+    integer, intent(in) :: label(:)              !< labels in the order of the deck
+    integer, intent(in) :: line(:)               !< their lines
+    character(*), intent(in) :: what             !< 'node' or 'element'
+    integer :: i, first
+    do i = 1, size(label)
+      first = table%find(label(i))
+      if (first /= i) call complain(reader, line(i), 'The ' // what // ' ' // text_of(label(i)) // &
+        ' is defined twice; the first time in line ' // text_of(reader%cards%line_number(line(first))) // ' of ' // &
+        reader%cards%files(reader%cards%line_file(line(first)))%path // '.')
+    end do
+  end subroutine tell_doubled
+
+
+  !> Reads all ELEMENT cards.
+  subroutine read_elements(reader, mesh, draft)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(draft_type), intent(inout) :: draft
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: c, kind, n_rows
+    logical :: is_ok
+    n_rows = count_rows(reader, 'ELEMENT')
+    allocate (draft%label(n_rows), draft%kind(n_rows), draft%card(n_rows), draft%line(n_rows), draft%first(n_rows + 1))
+    allocate (draft%element_first(reader%cards%n_cards), draft%element_last(reader%cards%n_cards))
+    draft%first(1) = 1
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'ELEMENT')) cycle
+      call open_card(reader, c, parameters, row)
+      draft%element_first(c) = draft%n + 1
+      kind = kind_of_type(reader, c, parameter_word(parameters, 'TYPE', ''))
+      is_ok = .true.
+      do while (is_ok)
+        if (.not. next_row(reader%cards, row)) exit
+        call read_element(reader, row, c, kind, draft, is_ok)
+      end do
+      draft%element_last(c) = draft%n
+    end do
+    draft%label = draft%label(:draft%n)
+    call draft%labels%build(draft%label)
+    call tell_doubled(reader, draft%labels, draft%label, draft%line, 'element')
+    call check_connectivity(reader, mesh, draft)
+    allocate (draft%material(draft%n), source=0)
+    if (draft%n == 0) call complain(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
+  end subroutine read_elements
+
+
+  !> The kind of an element type; 0 if we do not have it. Names that meshio writes for a shape are taken with a note.
+  function kind_of_type(reader, c, type) result(kind)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: type             !< upper case
+    integer :: kind
+    character(:), allocatable :: taken
+    taken = type
+    select case (type)
+    case ('C3D8RH')
+      taken = 'C3D8'
+    case ('C3D20RH')
+      taken = 'C3D20'
+    case ('C3D10MH')
+      taken = 'C3D10'
+    end select
+    if (taken /= type) call note(reader, reader%cards%cards(c)%line, 'The elements ' // type // ' are taken as ' // &
+      taken // '.')
+    kind = kind_of_name(taken)
+    if (kind == KIND_C3D8 .and. reader%dialect == DIALECT_CALCULIX) kind = KIND_C3D8_FULL
+  end function kind_of_type
+
+
+  !> One element: its number and its nodes, on one row or several. The next row belongs to it after a trailing comma and
+  !! while nodes are missing.
+  subroutine read_element(reader, row, c, kind, draft, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: kind                  !< 0: unknown, then any number of nodes
+    type(draft_type), intent(inout) :: draft
+    logical, intent(out) :: is_ok                !< .false.: the rest of the card is not read
+    type(kind_type) :: entry
+    integer :: label, start, line, n_wanted
+    is_ok = .true.
+    line = row%line
+    start = draft%nodes%n
+    n_wanted = 0
+    if (kind > 0) then
+      entry = element_kind(kind)
+      n_wanted = entry%n_nodes
+    end if
+    call need_label(reader, row, 'element', label, is_ok)
+    if (.not. is_ok) return
+    call take_nodes(reader, row, 2, draft%nodes, is_ok)
+    do while (is_ok .and. (draft%nodes%n - start < n_wanted .or. (kind == 0 .and. row%has_trailing_comma)))
+      if (.not. next_row(reader%cards, row)) exit
+      call take_nodes(reader, row, 1, draft%nodes, is_ok)
+    end do
+    if (.not. is_ok) return
+    if (kind > 0 .and. draft%nodes%n - start /= n_wanted) then
+      is_ok = .false.
+      call complain(reader, line, 'The element ' // text_of(label) // ' has ' // plural(draft%nodes%n - start, 'node') &
+        // '; ' // trim(entry%name) // ' has ' // text_of(n_wanted) // '. The rest of this card is not read.')
+      draft%nodes%n = start
+      return
+    end if
+    draft%n = draft%n + 1
+    draft%label(draft%n) = label
+    draft%kind(draft%n) = kind
+    draft%card(draft%n) = c
+    draft%line(draft%n) = line
+    draft%first(draft%n + 1) = draft%nodes%n + 1
+  end subroutine read_element
+
+
+  !> Appends the nodes of a row; a number that is no node is told and stops the card.
+  subroutine take_nodes(reader, row, first, nodes, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: first                 !< first field that is a node
+    type(integer_list_type), intent(inout) :: nodes
+    logical, intent(inout) :: is_ok
+    integer :: i, label, status, node
+    do i = first, row%n
+      call field_integer(reader%cards, row, i, label, status)
+      if (status /= NUMBER_OK) then
+        call complain(reader, row%line, 'Field ' // text_of(i) // ' must be the number of a node; it is ''' // &
+          field_text(reader%cards, row, i) // '''. The rest of this card is not read.')
+        is_ok = .false.
+        return
+      end if
+      node = reader%node_labels%find(label)
+      if (node == 0) call complain(reader, row%line, 'There is no node ' // text_of(label) // '.')
+      call nodes%add(node)
+    end do
+  end subroutine take_nodes
+
+
+  !> Tells elements in which a node comes twice. Cost: linear.
+  subroutine check_connectivity(reader, mesh, draft)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(draft_type), intent(in) :: draft
+    integer :: e, i, j, node
+    element: do e = 1, draft%n
+      if (draft%kind(e) == 0) cycle
+      do i = draft%first(e), draft%first(e + 1) - 1
+        node = draft%nodes%items(i)
+        if (node == 0) cycle
+        do j = draft%first(e), i - 1
+          if (draft%nodes%items(j) /= node) cycle
+          call complain(reader, draft%line(e), 'The element ' // text_of(draft%label(e)) // ' is degenerate: node ' // &
+            text_of(mesh%node_label(node)) // ' stands twice. Use a kind with fewer nodes.')
+          cycle element
+        end do
+      end do
+    end do element
+  end subroutine check_connectivity
+
+
+  !> Reads all SOLID SECTION cards: element to material. The members of the element sets are indices of drafts here.
+  subroutine read_sections(reader, model, draft)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model        !< with the element sets of drafts
+    type(draft_type), intent(inout) :: draft
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: c, set, material, n_overridden, i, e
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'SOLIDSECTION')) cycle
+      call open_card(reader, c, parameters, row)
+      set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
+      material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
+      associate (line => reader%cards%cards(c)%line)
+        if (set == 0) call complain(reader, line, 'There is no element set ''' // parameter_text(parameters, 'ELSET') &
+          // '''.')
+        if (material == 0) call complain(reader, line, 'There is no material ''' // &
+          parameter_text(parameters, 'MATERIAL') // '''.')
+        if (next_row(reader%cards, row)) then
+          if (next_row(reader%cards, row)) call need_no_data(reader, row)
+        end if
+        if (set == 0) cycle
+        n_overridden = 0
+        associate (members => model%mesh%element_sets(set)%members)
+          do i = 1, size(members)
+            e = members(i)
+            if (draft%material(e) > 0 .and. draft%material(e) /= material) n_overridden = n_overridden + 1
+            draft%material(e) = merge(material, -1, material > 0)
+          end do
+        end associate
+        if (n_overridden > 0) call note(reader, line, plural(n_overridden, 'element') // &
+          ' had another material by an earlier section; this one counts.')
+      end associate
+    end do
+  end subroutine read_sections
+
+
+  !> Builds the mesh from the drafts that are solids with a section; drops leftovers; tells what cannot stay.
+  subroutine keep_solids(reader, model, draft)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(draft_type), intent(inout) :: draft
+    integer :: e, n
+    allocate (draft%kept(draft%n), source=0)
+    n = 0
+    do e = 1, draft%n
+      if (draft%kind(e) == 0) cycle
+      n = n + 1
+      draft%kept(e) = n
+    end do
+    call build_mesh(draft, n, model%mesh)
+    call finish_mesh(model%mesh)
+    call reader%element_labels%build(model%mesh%element_label)
+    call tell_without_section(reader, draft)
+    call tell_leftovers(reader, model%mesh, draft)
+    call keep_set_members(reader, model%mesh, draft)
+  end subroutine keep_solids
+
+
+  !> Copies the kept drafts into the mesh.
+  subroutine build_mesh(draft, n, mesh)
+    type(draft_type), intent(in) :: draft
+    integer, intent(in) :: n                     !< elements kept
+    type(mesh_type), intent(inout) :: mesh
+    integer :: e, k, n_nodes, start
+    mesh%n_elements = n
+    allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n))
+    n_nodes = 0
+    do e = 1, draft%n
+      if (draft%kept(e) > 0) n_nodes = n_nodes + draft%first(e + 1) - draft%first(e)
+    end do
+    allocate (mesh%nodes(n_nodes))
+    mesh%first(1) = 1
+    do e = 1, draft%n
+      k = draft%kept(e)
+      if (k == 0) cycle
+      mesh%element_label(k) = draft%label(e)
+      mesh%kind(k) = draft%kind(e)
+      mesh%material(k) = max(0, draft%material(e))
+      start = mesh%first(k)
+      mesh%first(k + 1) = start + draft%first(e + 1) - draft%first(e)
+      mesh%nodes(start:mesh%first(k + 1) - 1) = draft%nodes%items(draft%first(e):draft%first(e + 1) - 1)
+    end do
+  end subroutine build_mesh
+
+
+  !> Tells solids without a section, once for each ELEMENT card.
+  subroutine tell_without_section(reader, draft)
+    type(reader_type), intent(inout) :: reader
+    type(draft_type), intent(in) :: draft
+    integer :: e, c, n, first
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'ELEMENT')) cycle
+      n = 0
+      first = 0
+      do e = draft%element_first(c), draft%element_last(c)
+        if (draft%kind(e) == 0 .or. draft%material(e) /= 0) cycle
+        n = n + 1
+        if (first == 0) first = draft%label(e)
+      end do
+      if (n > 0) call complain(reader, reader%cards%cards(c)%line, plural(n, 'element') // &
+        ' of this card (the first is ' // text_of(first) // ') have no section: no *SOLID SECTION names a set ' // &
+        'that holds them.')
+    end do
+  end subroutine tell_without_section
+
+
+  !> Elements of kinds that we do not have, card by card: a note if they are lines or faces of solids without a section,
+  !! else an error.
+  subroutine tell_leftovers(reader, mesh, draft)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(draft_type), intent(in) :: draft
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: type
+    logical, allocatable :: is_solid(:)
+    integer :: c, i, n_dropped
+    logical :: is_left
+    allocate (is_solid(0:mesh%n_nodes), source=.false.)
+    do i = 1, size(mesh%nodes)
+      is_solid(mesh%nodes(i)) = .true.
+    end do
+    n_dropped = 0
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'ELEMENT')) cycle
+      call open_card(reader, c, parameters, row)
+      type = parameter_word(parameters, 'TYPE', '')
+      associate (first => draft%element_first(c), last => draft%element_last(c))
+        if (first > last) then
+          if (kind_of_name(type) == 0) call refuse_type(reader, c, type)
+          cycle
+        end if
+        if (draft%kind(first) /= 0) cycle
+        is_left = all(draft%material(first:last) == 0) .and. is_lower_dimensional(type)
+        if (is_left) is_left = all(is_solid(draft%nodes%items(draft%first(first):draft%first(last + 1) - 1)))
+        if (is_left) then
+          n_dropped = n_dropped + last - first + 1
+        else
+          call refuse_type(reader, c, type)
+        end if
+      end associate
+    end do
+    if (n_dropped > 0) call note(reader, 0, plural(n_dropped, 'element') // ' that are lines or faces of solids ' // &
+      'and have no section are left out (mesh generators write them).')
+  end subroutine tell_leftovers
+
+
+  !> Tells an element type that we do not have, and what to use instead.
+  subroutine refuse_type(reader, c, type)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: type             !< upper case
+    character(:), allocatable :: advice
+    if (type == '') return
+    advice = 'The kinds are C3D4, C3D6, C3D8, C3D10, C3D20 and C3D20R.'
+    if (begins(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking.'
+    if (begins(type, 'C3D20')) advice = 'Use C3D20 or C3D20R.'
+    if (begins(type, 'C3D10')) advice = 'Use C3D10.'
+    if (begins(type, 'C3D4')) advice = 'Use C3D4, or better C3D10.'
+    if (begins(type, 'C3D6')) advice = 'Use C3D6.'
+    if (begins(type, 'C3D15')) advice = 'Mesh with C3D10, C3D20 or C3D20R, or with linear wedges C3D6.'
+    if (is_lower_dimensional(type)) advice = 'Only solids are: mesh the body with C3D4, C3D6, C3D8, C3D10, C3D20 ' // &
+      'or C3D20R.'
+    call complain(reader, reader%cards%cards(c)%line, 'The element type ' // type // ' is not supported. ' // advice)
+  end subroutine refuse_type
+
+
+  !> Whether a type is a line, a face, a shell, or the like.
+  pure function is_lower_dimensional(type) result(is_so)
+    character(*), intent(in) :: type             !< upper case
+    logical :: is_so
+    character(6), parameter :: BEGINNINGS(13) = [character(6) :: 'T2D', 'T3D', 'B2', 'B3', 'CPS', 'CPE', 'CAX', 'M3D', &
+      'R3D', 'R2D', 'STRI', 'SFM3D', 'SC']
+    integer :: i
+    is_so = any([(begins(type, trim(BEGINNINGS(i))), i=1, size(BEGINNINGS))])
+    if (.not. is_so .and. len(type) >= 2) is_so = type(1:1) == 'S' .and. scan(type(2:2), '3468') == 1
+  end function is_lower_dimensional
+
+
+  pure function begins(word, beginning) result(does_so)
+    character(*), intent(in) :: word, beginning
+    logical :: does_so
+    does_so = len(word) >= len(beginning)
+    if (does_so) does_so = word(:len(beginning)) == beginning
+  end function begins
+
+
+  !> Turns the members of the element sets from drafts to elements of the mesh.
+  subroutine keep_set_members(reader, mesh, draft)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(inout) :: mesh
+    type(draft_type), intent(in) :: draft
+    integer :: s, n
+    allocate (reader%has_leftovers(size(mesh%element_sets)), source=.false.)
+    do s = 1, size(mesh%element_sets)
+      associate (set => mesh%element_sets(s))
+        n = size(set%members)
+        set%members = draft%kept(set%members)
+        set%members = pack(set%members, set%members > 0)
+        reader%has_leftovers(s) = size(set%members) < n
+      end associate
+    end do
+  end subroutine keep_set_members
+
+end module amontons_deck_mesh

@@ -1,0 +1,693 @@
+!> Deck model: the cards of materials, amplitudes, surfaces, interactions, contact pairs and equations to the model.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_model
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text, line_text
+  use amontons_card_form, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
+    need_no_data, nodes_of_field, elements_of_field, is_card, check_name
+  use amontons_loads, only: amplitude_type, equation_type
+  use amontons_lookup, only: integer_list_type, sort_integers
+  use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
+  use amontons_mesh, only: mesh_type
+  use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
+  use amontons_text, only: text_of, squeezed, parse_real, plural, NUMBER_OK, NEWLINE
+  use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
+  implicit none
+  private
+  public :: read_heading, read_materials, read_amplitudes, read_surfaces, read_interactions, read_pairs, read_equations
+  public :: face_number
+
+  !> Terms of one equation on their way.
+  type :: terms_type
+    integer :: n = 0
+    integer, allocatable :: node(:, :)           !< (n copies, n terms) nodes; a set gives several copies
+    integer, allocatable :: dof(:)
+    real(DP), allocatable :: coefficient(:)
+  end type terms_type
+
+contains
+
+  !> HEADING: the text, lines joined by newline.
+  subroutine read_heading(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer :: c, line
+    model%heading = ''
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'HEADING')) cycle
+      do line = reader%cards%cards(c)%data_first, reader%cards%cards(c)%data_last
+        call add_heading_line(reader, line, model%heading)
+      end do
+    end do
+  end subroutine read_heading
+
+
+  subroutine add_heading_line(reader, line, heading)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: line
+    character(:), allocatable, intent(inout) :: heading
+    character(:), allocatable :: text
+    text = line_text(reader%cards, line)
+    text = trim(adjustl(text))
+    if (text == '') return
+    if (len(text) >= 2) then
+      if (text(1:2) == '**') return
+    end if
+    if (heading /= '') heading = heading // NEWLINE
+    heading = heading // text
+  end subroutine add_heading_line
+
+
+  !> MATERIAL with ELASTIC and DENSITY.
+  subroutine read_materials(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: line(:)
+    integer :: c, m
+    logical :: is_new
+    allocate (model%materials(0), line(0))
+    m = 0
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'MATERIAL')) then
+        call open_card(reader, c, parameters, row)
+        if (parameter_text(parameters, 'NAME') == '') cycle
+        call check_name(reader, c, parameter_text(parameters, 'NAME'))
+        call reader%materials%add(parameter_text(parameters, 'NAME'), m, is_new)
+        if (is_new) then
+          line = [line, reader%cards%cards(c)%line]
+          call add_material(model, parameter_text(parameters, 'NAME'), reader%dialect)
+        else
+          call complain(reader, reader%cards%cards(c)%line, 'The material ''' // parameter_text(parameters, 'NAME') // &
+            ''' is defined twice.')
+        end if
+      else if (m > 0 .and. is_card(reader, c, 'ELASTIC')) then
+        call read_elastic(reader, c, model%materials(m))
+      else if (m > 0 .and. is_card(reader, c, 'DENSITY')) then
+        call read_density(reader, c, model%materials(m))
+      end if
+    end do
+    do m = 1, size(model%materials)
+      if (.not. model%materials(m)%has_elastic) call complain(reader, line(m), 'The material ''' // &
+        model%materials(m)%name // ''' has no *ELASTIC card.')
+    end do
+  end subroutine read_materials
+
+
+  subroutine add_material(model, name, dialect)
+    type(model_type), intent(inout) :: model
+    character(*), intent(in) :: name
+    integer, intent(in) :: dialect
+    type(material_type) :: material
+    material%name = name
+    material%law = merge(LAW_SAINT_VENANT, LAW_HENCKY, dialect == DIALECT_CALCULIX)
+    model%materials = [model%materials, material]
+  end subroutine add_material
+
+
+  !> ELASTIC: E > 0, -1 < nu < 0.5.
+  subroutine read_elastic(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    material%has_elastic = .true.                ! what is wrong with it is told below
+    if (parameter_word(parameters, 'TYPE', 'ISO') /= 'ISO' .and. parameter_word(parameters, 'TYPE', 'ISO') /= &
+      'ISOTROPIC') return
+    if (.not. next_row(reader%cards, row)) then
+      call complain(reader, row%line, '*ELASTIC needs a data line: Young''s modulus, Poisson''s ratio.')
+      return
+    end if
+    is_ok = .true.
+    call need_at_most(reader, row, 3)
+    call need_real(reader, row, 1, 'Young''s modulus', material%youngs_modulus, is_ok)
+    call need_real(reader, row, 2, 'Poisson''s ratio', material%poissons_ratio, is_ok, 0.0_DP)
+    if (is_ok .and. material%youngs_modulus <= 0) call complain(reader, row%line, &
+      'Young''s modulus must be positive.')
+    if (is_ok .and. (material%poissons_ratio <= -1 .or. material%poissons_ratio >= 0.5_DP)) call complain(reader, &
+      row%line, 'Poisson''s ratio must be greater than -1 and less than 0.5.')
+    call need_no_temperatures(reader, row)
+  end subroutine read_elastic
+
+
+  !> Tells a second line of a property: it would be for another temperature.
+  subroutine need_no_temperatures(reader, row)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    if (next_row(reader%cards, row)) call complain(reader, row%line, &
+      'A second line would be for another temperature; properties cannot depend on temperature.')
+  end subroutine need_no_temperatures
+
+
+  !> DENSITY: rho > 0.
+  subroutine read_density(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    material%has_density = .true.
+    if (.not. next_row(reader%cards, row)) then
+      call complain(reader, row%line, '*DENSITY needs a data line: the density.')
+      return
+    end if
+    is_ok = .true.
+    call need_at_most(reader, row, 2)
+    call need_real(reader, row, 1, 'density', material%density, is_ok)
+    if (is_ok .and. material%density <= 0) call complain(reader, row%line, 'The density must be positive.')
+    call need_no_temperatures(reader, row)
+  end subroutine read_density
+
+
+  !> AMPLITUDE: pairs time, factor in rows of any length; times ascend.
+  subroutine read_amplitudes(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(amplitude_type) :: amplitude
+    integer :: c, position
+    logical :: is_new
+    allocate (model%amplitudes(0))
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'AMPLITUDE')) cycle
+      call open_card(reader, c, parameters, row)
+      amplitude%name = parameter_text(parameters, 'NAME')
+      if (amplitude%name == '') cycle
+      call check_name(reader, c, amplitude%name)
+      amplitude%is_total_time = parameter_word(parameters, 'TIME', 'STEPTIME') == 'TOTALTIME'
+      call read_pairs_of_numbers(reader, row, amplitude)
+      call reader%amplitudes%add(amplitude%name, position, is_new)
+      if (is_new) then
+        model%amplitudes = [model%amplitudes, amplitude]
+      else
+        call complain(reader, reader%cards%cards(c)%line, 'The amplitude ''' // amplitude%name // &
+          ''' is defined twice.')
+      end if
+    end do
+  end subroutine read_amplitudes
+
+
+  !> The rows of an amplitude.
+  subroutine read_pairs_of_numbers(reader, row, amplitude)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    type(amplitude_type), intent(inout) :: amplitude
+    real(DP), allocatable :: numbers(:)
+    real(DP) :: value
+    integer :: i, n
+    logical :: is_ok
+    allocate (numbers(0))
+    is_ok = .true.
+    do while (next_row(reader%cards, row))
+      if (modulo(row%n, 2) /= 0) then
+        call complain(reader, row%line, 'An amplitude has pairs of time and factor; this line has an odd number ' // &
+          'of values.')
+        is_ok = .false.
+      end if
+      do i = 1, row%n
+        call need_real(reader, row, i, trim(merge('time  ', 'factor', modulo(i, 2) == 1)), value, is_ok)
+        numbers = [numbers, value]
+      end do
+    end do
+    n = size(numbers) / 2
+    if (is_ok .and. n == 0) then
+      call complain(reader, row%line, 'An amplitude needs at least one pair of time and factor.')
+      is_ok = .false.
+    end if
+    if (is_ok) then
+      if (any(numbers(3::2) <= numbers(1:2 * n - 2:2))) call complain(reader, row%line, &
+        'The times of an amplitude must ascend.')
+    else
+      numbers = [0.0_DP, 0.0_DP]
+      n = 1
+    end if
+    amplitude%time = numbers(1:2 * n:2)
+    amplitude%factor = numbers(2:2 * n:2)
+  end subroutine read_pairs_of_numbers
+
+
+  !> SURFACE: of element faces, or of nodes. Cards with one name give one surface together.
+  subroutine read_surfaces(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(surface_type) :: surface
+    integer, allocatable :: stamp(:)
+    integer :: c, position
+    logical :: is_new
+    allocate (model%surfaces(0))
+    allocate (stamp(max(6 * model%mesh%n_elements, model%mesh%n_nodes)), source=0)
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'SURFACE')) cycle
+      call open_card(reader, c, parameters, row)
+      surface%name = parameter_text(parameters, 'NAME')
+      if (surface%name == '') cycle
+      call check_name(reader, c, surface%name)
+      call reader%surfaces%add(surface%name, position, is_new)
+      if (.not. is_new) then
+        call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // ''' is defined twice.')
+        cycle
+      end if
+      surface%is_node_based = parameter_word(parameters, 'TYPE', 'ELEMENT') == 'NODE'
+      if (surface%is_node_based) then
+        call read_surface_nodes(reader, model%mesh, c, stamp, surface)
+      else
+        call read_surface_faces(reader, model%mesh, c, stamp, surface)
+      end if
+      model%surfaces = [model%surfaces, surface]
+    end do
+  end subroutine read_surfaces
+
+
+  !> A surface of nodes; a second field (area) is passed over.
+  subroutine read_surface_nodes(reader, mesh, c, stamp, surface)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: c
+    integer, intent(inout) :: stamp(:)           !< last card that took a node; free to use
+    type(surface_type), intent(inout) :: surface
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(integer_list_type) :: list
+    integer, allocatable :: nodes(:)
+    integer :: i
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    do while (next_row(reader%cards, row))
+      call need_at_most(reader, row, 2)
+      is_ok = .true.
+      call nodes_of_field(reader, mesh, row, 1, nodes, is_ok)
+      do i = 1, size(nodes)
+        if (stamp(nodes(i)) == c) cycle
+        stamp(nodes(i)) = c
+        call list%add(nodes(i))
+      end do
+    end do
+    if (list%n == 0) call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // &
+      ''' has no nodes.')
+    surface%nodes = list%trimmed()
+    call sort_integers(surface%nodes)
+    surface%element = [integer ::]
+    surface%face = [integer ::]
+  end subroutine read_surface_nodes
+
+
+  !> A surface of element faces; its nodes follow from them.
+  subroutine read_surface_faces(reader, mesh, c, stamp, surface)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: c
+    integer, intent(inout) :: stamp(:)           !< last card that took a face; free to use
+    type(surface_type), intent(inout) :: surface
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(integer_list_type) :: elements, faces
+    integer, allocatable :: found(:)
+    integer :: i, face, n_without
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    do while (next_row(reader%cards, row))
+      call need_at_most(reader, row, 2)
+      is_ok = .true.
+      call elements_of_field(reader, mesh, row, 1, found, is_ok)
+      face = face_number(field_text(reader%cards, row, 2), 'S')
+      if (face == 0) then
+        call complain(reader, row%line, 'The second field must be a face S1 to S6; it is ''' // &
+          field_text(reader%cards, row, 2) // '''.')
+        cycle
+      end if
+      n_without = 0
+      do i = 1, size(found)
+        if (face > n_faces(mesh, found(i))) n_without = n_without + 1
+        if (face > n_faces(mesh, found(i)) .or. stamp(6 * found(i) - 6 + face) == -c) cycle
+        stamp(6 * found(i) - 6 + face) = -c
+        call elements%add(found(i))
+        call faces%add(face)
+      end do
+      if (n_without > 0) call complain(reader, row%line, plural(n_without, 'element') // ' here have no face S' // &
+        text_of(face) // '; tetrahedra have 4 faces, wedges 5, hexahedra 6.')
+    end do
+    if (elements%n == 0) call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // &
+      ''' has no faces.')
+    surface%element = elements%trimmed()
+    surface%face = faces%trimmed()
+    call fill_surface_nodes(mesh, surface)
+  end subroutine read_surface_faces
+
+
+  pure function n_faces(mesh, e) result(n)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    type(kind_type) :: entry
+    integer :: n
+    entry = element_kind(mesh%kind(e))
+    n = entry%n_faces
+  end function n_faces
+
+
+  !> The nodes of the faces of a surface, each once, ascending.
+  subroutine fill_surface_nodes(mesh, surface)
+    type(mesh_type), intent(in) :: mesh
+    type(surface_type), intent(inout) :: surface
+    type(integer_list_type) :: list
+    type(kind_type) :: entry
+    type(facet_kind_type) :: facet
+    integer :: i, k
+    do i = 1, size(surface%element)
+      entry = element_kind(mesh%kind(surface%element(i)))
+      facet = facet_kind(entry%face_kind(surface%face(i)))
+      do k = 1, facet%n_nodes
+        call list%add(mesh%nodes(mesh%first(surface%element(i)) + entry%face_nodes(k, surface%face(i)) - 1))
+      end do
+    end do
+    surface%nodes = list%trimmed()
+    call sort_integers(surface%nodes)
+    if (size(surface%nodes) > 1) surface%nodes = pack(surface%nodes, &
+      [.true., surface%nodes(2:) /= surface%nodes(:size(surface%nodes) - 1)])
+  end subroutine fill_surface_nodes
+
+
+  !> The number in a face label such as S3 or P3; 0 if it is none.
+  pure function face_number(label, letter) result(face)
+    character(*), intent(in) :: label
+    character(1), intent(in) :: letter           !< 'S' or 'P'
+    integer :: face
+    character(:), allocatable :: key
+    face = 0
+    key = squeezed(label)
+    if (len(key) /= 2) return
+    if (key(1:1) == letter .and. scan(key(2:2), '123456') == 1) face = iachar(key(2:2)) - iachar('0')
+  end function face_number
+
+
+  !> SURFACE INTERACTION with SURFACE BEHAVIOR and FRICTION.
+  subroutine read_interactions(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(interaction_type) :: interaction
+    integer :: c, k
+    logical :: is_new
+    allocate (model%interactions(0))
+    k = 0
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'SURFACEINTERACTION')) then
+        call open_card(reader, c, parameters, row)
+        interaction%name = parameter_text(parameters, 'NAME')
+        if (interaction%name == '') cycle
+        call check_name(reader, c, interaction%name)
+        call reader%interactions%add(interaction%name, k, is_new)
+        if (is_new) then
+          model%interactions = [model%interactions, interaction]
+        else
+          call complain(reader, reader%cards%cards(c)%line, 'The surface interaction ''' // interaction%name // &
+            ''' is defined twice.')
+        end if
+        if (next_row(reader%cards, row)) call need_at_most(reader, row, 1)
+      else if (k > 0 .and. is_card(reader, c, 'SURFACEBEHAVIOR')) then
+        call read_behavior(reader, c)
+      else if (k > 0 .and. is_card(reader, c, 'FRICTION')) then
+        call read_friction(reader, c, model%interactions(k))
+      end if
+    end do
+  end subroutine read_interactions
+
+
+  !> SURFACE BEHAVIOR: HARD is the only law, so there is nothing to keep.
+  subroutine read_behavior(reader, c)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    call open_card(reader, c, parameters, row)
+    if (parameter_word(parameters, 'PRESSURE-OVERCLOSURE', 'HARD') /= 'HARD') return
+    if (next_row(reader%cards, row)) then
+      if (row%n > 0) call need_no_data(reader, row)
+    end if
+    if (reader%dialect == DIALECT_CALCULIX) call note(reader, reader%cards%cards(c)%line, &
+      'HARD is enforced exactly; CalculiX would take a linear law with 50 times Young''s modulus.')
+  end subroutine read_behavior
+
+
+  !> FRICTION: mu >= 0; the second value is a stick slope (calculix) or a slip rate (abaqus).
+  subroutine read_friction(reader, c, interaction)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(interaction_type), intent(inout) :: interaction
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    real(DP) :: second
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    if (.not. next_row(reader%cards, row)) then
+      call complain(reader, row%line, '*FRICTION needs a data line: the coefficient of friction.')
+      return
+    end if
+    is_ok = .true.
+    call need_real(reader, row, 1, 'coefficient of friction', interaction%friction, is_ok)
+    call need_real(reader, row, 2, merge('slip rate  ', 'stick slope', reader%dialect == DIALECT_ABAQUS), second, &
+      is_ok, 0.0_DP)
+    call need_at_most(reader, row, merge(4, 2, reader%dialect == DIALECT_ABAQUS))
+    if (is_ok .and. interaction%friction < 0) call complain(reader, row%line, &
+      'The coefficient of friction must not be negative; 0 is frictionless.')
+    if (is_ok .and. abs(second) > 0) then
+      if (reader%dialect == DIALECT_ABAQUS) then
+        call complain(reader, row%line, 'The second value is a slip rate (abaqus dialect), on which friction ' // &
+          'cannot depend; leave it out. If it is the stick slope of CalculiX, put ''** dialect: calculix'' at the ' // &
+          'top of the deck.')
+      else
+        call note(reader, row%line, 'The second value is taken as the stick slope (calculix dialect); it is not ' // &
+          'used yet: sticking is enforced exactly.')
+      end if
+    end if
+    if (next_row(reader%cards, row)) call complain(reader, row%line, 'A second line would be for another slip ' // &
+      'rate, pressure or temperature; the coefficient of friction is a constant.')
+  end subroutine read_friction
+
+
+  !> CONTACT PAIR: slave, master; several rows give several pairs.
+  subroutine read_pairs(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(contact_pair_type) :: common
+    integer :: c, n
+    allocate (model%pairs(0))
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'CONTACTPAIR')) cycle
+      call open_card(reader, c, parameters, row)
+      common = contact_pair_type()
+      common%interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
+      if (common%interaction == 0 .and. parameter_text(parameters, 'INTERACTION') /= '') call complain(reader, &
+        reader%cards%cards(c)%line, 'There is no surface interaction ''' // parameter_text(parameters, 'INTERACTION') &
+        // '''.')
+      common%is_small_sliding = has_parameter(parameters, 'SMALL SLIDING')
+      call read_adjust(reader, c, parameters, common)
+      n = 0
+      do while (next_row(reader%cards, row))
+        n = n + 1
+        call need_at_most(reader, row, 2)
+        call read_pair(reader, row, common, model)
+      end do
+      if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*CONTACT PAIR needs a data line: slave, master.')
+    end do
+  end subroutine read_pairs
+
+
+  !> The parameter ADJUST: a distance.
+  subroutine read_adjust(reader, c, parameters, pair)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(parameter_type), intent(in) :: parameters(:)
+    type(contact_pair_type), intent(inout) :: pair
+    integer :: status
+    pair%has_adjust = has_parameter(parameters, 'ADJUST')
+    if (.not. pair%has_adjust) return
+    call parse_real(parameter_text(parameters, 'ADJUST'), pair%adjust, status)
+    if (status /= NUMBER_OK .or. pair%adjust < 0) call complain(reader, reader%cards%cards(c)%line, 'ADJUST=' // &
+      parameter_text(parameters, 'ADJUST') // ' must be a distance that is not negative; a node set is not ' // &
+      'supported there.')
+  end subroutine read_adjust
+
+
+  !> One row of CONTACT PAIR.
+  subroutine read_pair(reader, row, common, model)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(contact_pair_type), intent(in) :: common
+    type(model_type), intent(inout) :: model
+    type(contact_pair_type) :: pair
+    character(:), allocatable :: slave, master
+    slave = field_text(reader%cards, row, 1)
+    master = field_text(reader%cards, row, 2)
+    if (slave == '' .or. master == '') then
+      call complain(reader, row%line, 'A contact pair needs two surfaces: slave, master.')
+      return
+    end if
+    pair = common
+    pair%name = slave // ' / ' // master
+    pair%slave = reader%surfaces%find(slave)
+    pair%master = reader%surfaces%find(master)
+    if (pair%slave == 0) call complain(reader, row%line, 'There is no surface ''' // slave // '''.')
+    if (pair%master == 0) call complain(reader, row%line, 'There is no surface ''' // master // '''.')
+    if (pair%slave > 0 .and. pair%slave == pair%master) call complain(reader, row%line, &
+      'A surface cannot be in contact with itself; name two surfaces.')
+    if (pair%master > 0) then
+      if (model%surfaces(pair%master)%is_node_based) call complain(reader, row%line, 'The master surface ''' // master &
+        // ''' is made of nodes; a master needs element faces.')
+    end if
+    model%pairs = [model%pairs, pair]
+  end subroutine read_pair
+
+
+  !> EQUATION: a card may hold several; a node set in it gives one equation for each of its nodes.
+  subroutine read_equations(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(equation_type), allocatable :: larger(:)
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(terms_type) :: terms
+    integer :: c, line, n_terms, n, i
+    logical :: is_ok
+    allocate (model%equations(64))
+    n = 0
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'EQUATION')) cycle
+      call open_card(reader, c, parameters, row)
+      do while (next_row(reader%cards, row))
+        line = row%line
+        is_ok = .true.
+        call need_at_most(reader, row, 1)
+        call need_integer(reader, row, 1, 'number of terms', n_terms, is_ok)
+        if (is_ok .and. n_terms < 1) call complain(reader, line, 'An equation needs at least one term.')
+        if (.not. is_ok .or. n_terms < 1) exit
+        call read_terms(reader, model%mesh, row, n_terms, terms, is_ok)
+        if (.not. is_ok) exit
+        do i = 1, size(terms%node, 1)
+          if (n == size(model%equations)) then
+            allocate (larger(2 * n))
+            larger(:n) = model%equations
+            call move_alloc(larger, model%equations)
+          end if
+          n = n + 1
+          call merge_terms(reader, terms, i, line, model%equations(n))
+        end do
+      end do
+    end do
+    model%equations = model%equations(:n)
+  end subroutine read_equations
+
+
+  !> The terms of one equation, over as many rows as they need.
+  subroutine read_terms(reader, mesh, row, n_terms, terms, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(row_type), intent(inout) :: row
+    integer, intent(in) :: n_terms
+    type(terms_type), intent(out) :: terms
+    logical, intent(inout) :: is_ok              !< .false.: the rest of the card is not read
+    integer, allocatable :: nodes(:)
+    integer :: i
+    allocate (terms%dof(n_terms), terms%coefficient(n_terms))
+    allocate (terms%node(1, n_terms), source=0)
+    do while (terms%n < n_terms .and. is_ok)
+      if (.not. next_row(reader%cards, row)) then
+        call complain(reader, row%line, 'The equation has ' // text_of(n_terms) // ' terms, but only ' // &
+          plural(terms%n, 'term') // ' follow.')
+        is_ok = .false.
+        return
+      end if
+      if (row%n > 3 * (n_terms - terms%n) .or. modulo(row%n, 3) /= 0) then
+        call complain(reader, row%line, 'This line must hold terms of three values, node, degree of freedom, ' // &
+          'coefficient; at most ' // plural(n_terms - terms%n, 'term') // ' are missing.')
+        is_ok = .false.
+        return
+      end if
+      do i = 1, row%n, 3
+        terms%n = terms%n + 1
+        call nodes_of_field(reader, mesh, row, i, nodes, is_ok)
+        call need_integer(reader, row, i + 1, 'degree of freedom', terms%dof(terms%n), is_ok)
+        call need_real(reader, row, i + 2, 'coefficient', terms%coefficient(terms%n), is_ok)
+        if (is_ok .and. (terms%dof(terms%n) < 1 .or. terms%dof(terms%n) > 3)) then
+          call complain(reader, row%line, 'The degree of freedom must be 1, 2 or 3.')
+          is_ok = .false.
+        end if
+        if (is_ok) call take_term_nodes(reader, row%line, nodes, terms, is_ok)
+      end do
+    end do
+  end subroutine read_terms
+
+
+  !> Puts the nodes of the last term: one for all copies of the equation, or one for each.
+  subroutine take_term_nodes(reader, line, nodes, terms, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line
+    integer, intent(in) :: nodes(:)
+    type(terms_type), intent(inout) :: terms
+    logical, intent(inout) :: is_ok
+    integer, allocatable :: copies(:, :)
+    integer :: n
+    n = size(terms%node, 1)
+    if (n == 1 .and. size(nodes) > 1) then
+      copies = spread(terms%node(1, :), 1, size(nodes))
+      call move_alloc(copies, terms%node)
+      n = size(nodes)
+    end if
+    if (size(nodes) == n) then
+      terms%node(:, terms%n) = nodes
+    else if (size(nodes) == 1) then
+      terms%node(:, terms%n) = nodes(1)
+    else
+      call complain(reader, line, 'The node sets of an equation must have the same number of nodes.')
+      is_ok = .false.
+    end if
+  end subroutine take_term_nodes
+
+
+  !> Makes one equation: terms of the same degree of freedom are added up.
+  subroutine merge_terms(reader, terms, copy, line, equation)
+    type(reader_type), intent(inout) :: reader
+    type(terms_type), intent(in) :: terms
+    integer, intent(in) :: copy                  !< which nodes of the sets
+    integer, intent(in) :: line
+    type(equation_type), intent(inout) :: equation
+    integer :: i, j, n
+    equation%node = terms%node(copy, :)
+    equation%dof = terms%dof
+    equation%coefficient = terms%coefficient
+    equation%line = reader%cards%line_number(line)
+    n = 0
+    do i = 1, terms%n
+      do j = 1, n
+        if (equation%node(j) == terms%node(copy, i) .and. equation%dof(j) == terms%dof(i)) exit
+      end do
+      if (j > n) then
+        n = n + 1
+        equation%node(n) = terms%node(copy, i)
+        equation%dof(n) = terms%dof(i)
+        equation%coefficient(n) = terms%coefficient(i)
+      else
+        equation%coefficient(j) = equation%coefficient(j) + terms%coefficient(i)
+      end if
+    end do
+    equation%node = equation%node(:n)
+    equation%dof = equation%dof(:n)
+    equation%coefficient = equation%coefficient(:n)
+    if (.not. abs(equation%coefficient(1)) > 0) call complain(reader, line, &
+      'The coefficient of the first term is zero; its degree of freedom is the one eliminated.')
+  end subroutine merge_terms
+
+end module amontons_deck_model

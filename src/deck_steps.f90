@@ -1,0 +1,486 @@
+!> Deck steps: the cards of the steps, STEP to END STEP, to the list of steps, each with all that holds in it.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_steps
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text, line_text
+  use amontons_card_form, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
+  use amontons_card_table, only: NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES
+  use amontons_deck_loads, only: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, &
+    hand_over_loads
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
+    need_no_data, is_card
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_steps, only: step_type, controls_type, print_request_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, &
+    SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT
+  use amontons_text, only: text_of, squeezed, parse_integer, is_one_of, joined_words, NUMBER_OK
+  implicit none
+  private
+  public :: read_steps
+
+  character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
+    'CSTATUS|CFORCE|CNORMF|CSHEARF|PRESELECT|ALL'         !< what the result file holds
+
+  !> What is known while the steps are read.
+  type :: progress_type
+    type(step_type) :: step                      !< present step; what is sticky stays in it for the next one
+    type(standing_type) :: standing
+    integer :: n = 0                             !< steps begun
+    real(DP) :: total_time = 0                   !< at the end of the step before [time]
+    logical :: has_static = .false.
+    logical :: has_refused = .false.             !< a card of this step is refused, maybe its procedure
+    logical :: has_prints(3) = .false.           !< (PRINT_...) this step has such a card
+    logical :: is_open = .false.
+  end type progress_type
+
+contains
+
+  !> Reads all steps, and the BOUNDARY cards of the model, which hold from the first step.
+  subroutine read_steps(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(progress_type) :: progress
+    integer :: c, n_steps
+    n_steps = 0
+    if (reader%cards%n_cards > 0) n_steps = maxval(reader%step_of_card)
+    allocate (model%steps(n_steps))
+    if (n_steps == 0) call complain(reader, 0, 'The deck has no step: there is no *STEP card.')
+    call start_standing(model, progress%standing)
+    progress%step%controls = default_controls(reader%dialect)
+    allocate (progress%step%prints(0))
+    do c = 1, reader%cards%n_cards
+      if (reader%step_of_card(c) == 0) then
+        if (progress%n == 0 .and. is_card(reader, c, 'BOUNDARY')) call read_boundary(reader, model, c, 0, &
+          progress%standing)
+        cycle
+      end if
+      if (is_card(reader, c, 'STEP')) then
+        call close_step(reader, model, c, progress)
+        call open_step(reader, model, c, progress)
+      else
+        call read_step_card(reader, model, c, progress)
+      end if
+    end do
+    call close_step(reader, model, reader%cards%n_cards, progress)
+  end subroutine read_steps
+
+
+  pure function default_controls(dialect) result(controls)
+    integer, intent(in) :: dialect
+    type(controls_type) :: controls
+    if (dialect == DIALECT_CALCULIX) controls = calculix_controls()
+  end function default_controls
+
+
+  !> STEP: title, NLGEOM, INC, AMPLITUDE.
+  subroutine open_step(reader, model, c, progress)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(progress_type), intent(inout) :: progress
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    real(DP) :: period
+    integer :: status
+    call open_card(reader, c, parameters, row)
+    period = progress%step%period                ! of the step before
+    progress%n = progress%n + 1
+    progress%is_open = .true.
+    progress%has_static = .false.
+    progress%has_refused = .false.
+    progress%has_prints = .false.
+    progress%step%title = ''
+    do while (next_row(reader%cards, row))
+      if (progress%step%title /= '') progress%step%title = progress%step%title // ' '
+      progress%step%title = progress%step%title // trim(adjustl(line_text(reader%cards, row%line)))
+    end do
+    if (has_parameter(parameters, 'NLGEOM')) progress%step%is_nlgeom = parameter_word(parameters, 'NLGEOM', 'YES') == &
+      'YES'
+    progress%step%max_increments = 100
+    if (has_parameter(parameters, 'INC')) then
+      call parse_integer(parameter_text(parameters, 'INC'), progress%step%max_increments, status)
+      if (status == NUMBER_OK .and. progress%step%max_increments < 1) call complain(reader, &
+        reader%cards%cards(c)%line, 'INC must be at least 1.')
+    end if
+    progress%step%is_direct = .false.
+    progress%step%dt_initial = 1
+    progress%step%period = 1
+    progress%step%dt_min = 1.0e-6_DP
+    progress%step%dt_max = 1
+    call begin_step(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == 'STEP', &
+      progress%standing)
+  end subroutine open_step
+
+
+  !> Puts the finished step into the model.
+  subroutine close_step(reader, model, c, progress)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< a card after the step, or the last one
+    type(progress_type), intent(inout) :: progress
+    integer :: k
+    if (.not. progress%is_open) return
+    progress%is_open = .false.
+    k = c
+    do while (.not. (is_card(reader, k, 'STEP') .and. reader%step_of_card(k) == progress%n))
+      k = k - 1
+    end do
+    if (.not. (progress%has_static .or. progress%has_refused)) call complain(reader, reader%cards%cards(k)%line, &
+      'This step has no *STATIC card.')
+    call hand_over_loads(progress%standing, progress%step%prescribed, progress%step%concentrated, &
+      progress%step%distributed)
+    model%steps(progress%n) = progress%step
+    progress%total_time = progress%total_time + progress%step%period
+  end subroutine close_step
+
+
+  !> One card of a step.
+  subroutine read_step_card(reader, model, c, progress)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(progress_type), intent(inout) :: progress
+    if (reader%cards%cards(c)%entry == 0) return
+    associate (entry => reader%table%entries(reader%cards%cards(c)%entry))
+      if (entry%status == STATUS_REFUSED) progress%has_refused = .true.
+      select case (entry%key)
+      case ('STATIC')
+        progress%has_static = .true.
+        call read_static(reader, c, progress%step)
+      case ('CONTROLS')
+        call read_controls(reader, c, progress%step%controls)
+      case ('LINESEARCH')
+        call read_line_search(reader, c, progress%step%line_search)
+      case ('BOUNDARY')
+        call read_boundary(reader, model, c, progress%n, progress%standing)
+      case ('CLOAD')
+        call read_cload(reader, model, c, progress%standing)
+      case ('DLOAD', 'DSLOAD')
+        call read_dload(reader, model, c, progress%standing)
+      case ('NODEPRINT')
+        call read_print(reader, c, PRINT_NODE, NODE_VARIABLES, progress)
+      case ('ELPRINT')
+        call read_print(reader, c, PRINT_ELEMENT, ELEMENT_VARIABLES, progress)
+      case ('CONTACTPRINT')
+        call read_print(reader, c, PRINT_CONTACT, CONTACT_VARIABLES, progress)
+      case ('NODEFILE', 'NODEOUTPUT', 'ELFILE', 'ELOUTPUT', 'ELEMENTOUTPUT', 'CONTACTFILE', 'CONTACTOUTPUT', &
+        'ENERGYFILE', 'ENERGYOUTPUT', 'OUTPUT')
+        call read_file_request(reader, c, progress%step%file_frequency)
+      end select
+    end associate
+  end subroutine read_step_card
+
+
+  !> STATIC: first increment, period, least and largest increment.
+  subroutine read_static(reader, c, step)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(step_type), intent(inout) :: step
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    logical :: is_ok, has_row
+    call open_card(reader, c, parameters, row)
+    step%is_direct = has_parameter(parameters, 'DIRECT')
+    is_ok = .true.
+    has_row = next_row(reader%cards, row)
+    if (.not. has_row) row%n = 0
+    call need_at_most(reader, row, 4)
+    call need_real(reader, row, 2, 'length of the step', step%period, is_ok, 0.0_DP)
+    if (step%period <= 0 .and. row%n >= 2 .and. is_ok) call note(reader, row%line, &
+      'The length of the step must be positive; 1 is taken.')
+    if (step%period <= 0) step%period = 1
+    call need_real(reader, row, 1, 'first increment', step%dt_initial, is_ok, 0.0_DP)
+    if (.not. abs(step%dt_initial) > 0) step%dt_initial = step%period
+    call need_real(reader, row, 3, 'least increment', step%dt_min, is_ok, 0.0_DP)
+    if (.not. abs(step%dt_min) > 0) step%dt_min = min(step%dt_initial, 1.0e-6_DP * step%period)
+    call need_real(reader, row, 4, 'largest increment', step%dt_max, is_ok, 0.0_DP)
+    if (.not. abs(step%dt_max) > 0) step%dt_max = step%period
+    if (is_ok) call check_times(reader, row%line, step)
+    if (.not. has_row) return
+    if (next_row(reader%cards, row)) call need_no_data(reader, row)
+  end subroutine read_static
+
+
+  !> Tells times that do not fit together.
+  subroutine check_times(reader, line, step)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line
+    type(step_type), intent(inout) :: step
+    if (step%dt_initial < 0 .or. step%dt_min < 0 .or. step%dt_max < 0) then
+      call complain(reader, line, 'The times of a step must be positive.')
+      return
+    end if
+    if (step%dt_initial > step%period) call complain(reader, line, 'The first increment ' // text_of(step%dt_initial) &
+      // ' is longer than the step, ' // text_of(step%period) // '.')
+    if (step%is_direct) return
+    if (step%dt_min > step%dt_initial) call complain(reader, line, 'The least increment ' // text_of(step%dt_min) // &
+      ' is longer than the first one, ' // text_of(step%dt_initial) // '.')
+    if (step%dt_max < step%dt_initial) then
+      call note(reader, line, 'The first increment is cut to the largest one, ' // text_of(step%dt_max) // '.')
+      step%dt_initial = step%dt_max
+    end if
+  end subroutine check_times
+
+
+  !> CONTROLS: CalculiX's slots; a blank field keeps its value.
+  subroutine read_controls(reader, c, controls)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(controls_type), intent(inout) :: controls
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: what
+    logical :: is_row
+    call open_card(reader, c, parameters, row)
+    what = parameter_word(parameters, 'PARAMETERS', '')
+    if (has_parameter(parameters, 'RESET')) controls = default_controls(reader%dialect)
+    if (what == '' .and. .not. (has_parameter(parameters, 'RESET') .or. has_parameter(parameters, 'ANALYSIS'))) call &
+      complain(reader, row%line, '*CONTROLS needs PARAMETERS=TIME INCREMENTATION/FIELD/LINE SEARCH/GAP/CONTACT or ' // &
+      'RESET.')
+    is_row = next_row(reader%cards, row)
+    select case (what)
+    case ('TIMEINCREMENTATION')
+      if (is_row) call read_counts(reader, row, controls)
+      if (is_row) is_row = next_row(reader%cards, row)
+      if (is_row) call read_factors(reader, row, controls)
+      if (is_row) is_row = next_row(reader%cards, row)
+    case ('FIELD')
+      if (is_row) call read_tolerances(reader, row, controls)
+      if (is_row) is_row = next_row(reader%cards, row)   ! the second line of Abaqus and CalculiX is passed over
+      if (is_row) is_row = next_row(reader%cards, row)
+    case ('LINESEARCH')
+      if (is_row) call read_lengths(reader, row, controls)
+      if (is_row) is_row = next_row(reader%cards, row)
+    case ('GAP')
+      if (is_row) call read_gap(reader, row, controls)
+      if (is_row) is_row = next_row(reader%cards, row)
+    case ('CONTACT')
+      call note(reader, reader%cards%cards(c)%line, 'These numbers are for contact by springs; contact is exact ' // &
+        'here and does not use them.')
+      is_row = .false.
+    end select
+    if (is_row) call need_no_data(reader, row)
+  end subroutine read_controls
+
+
+  !> I0, IR, IP, IC, IL, IG, -, IA: all at least 1.
+  subroutine read_counts(reader, row, controls)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(controls_type), intent(inout) :: controls
+    character(2), parameter :: NAMES(8) = ['I0', 'IR', 'IP', 'IC', 'IL', 'IG', 'IS', 'IA']
+    integer :: counts(8), i
+    logical :: is_ok
+    is_ok = .true.
+    counts = [controls%i_0, controls%i_r, controls%i_p, controls%i_c, controls%i_l, controls%i_g, 1, controls%i_a]
+    call need_at_most(reader, row, 10)
+    do i = 1, 8
+      call need_integer(reader, row, i, NAMES(i), counts(i), is_ok, default=(counts(i)))
+    end do
+    if (.not. is_ok) return
+    if (any(counts([1, 2, 3, 4, 5, 6, 8]) < 1)) then
+      call complain(reader, row%line, 'The numbers of iterations and cut-backs must be at least 1.')
+      return
+    end if
+    controls%i_0 = counts(1)
+    controls%i_r = counts(2)
+    controls%i_p = counts(3)
+    controls%i_c = counts(4)
+    controls%i_l = counts(5)
+    controls%i_g = counts(6)
+    controls%i_a = counts(8)
+  end subroutine read_counts
+
+
+  !> DF, DC, DB, -, -, -, DD: the first three in (0, 1), the last at least 1.
+  subroutine read_factors(reader, row, controls)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(controls_type), intent(inout) :: controls
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 8)
+    call need_real(reader, row, 1, 'DF', controls%d_f, is_ok, default=(controls%d_f))
+    call need_real(reader, row, 2, 'DC', controls%d_c, is_ok, default=(controls%d_c))
+    call need_real(reader, row, 3, 'DB', controls%d_b, is_ok, default=(controls%d_b))
+    call need_real(reader, row, 7, 'DD', controls%d_d, is_ok, default=(controls%d_d))
+    if (.not. is_ok) return
+    if (any([controls%d_f, controls%d_c] <= 0) .or. any([controls%d_f, controls%d_c] >= 1) .or. controls%d_b <= 0 .or. &
+      controls%d_b > 1 .or. controls%d_d < 1) call complain(reader, row%line, &
+      'The factors must be 0 < DF < 1, 0 < DC < 1, 0 < DB <= 1, DD >= 1.')
+  end subroutine read_factors
+
+
+  !> Rn, Cn, -, -, Rp, -, -, Rl: all positive.
+  subroutine read_tolerances(reader, row, controls)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(controls_type), intent(inout) :: controls
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 8)
+    call need_real(reader, row, 1, 'Rn', controls%r_n, is_ok, default=(controls%r_n))
+    call need_real(reader, row, 2, 'Cn', controls%c_n, is_ok, default=(controls%c_n))
+    call need_real(reader, row, 5, 'Rp', controls%r_p, is_ok, default=max(controls%r_p, controls%r_n))
+    call need_real(reader, row, 8, 'Rl', controls%r_l, is_ok, default=(controls%r_l))
+    if (is_ok .and. any([controls%r_n, controls%c_n, controls%r_p, controls%r_l] <= 0)) call complain(reader, &
+      row%line, 'The tolerances must be positive.')
+  end subroutine read_tolerances
+
+
+  !> -, s max, s min: 0 < s min <= s max.
+  subroutine read_lengths(reader, row, controls)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(controls_type), intent(inout) :: controls
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 5)
+    call need_real(reader, row, 2, 's max', controls%s_max, is_ok, default=(controls%s_max))
+    call need_real(reader, row, 3, 's min', controls%s_min, is_ok, default=(controls%s_min))
+    if (is_ok .and. (controls%s_min <= 0 .or. controls%s_max < controls%s_min)) call complain(reader, row%line, &
+      'The step lengths must be 0 < s min <= s max.')
+  end subroutine read_lengths
+
+
+  !> The penetration allowed at a closed node over the edge length of its facet (our own).
+  subroutine read_gap(reader, row, controls)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(controls_type), intent(inout) :: controls
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 1)
+    call need_real(reader, row, 1, 'penetration over the edge length', controls%gap_tolerance, is_ok, &
+      default=(controls%gap_tolerance))
+    if (is_ok .and. controls%gap_tolerance <= 0) call complain(reader, row%line, &
+      'The penetration allowed must be positive.')
+  end subroutine read_gap
+
+
+  !> LINE SEARCH, TYPE=...
+  subroutine read_line_search(reader, c, search)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(inout) :: search             !< SEARCH_...
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    call open_card(reader, c, parameters, row)
+    select case (parameter_word(parameters, 'TYPE', ''))
+    case ('NONE')
+      search = SEARCH_NONE
+    case ('ALL')
+      search = SEARCH_ALL
+    case ('GLOBAL')
+      search = SEARCH_GLOBAL
+    case ('NODAL')
+      search = SEARCH_NODAL
+    case ('AUTO')
+      search = SEARCH_AUTO
+    end select
+  end subroutine read_line_search
+
+
+  !> NODE PRINT, EL PRINT, CONTACT PRINT: the first one of a kind in a step wipes those of earlier steps.
+  subroutine read_print(reader, c, kind, known, progress)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: kind                  !< PRINT_...
+    character(*), intent(in) :: known            !< variables separated by |
+    type(progress_type), intent(inout) :: progress
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(print_request_type) :: request
+    character(:), allocatable :: name
+    call open_card(reader, c, parameters, row)
+    if (.not. progress%has_prints(kind)) progress%step%prints = pack(progress%step%prints, progress%step%prints%kind &
+      /= kind)
+    progress%has_prints(kind) = .true.
+    call read_frequency(reader, c, parameters, progress%step%print_frequency)
+    request%kind = kind
+    name = ''
+    request%is_totals = parameter_word(parameters, 'TOTALS', 'NO') == 'YES'
+    request%is_only_totals = parameter_word(parameters, 'TOTALS', 'NO') == 'ONLY'
+    if (kind == PRINT_NODE) then
+      name = parameter_text(parameters, 'NSET')
+      request%set = reader%node_sets%find(name)
+    else if (kind == PRINT_ELEMENT) then
+      name = parameter_text(parameters, 'ELSET')
+      request%set = reader%element_sets%find(name)
+    end if
+    if (kind /= PRINT_CONTACT .and. request%set == 0) then
+      if (name /= '') call complain(reader, reader%cards%cards(c)%line, 'There is no ' // &
+        trim(merge('node   ', 'element', kind == PRINT_NODE)) // ' set ''' // name // '''.')
+      return
+    end if
+    call read_variables(reader, row, known, request%variables)
+    if (size(request%variables) > 0) progress%step%prints = [progress%step%prints, request]
+  end subroutine read_print
+
+
+  !> The variables of a PRINT card; of long names such as CDISP the first four letters count.
+  subroutine read_variables(reader, row, known, variables)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    character(*), intent(in) :: known            !< variables separated by |
+    character(4), allocatable, intent(out) :: variables(:)
+    character(:), allocatable :: key
+    integer :: i
+    allocate (variables(0))
+    do while (next_row(reader%cards, row))
+      do i = 1, row%n
+        key = squeezed(field_text(reader%cards, row, i))
+        if (key == '') cycle
+        if (len(key) > 4) key = key(:4)
+        if (is_one_of(key, known)) then
+          if (.not. any(variables == key)) variables = [character(4) :: variables, key]
+        else
+          call note(reader, row%line, 'The variable ' // field_text(reader%cards, row, i) // &
+            ' is not printed; known is ' // joined_words(known) // '.')
+        end if
+      end do
+    end do
+  end subroutine read_variables
+
+
+  !> FREQUENCY of a card; the last one of all cards wins.
+  subroutine read_frequency(reader, c, parameters, frequency)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    integer, intent(inout) :: frequency
+    integer :: value, status
+    if (.not. has_parameter(parameters, 'FREQUENCY')) return
+    call parse_integer(parameter_text(parameters, 'FREQUENCY'), value, status)
+    if (status /= NUMBER_OK) return              ! told when the card was checked
+    if (value < 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'FREQUENCY must not be negative.')
+    else
+      frequency = value
+    end if
+  end subroutine read_frequency
+
+
+  !> A FILE or OUTPUT card: only its frequency counts, for the result file holds all fields. HISTORY is not for fields.
+  subroutine read_file_request(reader, c, frequency)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(inout) :: frequency
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: unknown
+    integer :: i
+    call open_card(reader, c, parameters, row)
+    if (.not. has_parameter(parameters, 'HISTORY')) call read_frequency(reader, c, parameters, frequency)
+    unknown = ''
+    do while (next_row(reader%cards, row))
+      do i = 1, row%n
+        if (is_one_of(field_text(reader%cards, row, i), FILE_VARIABLES)) cycle
+        if (unknown /= '') unknown = unknown // ', '
+        unknown = unknown // field_text(reader%cards, row, i)
+      end do
+    end do
+    if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'The result file always holds the same fields; ' &
+      // unknown // ' is not among them.')
+  end subroutine read_file_request
+
+end module amontons_deck_steps
