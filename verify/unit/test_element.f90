@@ -40,6 +40,7 @@ program test_element
     call check_exits(kind)
   end do
   call check_no_locking()
+  call check_mean_dilatation()
   do kind = FACET_TRI3, FACET_QUAD8
     call check_pressure(kind)
   end do
@@ -341,6 +342,34 @@ contains
     call find_eigenvalues(K(:24, :24), values)
     call suite%that('C3D8 plain: many stiff modes', count(values > 1e3_DP) > 1)
   end subroutine check_no_locking
+
+
+  !> The pressure of a C3D8 is uniform, that of its change of volume v/V: K ln(v/V)/(v/V) by Hencky's law, under any
+  !! displacements.
+  subroutine check_mean_dilatation()
+    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), bulk, before, after, expected
+    type(points_type) :: points
+    integer :: p, status
+    material%law = LAW_HENCKY
+    call distort(KIND_C3D8, 0.2_DP, X)
+    call random_number(u)
+    u = 0.6_DP * (u - 0.5_DP) + 0.1_DP * X
+    bulk = material%youngs_modulus / (3 * (1 - 2 * material%poissons_ratio))
+    call element_volume(KIND_C3D8, X(:, :8), before, status)
+    call element_volume(KIND_C3D8, X(:, :8) + u(:, :8), after, status)
+    expected = bulk * log(after / before) * before / after
+    call element_forces(KIND_C3D8, material, X(:, :8), u(:, :8), .true., force, points, status)
+    do p = 1, 8
+      call suite%near('C3D8 large: Cauchy pressure of the mean dilatation', sum(points%stress(:3, p)) / 3, expected, &
+        1e-12_DP * bulk)
+      call suite%near('C3D8 large: trace of the strain', sum(points%strain(:3, p)), log(after / before), 1e-13_DP)
+    end do
+    call element_forces(KIND_C3D8, material, X(:, :8), u(:, :8), .false., force, points, status)
+    do p = 1, 8
+      call suite%near('C3D8 small: uniform pressure', sum(points%stress(:3, p)), sum(points%stress(:3, 1)), &
+        1e-12_DP * bulk)
+    end do
+  end subroutine check_mean_dilatation
 
 
   !> Eigenvalues of a symmetric matrix by cyclic Jacobi rotations: slow and sure.
