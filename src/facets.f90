@@ -1,12 +1,12 @@
 !> Facets: a master surface as facets with nodes, neighbours, edges, and the stars from which vertex normals are made.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The normal of a surface of flat or bilinear facets jumps at every edge, and a slave node at an edge then has no solution.
-!! A continuous normal needs to know, at each node of each facet, which facets around the node belong to the same smooth piece
-!! of surface. Such a piece at a node is called a *vertex* here, its facets the *star* of the vertex. Facets that meet
-!! in a smooth edge share the vertices of both its ends; facets that meet in a crease (feature angle) do not, unless
-!! the crease ends there. So a normal made vertex by vertex is the same from both sides of a smooth edge and jumps at a
-!! crease. All of this is decided once, in the reference configuration; the normals themselves are made in `gap`.
+!! The normal of a surface of flat or bilinear facets jumps at every edge, and a slave node at an edge then has no
+!! solution. A continuous normal needs to know, at each node of each facet, which facets around the node belong to the
+!! same smooth piece of surface. Such a piece at a node is called a *vertex* here, its facets the *star* of the vertex.
+!! Facets that meet in a smooth edge share the vertices of both its ends; facets that meet in a crease (feature angle)
+!! do not, unless the crease ends there. So a normal made vertex by vertex is the same from both sides of a smooth edge
+!! and jumps at a crease. All of this is decided once, in the reference configuration; the normals are made in `gap`.
 module amontons_facets
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
@@ -25,7 +25,7 @@ module amontons_facets
   integer, parameter :: EDGE_CONVEX = 2       !< a crease that sticks out, as the edge of a box
   integer, parameter :: EDGE_CONCAVE = 3      !< a crease that goes in, as where floor and wall meet
 
-  real(DP), parameter :: EDGE_ANGLE = PI / 4   !< default angle between two normals from which on an edge is a crease [rad]
+  real(DP), parameter :: EDGE_ANGLE = PI / 4   !< default feature angle: a sharper edge is a crease [rad]
 
   !> The facets of one surface. Edge k of a facet runs from its corner k to the next corner; unused edges (the 4th of a
   !! triangle) are free.
@@ -33,7 +33,7 @@ module amontons_facets
     integer :: n = 0
     integer, allocatable :: kind(:)           !< (n) FACET_... of topology
     integer, allocatable :: first(:)          !< (n + 1) start of a facet's nodes in nodes(:) and vertex(:)
-    integer, allocatable :: nodes(:)          !< mesh nodes of all facets: corners, then mid-sides, outward by the right-hand rule
+    integer, allocatable :: nodes(:)          !< mesh nodes of all facets: corners, then mid-sides, right-handed outward
     integer, allocatable :: element(:)        !< (n) element index of each facet
     integer, allocatable :: face(:)           !< (n) its face number 1 to 6
     integer, allocatable :: neighbour(:, :)   !< (4, n) facet across each edge; 0: none
@@ -45,7 +45,7 @@ module amontons_facets
     integer, allocatable :: star_facet(:)     !< facets of all stars
     integer, allocatable :: star_local(:)     !< local node number of the vertex's node in that facet
     integer, allocatable :: stencil_first(:)  !< (n + 1) start of a facet's stencil
-    integer, allocatable :: stencil(:)        !< mesh nodes on which point and normal on the facet depend: own, then others ascending
+    integer, allocatable :: stencil(:)        !< mesh nodes that move a facet's points and normals: own, then others
   end type facets_type
 
   !> Which facets stand at a mesh node: entries of facets%nodes by node.
@@ -162,7 +162,8 @@ contains
     type(kind_type) :: solid
     character(120) :: text
     if (element < 1 .or. element > mesh%n_elements) then
-      write (text, '(a,i0,a,i0,a)') 'A surface names element index ', element, ', but the mesh has 1 to ', mesh%n_elements, '.'
+      write (text, '(a,i0,a,i0,a)') 'A surface names element index ', element, ', but the mesh has 1 to ', &
+        mesh%n_elements, '.'
       call set_error(error, EXIT_SETUP, trim(text))
       return
     end if
@@ -193,8 +194,8 @@ contains
       call facet_tangents(facets, mesh%coordinates, f, centre_of(facets%kind(f)), tangents)
       normal = cross_product(tangents(:, 1), tangents(:, 2))
       if (norm2(normal) > 1.0e-12_DP * facets%edge_length(f)**2) cycle
-      call set_error(error, EXIT_SETUP, 'The face of ' // facet_label(mesh, facets, f) // ' has no area: it cannot be part of ' // &
-        'a contact surface. Merge or remove the collapsed face.')
+      call set_error(error, EXIT_SETUP, 'The face of ' // facet_label(mesh, facets, f) // ' has no area: it ' // &
+        'cannot be part of a contact surface. Merge or remove the collapsed face.')
       return
     end do
   end subroutine measure_facets
@@ -234,7 +235,7 @@ contains
     type(incidence_type), intent(in) :: incidence
     type(facets_type), intent(inout) :: facets
     type(error_type), allocatable, intent(out) :: error
-    integer :: f, k, i, entry, other, a, b, way
+    integer :: f, k, i, entry, other, a, b, way, three(3)
     allocate (facets%neighbour(4, facets%n), source=0)
     do f = 1, facets%n
       do k = 1, corners_of(facets%kind(f))
@@ -247,8 +248,8 @@ contains
           way = edge_direction(facets, other, entry - facets%first(other) + 1, b)
           if (way == 0) cycle
           if (way > 0) call complain_orientation(mesh, facets, f, other, error)
-          if (way < 0 .and. facets%neighbour(k, f) /= 0) &
-            call complain_branch(mesh, facets, [f, other, facets%neighbour(k, f)], error)
+          three = [f, other, facets%neighbour(k, f)]
+          if (way < 0 .and. three(3) /= 0) call complain_branch(mesh, facets, three, error)
           if (allocated(error)) return
           facets%neighbour(k, f) = other
         end do
@@ -273,25 +274,27 @@ contains
   end function edge_direction
 
 
+  !> The error of two facets that run along an edge the same way.
   subroutine complain_orientation(mesh, facets, f, other, error)
     type(mesh_type), intent(in) :: mesh
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f, other
     type(error_type), allocatable, intent(out) :: error
     call set_error(error, EXIT_SETUP, 'The surface is not oriented: ' // facet_label(mesh, facets, f) // ' and ' // &
-      facet_label(mesh, facets, other) // ' share an edge, but the normal of one points to the other side (or they are the ' // &
-      'same face). Check the node order of the elements and the face numbers of the surface.')
+      facet_label(mesh, facets, other) // ' share an edge, but the normal of one points to the other side (or ' // &
+      'they are the same face). Check the node order of the elements and the face numbers of the surface.')
   end subroutine complain_orientation
 
 
+  !> The error of three facets at an edge.
   subroutine complain_branch(mesh, facets, three, error)
     type(mesh_type), intent(in) :: mesh
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: three(3)                  !< facets
     type(error_type), allocatable, intent(out) :: error
-    call set_error(error, EXIT_SETUP, 'An edge of the surface has more than two faces: ' // facet_label(mesh, facets, three(1)) // &
-      ', ' // facet_label(mesh, facets, three(2)) // ' and ' // facet_label(mesh, facets, three(3)) // &
-      '. A contact surface may not branch: split it into two surfaces.')
+    call set_error(error, EXIT_SETUP, 'An edge of the surface has more than two faces: ' // &
+      facet_label(mesh, facets, three(1)) // ', ' // facet_label(mesh, facets, three(2)) // ' and ' // &
+      facet_label(mesh, facets, three(3)) // '. A contact surface may not branch: split it into two surfaces.')
   end subroutine complain_branch
 
 
@@ -353,7 +356,7 @@ contains
   end subroutine find_vertices
 
 
-  !> The entry of the same node in the facet across one of the edges that the node stands on, if that edge is smooth; else 0.
+  !> The entry of the same node in the facet across one of the node's edges, if that edge is smooth; else 0.
   pure function entry_across(facets, incidence, entry, side) result(next)
     type(facets_type), intent(in) :: facets
     type(incidence_type), intent(in) :: incidence
@@ -507,6 +510,7 @@ contains
   end subroutine edge_nodes
 
 
+  !> The corner before a corner.
   pure function previous_corner(local, n_corners) result(previous)
     integer, intent(in) :: local, n_corners
     integer :: previous
@@ -514,6 +518,7 @@ contains
   end function previous_corner
 
 
+  !> Number of corners of a facet kind.
   pure function corners_of(kind) result(n)
     integer, intent(in) :: kind                      !< FACET_...
     integer :: n
@@ -521,6 +526,7 @@ contains
   end function corners_of
 
 
+  !> The natural coordinates of a facet's centre.
   pure function centre_of(kind) result(xi)
     integer, intent(in) :: kind                      !< FACET_...
     real(DP) :: xi(2)

@@ -4,10 +4,10 @@
 !! The projection is the ray along the interpolated normal (doc/theory/contact.md):
 !!
 !!     x_s = x_m(xi) + g n(xi),   x_m = sum N_i x_i,   n = s/|s|,   s = sum N_i n_i
-!!     n_i = m_i/|m_i|,   m_i = sum over the star of vertex i of A_0 (x,1 x x,2) there,   A_0 the area of the natural square or triangle
+!!     n_i = m_i/|m_i|,   m_i = sum over the star of vertex i of A_0 (x,1 x x,2) there,   A_0 area of the natural facet
 !!
-!! with the unknowns xi and g. Point and normal are continuous over smooth edges, so the projection is too, and it leaves no
-!! gaps between facets. `x` is always the array of the coordinates of all mesh nodes, (3, n_nodes).
+!! with the unknowns xi and g. Point and normal are continuous over smooth edges, so the projection is too, and there
+!! are no dead zones between facets. `x` is always the array of the coordinates of all mesh nodes, (3, n_nodes).
 module amontons_gap
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product, invert
@@ -25,13 +25,13 @@ module amontons_gap
   integer, parameter :: PROJECT_OFF = 1      !< the point is beyond a free edge or a crease that sticks out
   integer, parameter :: PROJECT_FAILED = 2   !< no projection found: too far from the facet, or too strongly bent
 
-  real(DP), parameter :: EXTENSION = 0.1_DP       !< a node this far beyond a free edge is still on, in lengths of the facet [-]
-  real(DP), parameter :: ON_EDGE = 1.0e-8_DP      !< a node less than this beyond an edge is on the facet, the same unit [-]
+  real(DP), parameter :: EXTENSION = 0.1_DP       !< a node this far beyond a free edge is on, over facet length [-]
+  real(DP), parameter :: ON_EDGE = 1.0e-8_DP      !< a node this little beyond any edge is on the facet, same unit [-]
   real(DP), parameter :: FARTHEST = 0.6_DP        !< the Newton iteration is kept within this excess, the same unit [-]
   real(DP), parameter :: LONGEST_STEP = 0.5_DP    !< longest step of a natural coordinate, in lengths of the facet [-]
-  real(DP), parameter :: SAME = 1.0e-9_DP         !< distances that differ by less than this part of an edge are equal [-]
+  real(DP), parameter :: SAME = 1.0e-9_DP         !< distances that differ by less than this part of an edge: equal [-]
   real(DP), parameter :: NEARLY_DONE = 1.0e-8_DP  !< steps this small that do not shrink any more are rounding [-]
-  real(DP), parameter :: COLLAPSED = 1.0e-12_DP   !< a vertex normal smaller than this times the length squared is none [-]
+  real(DP), parameter :: COLLAPSED = 1.0e-12_DP   !< smallest vertex normal, over the length squared [-]
   integer, parameter :: MOST_ITERATIONS = 40      !< of Newton on one facet
   integer, parameter :: MOST_STEPS = 400          !< longest walk, in facets
 
@@ -87,9 +87,9 @@ contains
 
   !> Follows a point from a facet over the neighbours to where it is now.
   !!
-  !! It walks over smooth edges and valleys. At a free edge, or a crease that sticks out, the facet reaches up to a tenth
-  !! of its length beyond itself (as Abaqus's extension zone); past that the walk tries the other side of a crease, else the
-  !! point is OFF. The result does not depend on the xi and g that went in. On anything but ON, f is the last facet looked at.
+  !! It walks over smooth edges and valleys. At a free edge, or a crease that sticks out, the facet reaches up to a
+  !! tenth of its length beyond itself (as Abaqus's extension zone); past that the walk tries the other side of a crease,
+  !! else the point is OFF. On anything but ON, f is the last facet looked at.
   pure subroutine project_point(facets, x, point, f, xi, g, n, status)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -125,7 +125,7 @@ contains
   end subroutine project_point
 
 
-  !> The projection of a point that has none yet: of all facets near it that it projects on, the one with the shortest way.
+  !> The projection of a point that has none yet: of all facets near it that hold it, the one with the shortest way.
   !!
   !! The way is the gap, and beyond an edge (extension zone) also the length beyond it. Facets that face the slave go
   !! before those that do not. Between equal ways the lowest facet number is taken. After: status ON, or
@@ -272,7 +272,8 @@ contains
   end subroutine smooth_normal
 
 
-  !> How far a point is beyond each edge, in lengths of the facet across that edge; negative inside. Edge 4 of a triangle: -1.
+  !> How far a point is beyond each edge, in lengths of the facet across that edge; negative inside. Edge 4 of a
+  !! triangle: -1.
   pure function excess_over_edges(kind, xi) result(excess)
     integer, intent(in) :: kind                  !< FACET_...
     real(DP), intent(in) :: xi(2)                !< natural coordinates [-]
@@ -290,7 +291,7 @@ contains
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                     !< facet
     real(DP), intent(in) :: excess(4)            !< over its edges [-]
-    integer, intent(inout) :: status             !< of the projection on this facet alone; out: OFF beyond the extension zone
+    integer, intent(inout) :: status             !< of the projection on this facet; out: OFF beyond the extension zone
     integer, intent(out) :: edge
     logical :: is_out(4), is_open(4)
     integer :: k
@@ -309,8 +310,8 @@ contains
   end subroutine choose_edge
 
 
-  !> A walk came straight back: the point is beyond the common edge on both sides (a valley from below, a ridge from above).
-  !! The side where it is less beyond holds it if that is within the extension zone.
+  !> A walk came straight back: the point is beyond the common edge on both sides (a valley from below, a ridge from
+  !! above). The side where it is less beyond holds it if that is within the extension zone.
   pure function nearer_of_two(facets, one, two) result(nearer)
     type(facets_type), intent(in) :: facets
     type(projection_type), intent(in) :: one, two
@@ -327,7 +328,7 @@ contains
   end function nearer_of_two
 
 
-  !> Does the facet by itself hold the point: inside, or in the extension zone of a free edge or a crease that sticks out?
+  !> Does the facet by itself hold the point: inside, or in the extension zone of a free edge or of a ridge?
   pure function holds_point(facets, projection) result(holds)
     type(facets_type), intent(in) :: facets
     type(projection_type), intent(in) :: projection
@@ -365,9 +366,9 @@ contains
 
   !> The projection of a point on one facet, extended beyond its edges: Newton on the ray, 3 equations.
   !!
-  !! Start: the closest point of the plane through the centre. Steps are limited, and shortened while the residual rises. A
-  !! point so far beyond an edge that the facet's extension means nothing ends at the border (FARTHEST) with its xi there:
-  !! enough to know which edge to cross. Status ON or FAILED.
+  !! Start: the closest point of the plane through the centre. Steps are limited, and halved while the residual rises.
+  !! A point so far beyond an edge that the facet's extension means nothing ends at the border (FARTHEST) with its xi
+  !! there: enough to know which edge to cross. Status ON or FAILED.
   pure function project_on_facet(facets, x, point, f) result(projection)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -487,8 +488,8 @@ contains
   end subroutine start_projection
 
 
-  !> Coordinates and vertex normals of a facet's nodes. A node whose star has no area there (the tip of a collapsed facet)
-  !! has no normal: the others give it.
+  !> Coordinates and vertex normals of a facet's nodes. A node whose star has no area there (the tip of a collapsed
+  !! facet) has no normal: the others give it.
   pure subroutine make_frame(facets, x, f, frame)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
@@ -590,7 +591,8 @@ contains
     integer, intent(in) :: f, local              !< facet of the star, local number of the vertex's node
     real(DP), intent(in) :: to_vertex(3, 3)      !< d n|xi / d m_i [1/length^2]
     type(gap_derivative_type), intent(inout) :: derivative
-    real(DP) :: xi(2, MAX_FACE_NODES), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), tangents(3, 2)
+    real(DP) :: xi(2, MAX_FACE_NODES), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    real(DP) :: tangents(3, 2)
     integer :: n, nodes(MAX_FACE_NODES), i, j
     call facet_nodes(facets, f, n, nodes)
     call facet_node_coordinates(facets%kind(f), xi)
@@ -624,6 +626,7 @@ contains
   end function skew
 
 
+  !> Area of a facet kind in natural coordinates.
   pure function natural_area(kind) result(area)
     integer, intent(in) :: kind                  !< FACET_...
     real(DP) :: area
@@ -631,6 +634,7 @@ contains
   end function natural_area
 
 
+  !> Is a facet kind a triangle?
   pure function is_triangle(kind) result(is)
     integer, intent(in) :: kind                  !< FACET_...
     logical :: is

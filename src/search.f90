@@ -1,8 +1,8 @@
 !> Search: which facets are near a point: the boxes of the facets in the cells of a uniform grid.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Each facet's box, widened by the search radius, is entered in every cell that it touches. A query then reads one cell and
-!! keeps the facets whose widened box holds the point. No facet within the radius is missed; the order is
+!! Each facet's box, widened by the search radius, is entered in every cell that it touches. A query then reads one cell
+!! and keeps the facets whose widened box holds the point. No facet within the radius is missed; the order is
 !! ascending, so that the answer depends on nothing but the numbers. Building costs O(n), a query O(what it finds).
 module amontons_search
   use amontons_kinds, only: DP
@@ -12,7 +12,7 @@ module amontons_search
   public :: search_type, build_search, near_facets
 
   integer, parameter :: CELLS_PER_FACET = 8        !< the grid has at most this many cells per facet (and a few more)
-  real(DP), parameter :: BULGE = 0.12_DP           !< a box is widened by this part of itself: extension zone, curved facets
+  real(DP), parameter :: BULGE = 0.12_DP           !< a box is widened by this part of itself: extension zone, bulges
 
   !> The grid of one surface in one configuration.
   type :: search_type
@@ -22,7 +22,7 @@ module amontons_search
     integer :: n_cells(3) = 0
     integer, allocatable :: first(:)               !< (cells + 1) start of a cell's facets
     integer, allocatable :: facet(:)               !< facets of all cells, ascending in each
-    real(DP), allocatable :: box(:, :, :)          !< (3, 2, n) lower and upper corner of the widened box of each facet [length]
+    real(DP), allocatable :: box(:, :, :)          !< (3, 2, n) lower and upper corners of the widened boxes [length]
   end type search_type
 
 contains

@@ -1,8 +1,9 @@
-!> Slip: what friction does at one slave node: status by trial traction, the four slip scenarios, and their step lengths.
+!> Slip: what friction does at one slave node: status by trial traction, four slip scenarios, and their step lengths.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The scenarios and step lengths are those of J. Mitchell, "A simple one step line search for use in quasi-static solid
-!! mechanics contact calculations", 7th US National Congress on Computational Mechanics, 2003. Symbols (doc/theory/contact.md):
+!! mechanics contact calculations", 7th US National Congress on Computational Mechanics, 2003. The symbols are those of
+!! doc/theory/contact.md:
 !!
 !!     Rhat   imbalance of the slave node less its contact force [force]
 !!     N      -n.Rhat, the normal force, positive in compression [force]
@@ -41,7 +42,7 @@ module amontons_slip
     integer :: status = STATUS_OPEN          !< STATUS_...
     real(DP) :: sigma = 0                    !< trial normal force, positive in compression [force]
     real(DP) :: tau(3) = 0                   !< trial friction on the slave [force]
-    real(DP) :: direction(3) = 0             !< tau/|tau|, direction of friction on the slave; the node slides along the opposite [-]
+    real(DP) :: direction(3) = 0             !< tau/|tau|, of friction on the slave; it slides the other way [-]
     real(DP) :: N = 0                        !< normal force that the imbalance asks for [force]
     real(DP) :: Rt(3) = 0                    !< tangential imbalance [force]
   end type trial_type
@@ -71,7 +72,7 @@ module amontons_slip
     real(DP) :: alpha = 1                    !< step length [-]
     logical :: becomes_stick = .false.       !< the step ends at zero slip: the node is to be set to stick
     real(DP) :: DR_u = 0, DR_ud = 0          !< signed excess in both configurations [force]
-    real(DP) :: numerator = 0                !< d.e(u), e = DR t: a global step length sums these over the nodes [energy]
+    real(DP) :: numerator = 0                !< d.e(u), e = DR t: a global length sums these over the nodes [energy]
     real(DP) :: denominator = 0              !< d.(e(ud) - e(u)) [energy]
   end type slip_verdict_type
 
@@ -95,16 +96,16 @@ contains
   !!     sigma = N - c gap           closed if sigma > 0
   !!     tau   = -Rt - c P slip      P = 1 - n n';  stick if |tau| <= mu sigma, else slip with friction along tau/|tau|
   !!
-  !! A node that was open has no contact force yet: its imbalance is not what contact carries, and N = 0, Rt = 0 are taken;
-  !! with the slip counted from the point of first touch it then starts as stick. Without friction (mu = 0) a closed node
-  !! always slips. At a solution both lines say what the laws of Signorini and Coulomb say, whatever c > 0 is.
+  !! A node that was open has no contact force yet: its imbalance is not what contact carries, and N = 0, Rt = 0 are
+  !! taken; with the slip counted from the point of first touch it then starts as stick. Without friction (mu = 0) a
+  !! closed node always slips. At a solution both lines say what the laws of Signorini and Coulomb say, for any c > 0.
   !!
   !! Reference: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution
   !! methods, Comput. Methods Appl. Mech. Engrg. 92 (1991) 353-375.
   pure subroutine trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, trial)
     real(DP), intent(in) :: imbalance(3)     !< Rhat of the slave node [force]
     real(DP), intent(in) :: gap              !< signed distance, negative is penetration [length]
-    real(DP), intent(in) :: slip(3)          !< x_s - x_m(origin) since the start of the increment or first touch [length]
+    real(DP), intent(in) :: slip(3)          !< x_s - x_m(origin), g before its projection [length]
     real(DP), intent(in) :: normal(3)        !< unit normal out of the master [-]
     real(DP), intent(in) :: mu               !< coefficient of friction [-]
     real(DP), intent(in) :: stiffness        !< c, the node's own stiffness, > 0 [force/length]
@@ -137,8 +138,8 @@ contains
   !! | <= 0 | none | any | stick |
   !! | 0 within the tolerance | some | any | slip, in balance |
   !!
-  !! The length is one secant step on d.e with the vector e = DR t: alpha = - d.e(u) / d.(e(ud) - e(u)). For d along t_u (I,
-  !! II) or -t_g (III, IV) it is the formula of the table (`table_length`). In III and IV the step is cut where the
+  !! The length is one secant step on d.e with the vector e = DR t: alpha = - d.e(u) / d.(e(ud) - e(u)). For d along t_u
+  !! (I, II) or -t_g (III, IV) it is the formula of the table (`table_length`). In III and IV the step is cut where the
   !! projection on t_g of the slip comes to zero; then the node becomes stick. Order: formula, guard (a vanishing
   !! denominator or a negative length means 1), bounds, cut.
   pure subroutine classify_slip(at_u, at_ud, d, mu, controls, verdict)
@@ -160,13 +161,13 @@ contains
     verdict%denominator = without_noise(dot_product(d, e_ud) - verdict%numerator, rounding)
     if (verdict%state == NODE_BALANCED) return
     verdict%alpha = guarded_length(verdict%numerator, verdict%denominator, controls)
-    if (verdict%scenario == SCENARIO_III .or. verdict%scenario == SCENARIO_IV) &
-      call cut_at_zero_slip(at_u%slip, at_ud%slip, verdict%alpha, verdict%becomes_stick)
+    if (verdict%scenario == SCENARIO_I .or. verdict%scenario == SCENARIO_II) return
+    call cut_at_zero_slip(at_u%slip, at_ud%slip, verdict%alpha, verdict%becomes_stick)
   end subroutine classify_slip
 
 
-  !> The same for many nodes, in plain arrays for other programs: last index 1 is the iterate, 2 is after the full direction.
-  !! All nodes are closed; an N < 0 at the iterate says opened.
+  !> The same for many nodes, in plain arrays for other programs: last index 1 is the iterate, 2 is after the full
+  !! direction. All nodes are closed; an N < 0 at the iterate says opened.
   pure subroutine classify_nodes(Rt, N, slip, d, mu, controls, scenario, state, alpha)
     real(DP), intent(in) :: Rt(:, :, :)               !< (3, n, 2) tangential imbalance [force]
     real(DP), intent(in) :: N(:, :)                   !< (n, 2) normal force, positive in compression [force]
@@ -191,7 +192,7 @@ contains
   end subroutine classify_nodes
 
 
-  !> The step length of the slides' table, for a search along t_u (I, II) or -t_g (III, IV); neither guarded, bounded nor cut.
+  !> The step length of the slides' table, for a search along t_u (I, II) or -t_g (III, IV); unguarded and unbounded.
   !!
   !! | scenario | step length | angles |
   !! |---|---|---|
@@ -250,7 +251,7 @@ contains
   end function excess
 
 
-  !> State of a node by what is known at the iterate. With no Rt and no slip a node is held; without friction nothing holds it.
+  !> State of a node by what is known at the iterate.
   pure function node_state(point, mu, controls) result(state)
     type(slip_point_type), intent(in) :: point
     real(DP), intent(in) :: mu                        !< [-]
@@ -287,7 +288,7 @@ contains
   end function scenario_of
 
 
-  !> The vectors e = DR t of both configurations. Without an Rt its direction is that of the slip; in scenario I t_d is t_u.
+  !> The vectors e = DR t of both configurations. Without an Rt its direction is that of the slip; in I t_d is t_u.
   pure subroutine excess_vectors(at_u, at_ud, verdict, e_u, e_ud)
     type(slip_point_type), intent(in) :: at_u, at_ud
     type(slip_verdict_type), intent(in) :: verdict    !< with scenario and DR
@@ -311,7 +312,7 @@ contains
   end function direction_of
 
 
-  !> Cuts a step that would back up past zero slip: |g| / (|g| - t_g.g_d) brings the projection of the slip on t_g to zero.
+  !> Cuts a step that would back up past zero slip: |g| / (|g| - t_g.g_d) brings the slip's projection on t_g to zero.
   !! (The slides print |g| / (|g| - |g_d|), which is the same as long as the full step does not pass zero slip.)
   pure subroutine cut_at_zero_slip(slip_u, slip_ud, alpha, becomes_stick)
     real(DP), intent(in) :: slip_u(3), slip_ud(3)     !< g and g_d [length]

@@ -3,10 +3,11 @@
 program test_facets
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type, EXIT_SETUP
-  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20
+  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, &
+    KIND_C3D20
   use amontons_mesh, only: mesh_type, finish_mesh
-  use amontons_facets, only: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, EDGE_FREE, EDGE_SMOOTH, &
-    EDGE_CONVEX, EDGE_CONCAVE
+  use amontons_facets, only: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, EDGE_FREE, &
+    EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -37,7 +38,7 @@ contains
     real(DP) :: tangents(3, 2)
     call flat_grid(FACET_QUAD4, 3, 3, mesh, element, face)
     call build_facets(mesh, element, face, facets, error)
-    call suite%that('the grid has no error', .not. allocated(error))
+    call suite%that('the grid has no error', (.not. allocated(error)))
     call suite%that('9 facets', facets%n == 9)
     call suite%that('neighbours of the centre', all(facets%neighbour(:, 5) == [2, 6, 8, 4]))
     call suite%that('neighbours of a corner', all(facets%neighbour(:, 1) == [0, 2, 4, 0]))
@@ -46,11 +47,13 @@ contains
     v = facets%vertex(facets%first(5))
     call suite%that('the star of an inner vertex', &
       all(facets%star_facet(facets%star_first(v):facets%star_first(v + 1) - 1) == [1, 2, 4, 5]))
-    call suite%that('its local numbers', all(facets%star_local(facets%star_first(v):facets%star_first(v + 1) - 1) == [3, 4, 2, 1]))
+    call suite%that('its local numbers', &
+      all(facets%star_local(facets%star_first(v):facets%star_first(v + 1) - 1) == [3, 4, 2, 1]))
     call facet_nodes(facets, 5, n, nodes)
     call suite%that('nodes of the centre', n == 4 .and. all(nodes(:4) == [17, 19, 33, 31]))
     allocate (stencil, source=facets%stencil(facets%stencil_first(5):facets%stencil_first(6) - 1))
-    call suite%that('the stencil of the centre', all(stencil == [17, 19, 33, 31, 1, 3, 5, 7, 15, 21, 29, 35, 43, 45, 47, 49]))
+    call suite%that('the stencil of the centre', &
+      all(stencil == [17, 19, 33, 31, 1, 3, 5, 7, 15, 21, 29, 35, 43, 45, 47, 49]))
     call suite%near('edge length', facets%edge_length(5), 1.0_DP, 1.0e-14_DP)
     call facet_tangents(facets, mesh%coordinates, 5, [0.3_DP, -0.2_DP], tangents)
     call suite%near('tangents', norm2(tangents - reshape([0.5_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.5_DP, 0.0_DP], [3, 2])), &
@@ -75,7 +78,7 @@ contains
     call shake(mesh, 0.2_DP, 0.02_DP)
     call fold(mesh, 2.03_DP, angle)
     call build_facets(mesh, element, face, facets, error)
-    call suite%that(trim(name) // ' has no error', .not. allocated(error))
+    call suite%that(trim(name) // ' has no error', (.not. allocated(error)))
     if (allocated(error)) return
     n_corners = merge(3, 4, kind == FACET_TRI3 .or. kind == FACET_TRI6)
     n_shared = 0
@@ -89,7 +92,8 @@ contains
         do side = 0, 1
           mine = facets%first(f) + modulo(k + side - 1, n_corners)
           node = facets%nodes(mine)
-          its = facets%first(other) - 1 + findloc(facets%nodes(facets%first(other):facets%first(other + 1) - 1), node, dim=1)
+          its = facets%first(other) - 1 + &
+            findloc(facets%nodes(facets%first(other):facets%first(other + 1) - 1), node, dim=1)
           if (facets%edge(k, f) == EDGE_SMOOTH .and. facets%vertex(mine) /= facets%vertex(its)) n_wrong = n_wrong + 1
           if (facets%edge(k, f) > EDGE_SMOOTH .and. facets%vertex(mine) == facets%vertex(its)) n_wrong = n_wrong + 1
           n_shared = n_shared + 1
@@ -98,8 +102,9 @@ contains
     end do
     call suite%that(trim(name) // ': vertices follow the edges', n_shared > 40 .and. n_wrong == 0)
     call suite%that(trim(name) // ': creases', n_creases == merge(6, 0, angle > 1))
-    call suite%that(trim(name) // ': every node of every facet is in a star', size(facets%star_facet) == size(facets%nodes) &
-      .and. facets%star_first(facets%n_vertices + 1) == size(facets%nodes) + 1)
+    call suite%that(trim(name) // ': every node of every facet is in a star', &
+      size(facets%star_facet) == size(facets%nodes) .and. &
+      facets%star_first(facets%n_vertices + 1) == size(facets%nodes) + 1)
   end subroutine check_vertices
 
 
@@ -114,7 +119,8 @@ contains
     mesh = flat
     call fold(mesh, 1.0_DP, PI / 2)
     call build_facets(mesh, element, face, facets, error)
-    call suite%that('a ridge', all(facets%edge(2, [1, 3, 5]) == EDGE_CONVEX) .and. all(facets%edge(4, [2, 4, 6]) == EDGE_CONVEX))
+    call suite%that('a ridge', &
+      all(facets%edge(2, [1, 3, 5]) == EDGE_CONVEX) .and. all(facets%edge(4, [2, 4, 6]) == EDGE_CONVEX))
     call suite%that('a ridge doubles its vertices', facets%n_vertices == 12 + 4)
     mesh = flat
     call fold(mesh, 1.0_DP, -PI / 2)
@@ -123,7 +129,8 @@ contains
     mesh = flat
     call fold(mesh, 1.0_DP, PI / 4 - 0.01_DP)
     call build_facets(mesh, element, face, facets, error)
-    call suite%that('less than 45 degrees is smooth', all(facets%edge(2, [1, 3, 5]) == EDGE_SMOOTH) .and. facets%n_vertices == 12)
+    call suite%that('less than 45 degrees is smooth', &
+      all(facets%edge(2, [1, 3, 5]) == EDGE_SMOOTH) .and. facets%n_vertices == 12)
     call build_facets(mesh, element, face, facets, error, feature_angle=PI / 4 - 0.02_DP)
     call suite%that('a smaller feature angle makes it a crease', all(facets%edge(2, [1, 3, 5]) == EDGE_CONVEX))
   end subroutine check_creases
@@ -215,7 +222,7 @@ contains
     x = reshape(real([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 2, 0, 0], DP), [3, 5])
     call mesh_of_facets(FACET_QUAD4, x, reshape([1, 2, 3, 4, 2, 5, 3, 3], [4, 2]), mesh, element, face)
     call build_facets(mesh, element, face, facets, error)
-    call suite%that('a collapsed facet is no error', .not. allocated(error))
+    call suite%that('a collapsed facet is no error', (.not. allocated(error)))
     if (allocated(error)) return
     call suite%that('its neighbour', facets%neighbour(2, 1) == 2 .and. facets%neighbour(4, 2) == 1)
     call suite%that('its stencil', all(facets%stencil(facets%stencil_first(2):) == [2, 5, 3, 1, 4]))

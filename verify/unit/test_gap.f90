@@ -3,12 +3,13 @@
 program test_gap
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
-  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20
+  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, &
+    KIND_C3D20
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_facets, only: facets_type, build_facets
   use amontons_search, only: search_type, build_search
-  use amontons_gap, only: projection_type, gap_derivative_type, project_point, find_projection, gap_derivative, fixed_point, &
-    vertex_normal, smooth_normal, excess_over_edges, PROJECT_ON, PROJECT_OFF
+  use amontons_gap, only: projection_type, gap_derivative_type, project_point, find_projection, gap_derivative, &
+    fixed_point, vertex_normal, smooth_normal, excess_over_edges, PROJECT_ON, PROJECT_OFF
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -250,7 +251,8 @@ contains
   end function corner
 
 
-  !> All derivatives against central differences: smooth and creased surface, gap zero, positive, negative, inside and near edges.
+  !> All derivatives against central differences: smooth and creased surface, gap zero, positive, negative, inside and
+  !! near edges.
   subroutine check_derivatives(suite, kind)
     type(suite_type), intent(inout) :: suite
     integer, intent(in) :: kind
@@ -400,7 +402,8 @@ contains
     call project_point(facets, mesh%coordinates, [1.05_DP, 0.5_DP, -0.3_DP], f, xi, g, n, status)
     call suite%that('ridge: it holds from below', status == PROJECT_ON .and. f == 1)
     call project_point(facets, mesh%coordinates, [1.15_DP, 0.5_DP, -0.3_DP], f, xi, g, n, status)
-    call suite%that('ridge: past it the other side', status == PROJECT_ON .and. f == 2 .and. abs(g - 0.15_DP) < 1.0e-14_DP)
+    call suite%that('ridge: past it the other side', &
+      status == PROJECT_ON .and. f == 2 .and. abs(g - 0.15_DP) < 1.0e-14_DP)
     call suite%near('ridge: its normal', n(1), 1.0_DP, 1.0e-14_DP)
     f = 1
     call project_point(facets, mesh%coordinates, [1.15_DP, 0.5_DP, 0.05_DP], f, xi, g, n, status)
@@ -431,7 +434,8 @@ contains
     call project_point(facets, mesh%coordinates, [1.01_DP, 0.5_DP, 0.1_DP], f, xi, g, n, status)
     call suite%that('valley: into the wall', status == PROJECT_ON .and. f == 2 .and. abs(g + 0.01_DP) < 1.0e-14_DP)
     call project_point(facets, mesh%coordinates, [1.02_DP, 0.5_DP, -0.01_DP], f, xi, g, n, status)
-    call suite%that('valley: the corner from below', status == PROJECT_ON .and. f == 2 .and. abs(g + 0.02_DP) < 1.0e-14_DP)
+    call suite%that('valley: the corner from below', &
+      status == PROJECT_ON .and. f == 2 .and. abs(g + 0.02_DP) < 1.0e-14_DP)
     call project_point(facets, mesh%coordinates, [1.2_DP, 0.5_DP, -0.2_DP], f, xi, g, n, status)
     call suite%that('valley: too deep', status == PROJECT_OFF)
     call build_search(facets, mesh%coordinates, 0.5_DP, search)
@@ -459,7 +463,8 @@ contains
       call find_projection(facets, search, y, [0.5_DP, 0.7_DP, -0.6_DP], 2.0_DP, found)
       call suite%that('plate: nearest side', found%facet == 2 .and. abs(found%gap + 0.4_DP) < 1.0e-14_DP)
       call find_projection(facets, search, y, [0.5_DP, 0.7_DP, -0.6_DP], 2.0_DP, found, -UP)
-      call suite%that('plate: the side that faces the slave', found%facet == 1 .and. abs(found%gap + 0.6_DP) < 1.0e-14_DP)
+      call suite%that('plate: the side that faces the slave', &
+        found%facet == 1 .and. abs(found%gap + 0.6_DP) < 1.0e-14_DP)
       call find_projection(facets, search, y, [0.5_DP, 0.7_DP, -0.6_DP], 2.0_DP, found, 0 * UP)
       call suite%that('plate: an unknown slave normal', found%facet == 2)
       call find_projection(facets, search, y, [0.5_DP, 0.7_DP, 0.3_DP], 0.5_DP, found, UP)

@@ -3,7 +3,8 @@
 program test_search
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20
+  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, &
+    KIND_C3D20
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_facets, only: facets_type, build_facets
   use amontons_search, only: search_type, build_search, near_facets
@@ -178,7 +179,7 @@ contains
     integer :: n
     call flat_grid(FACET_QUAD4, 1, 1, mesh, element, face)
     call build_facets(mesh, element(:0), face(:0), facets, error)
-    call suite%that('an empty surface is no error here', .not. allocated(error))
+    call suite%that('an empty surface is no error here', (.not. allocated(error)))
     call build_search(facets, mesh%coordinates, 1.0_DP, search)
     call near_facets(search, [0.0_DP, 0.0_DP, 0.0_DP], list, n)
     call suite%that('and nothing is near', n == 0)

@@ -3,9 +3,9 @@
 program test_slip
   use amontons_kinds, only: DP, PI
   use amontons_slip, only: trial_type, slip_point_type, slip_controls_type, slip_verdict_type, split_imbalance, &
-    trial_traction, classify_slip, classify_nodes, table_length, guarded_length, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, &
-    SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, NODE_OPEN, NODE_STICK, NODE_SLIP, NODE_BALANCED, &
-    NODE_OPENED, NODE_CLOSED
+    trial_traction, classify_slip, classify_nodes, table_length, guarded_length, STATUS_OPEN, STATUS_STICK, &
+    STATUS_SLIP, SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, NODE_OPEN, NODE_STICK, NODE_SLIP, &
+    NODE_BALANCED, NODE_OPENED, NODE_CLOSED
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -38,35 +38,36 @@ contains
   subroutine check_trial(suite)
     type(suite_type), intent(inout) :: suite
     type(trial_type) :: trial
-    real(DP), parameter :: NORMAL(3) = [0.0_DP, 0.0_DP, 1.0_DP], NONE(3) = 0
-    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., trial)
+    real(DP), parameter :: NORMAL(3) = [0.0_DP, 0.0_DP, 1.0_DP], NONE(3) = 0, C = 10
+    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., trial)
     call suite%that('pressed, small shear: stick', trial%status == STATUS_STICK)
     call suite%near('sigma = N', trial%sigma, 10.0_DP, 1.0e-14_DP)
     call suite%near('tau = -Rt', norm2(trial%tau - [-2.0_DP, 0.0_DP, 0.0_DP]), 0.0_DP, 1.0e-14_DP)
-    call trial_traction([4.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., trial)
+    call trial_traction([4.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., trial)
     call suite%that('pressed, large shear: slip', trial%status == STATUS_SLIP)
     call suite%near('friction against the drive', trial%direction(1), -1.0_DP, 1.0e-14_DP)
-    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [0.05_DP, 0.0_DP, 7.0_DP], NORMAL, MU, 10.0_DP, .true., trial)
+    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [0.05_DP, 0.0_DP, 7.0_DP], NORMAL, MU, C, .true., trial)
     call suite%near('tau = -Rt - c P g', trial%tau(1), -2.5_DP, 1.0e-14_DP)
     call suite%near('the normal part of g does not count', trial%tau(3), 0.0_DP, 1.0e-14_DP)
     call suite%that('still stick', trial%status == STATUS_STICK)
-    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [-0.06_DP, 0.0_DP, 0.0_DP], NORMAL, MU, 10.0_DP, .true., trial)
+    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [-0.06_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .true., trial)
     call suite%that('slip against the drive goes back to stick', trial%status == STATUS_STICK)
-    call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.9_DP, NONE, NORMAL, MU, 10.0_DP, .true., trial)
+    call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.9_DP, NONE, NORMAL, MU, C, .true., trial)
     call suite%near('sigma = N - c g', trial%sigma, 1.0_DP, 1.0e-14_DP)
-    call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 1.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., trial)
+    call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 1.0_DP, NONE, NORMAL, MU, C, .true., trial)
     call suite%that('sigma = 0 is open', trial%status == STATUS_OPEN)
-    call trial_traction([0.0_DP, 0.0_DP, 1.0_DP], 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., trial)
+    call trial_traction([0.0_DP, 0.0_DP, 1.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., trial)
     call suite%that('tension opens', trial%status == STATUS_OPEN)
-    call trial_traction([5.0_DP, 0.0_DP, -10.0_DP], 0.01_DP, NONE, NORMAL, MU, 10.0_DP, .false., trial)
+    call trial_traction([5.0_DP, 0.0_DP, -10.0_DP], 0.01_DP, NONE, NORMAL, MU, C, .false., trial)
     call suite%that('an open node with a gap stays open whatever its imbalance', trial%status == STATUS_OPEN)
-    call trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, NONE, NORMAL, MU, 10.0_DP, .false., trial)
+    call trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, NONE, NORMAL, MU, C, .false., trial)
     call suite%that('an open node that penetrates closes, as stick', trial%status == STATUS_STICK)
     call suite%near('its sigma', trial%sigma, 0.1_DP, 1.0e-14_DP)
-    call trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, [0.1_DP, 0.0_DP, 0.0_DP], NORMAL, MU, 10.0_DP, .false., trial)
+    call trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, [0.1_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .false., trial)
     call suite%that('or as slip if it slid since it touched', trial%status == STATUS_SLIP .and. trial%direction(1) < 0)
     call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, 0.0_DP, 10.0_DP, .true., trial)
-    call suite%that('without friction a closed node slips', trial%status == STATUS_SLIP .and. norm2(trial%direction) <= 0)
+    call suite%that('without friction a closed node slips', &
+      trial%status == STATUS_SLIP .and. norm2(trial%direction) <= 0)
   end subroutine check_trial
 
 
@@ -74,24 +75,25 @@ contains
   subroutine check_rows_by_number(suite)
     type(suite_type), intent(inout) :: suite
     type(slip_verdict_type) :: verdict
-    real(DP) :: rt_u(3), rt_ud(3)
+    real(DP) :: rt_u(3), rt_ud(3), x(3)
+    x = along(0.0_DP)
     rt_u = 5 * along(0.0_DP)
     rt_ud = 2 * along(60.0_DP)
-    call classify(point(rt_u, 0 * rt_u), point(rt_ud, 0 * rt_u), 0.1_DP * along(0.0_DP), verdict)
+    call classify(point(rt_u, 0 * rt_u), point(rt_ud, 0 * rt_u), 0.1_DP * x, verdict)
     call expect(suite, 'I: a = 2, b = 1', verdict, SCENARIO_I, 2.0_DP / 3.0_DP)
     rt_ud = 4 * along(60.0_DP)
-    call classify(point(rt_u, 0 * rt_u), point(rt_ud, 0 * rt_u), 0.1_DP * along(0.0_DP), verdict)
+    call classify(point(rt_u, 0 * rt_u), point(rt_ud, 0 * rt_u), 0.1_DP * x, verdict)
     call expect(suite, 'II: a = 2, b = 1, gamma = 60', verdict, SCENARIO_II, 2.0_DP / (2.0_DP - 0.5_DP))
     rt_u = 1 * along(60.0_DP)
     rt_ud = 4 * along(60.0_DP)
-    call classify(point(rt_u, along(0.0_DP)), point(rt_ud, 0.9_DP * along(0.0_DP)), -0.1_DP * along(0.0_DP), verdict)
+    call classify(point(rt_u, x), point(rt_ud, 0.9_DP * x), -0.1_DP * x, verdict)
     call expect(suite, 'III: a = 2, b = 1, beta = 60, theta = 60', verdict, SCENARIO_III, 1.0_DP / (0.5_DP + 1.0_DP))
     rt_ud = 2 * along(0.0_DP)
     rt_u = 2 * along(60.0_DP)
-    call classify(point(0.5_DP * rt_u, along(0.0_DP)), point(rt_ud, 0.9_DP * along(0.0_DP)), -0.1_DP * along(0.0_DP), verdict)
+    call classify(point(0.5_DP * rt_u, x), point(rt_ud, 0.9_DP * x), -0.1_DP * x, verdict)
     call expect(suite, 'IV: a = 2, b = 1, beta = 60, theta = 0: no denominator', verdict, SCENARIO_IV, 1.0_DP)
     rt_ud = 2.5_DP * along(0.0_DP)
-    call classify(point(0.5_DP * rt_u, along(0.0_DP)), point(rt_ud, 0.9_DP * along(0.0_DP)), -0.1_DP * along(0.0_DP), verdict)
+    call classify(point(0.5_DP * rt_u, x), point(rt_ud, 0.9_DP * x), -0.1_DP * x, verdict)
     call expect(suite, 'IV: a = 2, b = 0.5, beta = 60, theta = 0', verdict, SCENARIO_IV, 1.0_DP / (1.0_DP - 0.5_DP))
     call suite%near('numerator', verdict%numerator, -0.1_DP * (-2.0_DP * 0.5_DP), 1.0e-15_DP)
     call suite%near('denominator', verdict%denominator, -0.1_DP * (-0.5_DP) - 0.1_DP, 1.0e-15_DP)
@@ -103,14 +105,15 @@ contains
   !> For increments along t_u or -t_g the general formula is the table, in random directions of a random plane.
   subroutine check_rows_in_all_directions(suite)
     type(suite_type), intent(inout) :: suite
+    real(DP), parameter :: RATIOS(8) = [0.618034_DP, 0.754878_DP, 0.569840_DP, 0.324718_DP, 0.220744_DP, 0.850651_DP, &
+      0.671044_DP, 0.549700_DP]
     integer :: i, n(4)
     real(DP) :: r(8), t_u(3), t_d(3), t_g(3), normal(3), a, b, expected, d(3), worst, size_d
     type(slip_verdict_type) :: verdict
     n = 0
     worst = 0
     do i = 1, 400
-      r = modulo([0.618034_DP, 0.754878_DP, 0.569840_DP, 0.324718_DP, 0.220744_DP, 0.850651_DP, 0.671044_DP, 0.549700_DP] &
-        * real(i, DP), 1.0_DP)
+      r = modulo(RATIOS * real(i, DP), 1.0_DP)
       normal = unit(r(1:3) - 0.5_DP)
       t_u = in_plane(normal, 2 * PI * r(4))
       t_d = in_plane(normal, 2 * PI * (r(4) + 0.4_DP * (r(5) - 0.5_DP)))
@@ -159,9 +162,9 @@ contains
       call classify(point(8 * t, 0 * t), point((8 - 20 * norm2(d)) * t, d), d, verdict)
       slip = verdict%alpha * norm2(d)
       call suite%that('spring: scenario', verdict%scenario == merge(SCENARIO_II, SCENARIO_I, i == 1))
-      if (verdict%scenario == SCENARIO_II) call suite%near('spring: what is left is mu N', 8 - 20 * slip, 3.0_DP, 1.0e-12_DP)
+      if (verdict%scenario == SCENARIO_II) call suite%near('spring: left is mu N', 8 - 20 * slip, 3.0_DP, 1.0e-12_DP)
       ! In I with Rt turned round the slides' formula sets t_d = t_u: a / (a + b), a = 5, b = 1
-      if (verdict%scenario == SCENARIO_I) call suite%near('spring: slipped too far', verdict%alpha, 5.0_DP / 6.0_DP, 1.0e-12_DP)
+      if (verdict%scenario == SCENARIO_I) call suite%near('spring: too far', verdict%alpha, 5.0_DP / 6, 1.0e-12_DP)
     end do
     d = 0.3_DP * t
     call classify(point(8 * t, 0 * t), point(2 * t, d), d, verdict)
@@ -191,14 +194,16 @@ contains
     call suite%near('III: at zero slip', norm2(g + verdict%alpha * d), 0.0_DP, 1.0e-15_DP)
     d = -0.5_DP * g
     call classify(point(1 * t, g), point(4 * t, g + d), d, verdict)
-    call suite%that('III: not cut where it stops before', .not. verdict%becomes_stick)
+    call suite%that('III: not cut where it stops before', (.not. verdict%becomes_stick))
     call suite%near('III: there its own length', verdict%alpha, 2.0_DP / 3.0_DP, 1.0e-14_DP)
     d = -1 * g                                       ! a = b, angles zero: alpha = 1/2 by the formula, half way back
     call classify(point(2 * t, g), point(4 * t, g + d), d, verdict)
-    call suite%that('III: half way is not zero', .not. verdict%becomes_stick .and. abs(verdict%alpha - 0.5_DP) < 1.0e-14_DP)
+    call suite%that('III: half way is not zero', &
+      .not. verdict%becomes_stick .and. abs(verdict%alpha - 0.5_DP) < 1.0e-14_DP)
     ! The full step ends at zero slip exactly, and the guard gives 1.
     call classify(point(1 * t, g), point(1 * t, 0 * g), -1 * g, verdict)
-    call suite%that('a full step that ends at zero slip is stick', verdict%becomes_stick .and. abs(verdict%alpha - 1) < 1.0e-14_DP)
+    call suite%that('a full step that ends at zero slip is stick', &
+      verdict%becomes_stick .and. abs(verdict%alpha - 1) < 1.0e-14_DP)
     ! A slip that turns: |g_d| = |g| although the projection is behind zero. The slides' cap would be infinite.
     d = -1.5_DP * g + 0.15_DP * along(115.0_DP)
     call classify(point(1 * t, g), point(2.9_DP * t, g + d), d, verdict)
@@ -207,14 +212,14 @@ contains
     call suite%near('where the projection vanishes', dot_product(t, g + alpha * d), 0.0_DP, 1.0e-15_DP)
     ! Moving on instead of back is never cut; the bounds hold the cut's place free.
     call classify(point(1 * t, g), point(2.9_DP * t, 2 * g), g, verdict)
-    call suite%that('moving on is not cut', .not. verdict%becomes_stick)
+    call suite%that('moving on is not cut', (.not. verdict%becomes_stick))
     controls%alpha_min = 0.25_DP
     controls%alpha_max = 1.01_DP
     call classify_slip(point(1 * t, g), point(2.9_DP * t, -9 * g), -10 * g, MU, controls, verdict)
     call suite%near('the cut may go below the least length', verdict%alpha, 0.1_DP, 1.0e-14_DP)
     call classify_slip(point(1 * t, g), point(2.9_DP * t, 0.9_DP * g), -0.1_DP * g, MU, controls, verdict)
     call suite%near('but never above the largest', verdict%alpha, 1.01_DP, 1.0e-14_DP)
-    call suite%that('and then it is not stick', .not. verdict%becomes_stick)
+    call suite%that('and then it is not stick', (.not. verdict%becomes_stick))
   end subroutine check_cut
 
 
@@ -254,7 +259,8 @@ contains
     call expect(suite, 'IV: Rt = 0 at ud', verdict, SCENARIO_IV, 1.0_DP)
     call classify(point(5 * t, zero), point(3 * t, zero), t, verdict)
     call expect(suite, 'in balance after the step', verdict, SCENARIO_I, 1.0_DP)
-    call suite%near('no scenario, full step', table_length(SCENARIO_NONE, 1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP), 1.0_DP, 0.0_DP)
+    call suite%near('no scenario, full step', &
+      table_length(SCENARIO_NONE, 1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP), 1.0_DP, 0.0_DP)
   end subroutine check_guards
 
 
@@ -298,9 +304,12 @@ contains
     integer, intent(in) :: expected
     character(*), intent(in) :: name
     type(slip_verdict_type) :: verdict
-    call classify_slip(at_u, point(4 * along(200.0_DP), 0 * along(0.0_DP)), 0.1_DP * along(200.0_DP), MU, controls, verdict)
+    real(DP) :: t(3)
+    t = along(200.0_DP)
+    call classify_slip(at_u, point(4 * t, 0 * t), 0.1_DP * t, MU, controls, verdict)
     call suite%that('state: ' // name, verdict%state == expected)
-    call suite%that('state: ' // name // ', scenario', (verdict%scenario == SCENARIO_NONE) .eqv. (expected /= NODE_SLIP))
+    call suite%that('state: ' // name // ', scenario', &
+      (verdict%scenario == SCENARIO_NONE) .eqv. (expected /= NODE_SLIP))
     if (expected /= NODE_SLIP) call suite%near('state: ' // name // ', length', verdict%alpha, 1.0_DP, 0.0_DP)
   end subroutine expect_state
 
@@ -322,9 +331,11 @@ contains
     Rt(:, :, 2) = spread(t, 2, M) * spread([2.0_DP, 4.0_DP, 4.0_DP, 2.0_DP, 1.0_DP], 1, 3)
     d = spread(t, 2, M) * spread([0.1_DP, 0.1_DP, -0.1_DP, -0.3_DP, 0.1_DP], 1, 3)
     call classify_nodes(Rt, N, slip, d, spread(MU, 1, M), slip_controls_type(), scenario, state, alpha)
-    call suite%that('many: scenarios', all(scenario == [SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, SCENARIO_NONE]))
+    call suite%that('many: scenarios', &
+      all(scenario == [SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, SCENARIO_NONE]))
     call suite%that('many: states', all(state == [NODE_SLIP, NODE_SLIP, NODE_SLIP, NODE_STICK, NODE_OPENED]))
-    call suite%near('many: lengths', norm2(alpha - [2.0_DP / 3, 2.0_DP, 2.0_DP / 3, 2.0_DP / 3, 1.0_DP]), 0.0_DP, 1.0e-14_DP)
+    call suite%near('many: lengths', &
+      norm2(alpha - [2.0_DP / 3, 2.0_DP, 2.0_DP / 3, 2.0_DP / 3, 1.0_DP]), 0.0_DP, 1.0e-14_DP)
   end subroutine check_many
 
 
