@@ -119,7 +119,7 @@ $(B)/unit/check.o: verify/unit/check.f90
 
 $(B)/unit/test_%: verify/unit/test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a $(wildcard verify/unit/*.inc)
 	@echo "compiling $<" && mkdir -p $@.modules
-	$(Q)$(FC) $(FFLAGS) -I$(B) -I$(@D) $(INCLUDES) -J$@.modules -o $@ $(filter-out %.inc,$^) $(LDLIBS)
+	$(Q)$(FC) $(FFLAGS) -Wno-integer-division -I$(B) -I$(@D) $(INCLUDES) -J$@.modules -o $@ $(filter-out %.inc,$^) $(LDLIBS)
 
 debug: ready ## Build with all run-time checks into build/debug
 	@$(MAKE) BUILD=debug build

@@ -185,7 +185,7 @@ contains
     end if
     write (line, '(i5,i6,i5,2(1x,a11),i6,3i8,i6,a,a9,a9)') record%step, record%increment, record%attempt, &
       text_of(record%total_time), text_of(record%dt), record%n_iterations, record%n_status, &
-      int(100 * fraction), ' %', duration(self%elapsed()), time_left(self)
+      int(100 * fraction + 0.01_DP), ' %', duration(self%elapsed()), time_left(self)
     call put(self, trim(line))
     if (record%is_converged) return
     if (allocated(record%reason)) then
