@@ -1,4 +1,4 @@
-!> Tests of results: writes job.vtkhdf into the working folder and reads back what Fortran can; test_vtkhdf.py reads the rest.
+!> Tests of results: writes job.vtkhdf and others into the working folder, where test_vtkhdf.py reads them; error exits.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_results
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -25,7 +25,7 @@ contains
 
   include 'sample_job.inc'
 
-  !> Three frames, one failed attempt, one increment that file_frequency leaves out; a copy of the file after each frame.
+  !> Three frames, one failed attempt, one increment left out by file_frequency; a copy of the file after each frame.
   subroutine test_job(suite)
     type(suite_type), intent(inout) :: suite
     type(results_type) :: results
