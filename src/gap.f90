@@ -88,7 +88,7 @@ contains
   !> Follows a point from a facet over the neighbours to where it is now.
   !!
   !! It walks over smooth edges and valleys. At a free edge, or a crease that sticks out, the facet reaches up to a
-  !! tenth of its length beyond itself (as Abaqus's extension zone); past that the walk tries the other side of a crease,
+  !! tenth of its length beyond itself (as Abaqus's extension zone); past that the walk tries the other side of a ridge,
   !! else the point is OFF. On anything but ON, f is the last facet looked at.
   pure subroutine project_point(facets, x, point, f, xi, g, n, status)
     type(facets_type), intent(in) :: facets
