@@ -1,0 +1,349 @@
+!> Audit of contact: whether the pairs can touch: projection, direction of the normals, penetration, common nodes.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_audit_contact
+  use amontons_kinds, only: DP
+  use amontons_errors, only: complaints_type
+  use amontons_text, only: text_of, plural
+  use amontons_lookup, only: integer_list_type
+  use amontons_loads, only: amplitude_type, prescribed_type
+  use amontons_model, only: model_type
+  use amontons_state, only: slave_type, STATUS_OPEN
+  use amontons_contact, only: contact_type
+  use amontons_audit_words, only: complain, warn, label_list, number_of
+  implicit none
+  private
+  public :: pair_tally_type, check_contact, tally_pairs, is_closed, may_meet_later
+
+  real(DP), parameter :: TOUCH = 1.0e-6_DP         !< a gap below this part of the master's edge is closed [-]
+  real(DP), parameter :: NEAR = 1.0_DP             !< normals are compared up to this gap over the edge of the facet [-]
+  real(DP), parameter :: SAME_WAY = 0.5_DP         !< normals whose product is above this point the same way [-]
+  real(DP), parameter :: DEEP = 0.5_DP             !< a penetration above this part of the edge is a mistake [-]
+  real(DP), parameter :: SLIGHT = 1.0e-3_DP        !< a penetration above this part of the edge is told [-]
+  real(DP), parameter :: HELD = 1.0e-6_DP          !< a normal with a smaller free part than this is held [-]
+  real(DP), parameter :: REACH = 3.0_DP            !< the search of the contact reaches so many edges [-]
+
+  !> What the slave nodes of one pair say at the start.
+  type :: pair_tally_type
+    integer :: n_slaves = 0
+    integer :: n_projected = 0                 !< that project on the master
+    integer :: n_closed = 0                    !< that touch or penetrate
+    integer :: n_near = 0                      !< whose normal can be compared with that of the master
+    integer :: n_flipped = 0                   !< of these, that face the same way as the master
+    real(DP) :: least_gap = huge(1.0_DP)       !< of those that project and do not face away [length]
+    real(DP) :: largest_gap = -huge(1.0_DP)    !< [length]
+    real(DP) :: depth = 0                      !< largest penetration over the edge of the facet [-]
+    integer :: deepest = 0                     !< its slave
+  end type pair_tally_type
+
+contains
+
+  !> All checks of contact. Cost: linear in the nodes of the surfaces.
+  subroutine check_contact(model, contact, slaves, report)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(complaints_type), intent(inout) :: report
+    type(pair_tally_type), allocatable :: tallies(:)
+    integer :: p
+    call check_overlap(model, report)
+    call tally_pairs(model, contact, slaves, tallies)
+    do p = 1, size(model%pairs)
+      call check_projection(model, contact, p, tallies(p), report)
+      call check_direction(model, p, tallies(p), report)
+      call check_depth(model, contact, slaves, p, tallies(p), report)
+    end do
+    call check_held(model, slaves, report)
+  end subroutine check_contact
+
+
+  !> Counts and gaps of all pairs.
+  subroutine tally_pairs(model, contact, slaves, tallies)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    type(pair_tally_type), allocatable, intent(out) :: tallies(:)   !< (n_pairs)
+    integer :: s
+    allocate (tallies(size(model%pairs)))
+    do s = 1, size(slaves)
+      call tally_slave(contact, slaves(s), contact%slave_normal(:, s), s, tallies(slaves(s)%pair))
+    end do
+  end subroutine tally_pairs
+
+
+  !> One slave node. One that faces away from the master, as the far side of a surface all round a body, has no gap.
+  pure subroutine tally_slave(contact, slave, slave_normal, s, tally)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    real(DP), intent(in) :: slave_normal(3)        !< out of the slave; zero: unknown
+    integer, intent(in) :: s                       !< number of the slave
+    type(pair_tally_type), intent(inout) :: tally
+    real(DP) :: edge
+    logical :: is_turned
+    tally%n_slaves = tally%n_slaves + 1
+    if (slave%facet == 0) return
+    tally%n_projected = tally%n_projected + 1
+    edge = contact%facets(slave%pair)%edge_length(slave%facet)
+    is_turned = dot_product(slave_normal, slave%normal) > SAME_WAY
+    if (abs(slave%gap) <= NEAR * edge .and. norm2(slave_normal) > 0.5_DP) then
+      tally%n_near = tally%n_near + 1
+      if (is_turned) tally%n_flipped = tally%n_flipped + 1
+    end if
+    if (is_turned) return
+    if (is_closed(contact, slave)) tally%n_closed = tally%n_closed + 1
+    tally%least_gap = min(tally%least_gap, slave%gap)
+    tally%largest_gap = max(tally%largest_gap, slave%gap)
+    if (-slave%gap > tally%depth * edge) then
+      tally%depth = -slave%gap / edge
+      tally%deepest = s
+    end if
+  end subroutine tally_slave
+
+
+  !> Whether a slave node touches its master at the start.
+  pure logical function is_closed(contact, slave)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    is_closed = slave%status /= STATUS_OPEN
+    if (slave%facet > 0) is_closed = is_closed .or. slave%gap <= TOUCH * contact%edge(slave%pair)
+  end function is_closed
+
+
+  !> Slave nodes that project nowhere: normal where some overhang, a mistake where all do.
+  subroutine check_projection(model, contact, p, tally, report)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    integer, intent(in) :: p                       !< pair
+    type(pair_tally_type), intent(in) :: tally
+    type(complaints_type), intent(inout) :: report
+    character(:), allocatable :: none
+    if (tally%n_slaves == 0) then
+      call complain(report, pair_name(model, p) // ' has no slave node. Give its slave surface faces or nodes.')
+    else if (tally%n_projected == 0) then
+      none = 'None of the ' // plural(tally%n_slaves, 'slave node') // ' of ' // pair_name(model, p) // &
+        ' projects on the master at the start'
+      if (may_meet_later(model, contact, p)) then
+        call warn(report, none // '; the prescribed displacements may bring the surfaces together later.')
+      else
+        call complain(report, none // ': the surfaces do not face each other, or are farther apart than ' // &
+          text_of(REACH * contact%edge(p)) // ' (three edges of the master). Check the faces of both surfaces and ' // &
+          'the position of the bodies, or move them together.')
+      end if
+    else if (tally%n_projected < tally%n_slaves) then
+      call warn(report, text_of(tally%n_slaves - tally%n_projected) // ' of the ' // &
+        plural(tally%n_slaves, 'slave node') // ' of ' // pair_name(model, p) // ' do not project on the master ' // &
+        'at the start; this is normal where they overhang.')
+    end if
+  end subroutine check_projection
+
+
+  !> Slave and master that face the same way.
+  subroutine check_direction(model, p, tally, report)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: p                       !< pair
+    type(pair_tally_type), intent(in) :: tally
+    type(complaints_type), intent(inout) :: report
+    if (2 * tally%n_flipped <= tally%n_near) return
+    call complain(report, 'The surfaces of ' // pair_name(model, p) // ' face the same way at ' // &
+      text_of(tally%n_flipped) // ' of ' // plural(tally%n_near, 'slave node') // ' near the master, so they ' // &
+      'cannot touch. Check the face numbers (S1 to S6) of both surfaces: each must be the outside of its body ' // &
+      'towards the other.')
+  end subroutine check_direction
+
+
+  !> Penetration at the start.
+  subroutine check_depth(model, contact, slaves, p, tally, report)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    integer, intent(in) :: p                       !< pair
+    type(pair_tally_type), intent(in) :: tally
+    type(complaints_type), intent(inout) :: report
+    character(:), allocatable :: found
+    if (tally%depth <= SLIGHT) return
+    associate (slave => slaves(tally%deepest))
+      found = 'In ' // pair_name(model, p) // ' slave node ' // text_of(model%mesh%node_label(slave%node)) // &
+        ' lies ' // text_of(-slave%gap) // ' inside the master at the start, where an edge is ' // &
+        text_of(contact%facets(p)%edge_length(slave%facet)) // ' long'
+    end associate
+    if (tally%depth > DEEP) then
+      call complain(report, found // ': the surfaces are probably swapped, on the wrong side, or the bodies ' // &
+        'overlap. Check the face numbers and the position of the bodies.')
+    else
+      call warn(report, found // '; this is the deepest of the pair. It is pushed out in the first ' // &
+        'increment, which strains the bodies; move the nodes onto the master if that is not wanted.')
+    end if
+  end subroutine check_depth
+
+
+  !> Whether a pair that is apart at the start can be driven together: finite sliding, and a displacement long enough.
+  pure logical function may_meet_later(model, contact, p)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    integer, intent(in) :: p                       !< pair
+    real(DP) :: box(3, 2, 2), apart(3), travel
+    integer :: i
+    may_meet_later = .false.
+    if (model%pairs(p)%is_small_sliding .or. .not. any(model%steps%is_nlgeom)) return
+    associate (x => model%mesh%coordinates, slave => model%surfaces(model%pairs(p)%slave)%nodes, &
+      master => model%surfaces(model%pairs(p)%master)%nodes)
+      do i = 1, 3
+        box(i, :, 1) = [minval(x(i, slave)), maxval(x(i, slave))]
+        box(i, :, 2) = [minval(x(i, master)), maxval(x(i, master))]
+      end do
+    end associate
+    apart = max(0.0_DP, box(:, 1, 1) - box(:, 2, 2), box(:, 1, 2) - box(:, 2, 1))
+    travel = 0.0_DP
+    do i = 1, size(model%steps)
+      travel = max(travel, longest_travel(model%amplitudes, model%steps(i)%prescribed))
+    end do
+    may_meet_later = travel > 0.0_DP .and. travel >= norm2(apart) - REACH * contact%edge(p)
+  end function may_meet_later
+
+
+  !> The largest prescribed displacement of a step [length].
+  pure real(DP) function longest_travel(amplitudes, prescribed) result(travel)
+    type(amplitude_type), intent(in) :: amplitudes(:)
+    type(prescribed_type), intent(in) :: prescribed(:)
+    real(DP) :: factor
+    integer :: i
+    travel = 0.0_DP
+    do i = 1, size(prescribed)
+      if (prescribed(i)%is_held) cycle
+      factor = 1.0_DP
+      if (prescribed(i)%amplitude > 0) factor = maxval(abs(amplitudes(prescribed(i)%amplitude)%factor))
+      travel = max(travel, factor * abs(prescribed(i)%end), abs(prescribed(i)%start))
+    end do
+  end function longest_travel
+
+
+  !> Nodes that are on both sides of a pair, slaves of two pairs, or slave of one and master of another.
+  subroutine check_overlap(model, report)
+    type(model_type), intent(in) :: model
+    type(complaints_type), intent(inout) :: report
+    type(integer_list_type), allocatable :: common(:)
+    integer, allocatable :: pair_of(:)             ! (n_nodes) the first pair whose slave a node is
+    integer :: p
+    allocate (pair_of(model%mesh%n_nodes), source=0)
+    do p = 1, size(model%pairs)
+      associate (nodes => model%surfaces(model%pairs(p)%slave)%nodes)
+        call collect_common(model, pair_of, nodes, common)
+        call tell_common(model, p, common, .true., report)
+        where (pair_of(nodes) == 0) pair_of(nodes) = p
+      end associate
+    end do
+    do p = 1, size(model%pairs)
+      call collect_common(model, pair_of, model%surfaces(model%pairs(p)%master)%nodes, common)
+      call tell_common(model, p, common, .false., report)
+    end do
+  end subroutine check_overlap
+
+
+  !> Sorts the labels of nodes by the pair whose slaves they are.
+  subroutine collect_common(model, pair_of, nodes, common)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: pair_of(:)              !< (n_nodes) pair or 0
+    integer, intent(in) :: nodes(:)
+    type(integer_list_type), allocatable, intent(out) :: common(:)   !< (n_pairs) labels
+    integer :: i
+    allocate (common(size(model%pairs)))
+    do i = 1, size(nodes)
+      if (pair_of(nodes(i)) > 0) call common(pair_of(nodes(i)))%add(model%mesh%node_label(nodes(i)))
+    end do
+  end subroutine collect_common
+
+
+  !> One error for each pair of which these nodes are slaves already.
+  subroutine tell_common(model, p, common, is_slave, report)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: p                       !< the pair whose slave or master surface was looked at
+    type(integer_list_type), intent(in) :: common(:)
+    logical, intent(in) :: is_slave                !< its slave surface
+    type(complaints_type), intent(inout) :: report
+    character(:), allocatable :: slave_of
+    integer :: q
+    do q = 1, size(common)
+      if (common(q)%n == 0) cycle
+      slave_of = capital(number_of('node', common(q)%trimmed(), 'is slave', 'are slaves')) // ' in '
+      if (is_slave) then
+        call complain(report, slave_of // pair_name(model, q) // ' and in ' // pair_name(model, p) // &
+          ': a node can be slave of one pair only. Take it out of one slave surface, or put both master surfaces ' // &
+          'into one.')
+      else if (q == p) then
+        call complain(report, capital(number_of('node', common(q)%trimmed(), 'belongs', 'belong')) // ' to both ' // &
+          'surfaces of ' // pair_name(model, p) // '. A body cannot touch itself at its own nodes: take them out ' // &
+          'of one surface, or give the two bodies nodes of their own.')
+      else
+        call complain(report, slave_of // pair_name(model, q) // ' and on the master of ' // pair_name(model, p) // &
+          ': contact forces cannot be passed on through a slave. Order the pairs in one direction, so ' // &
+          'that a surface is always slave or always master.')
+      end if
+    end do
+  end subroutine tell_common
+
+
+  !> Slave nodes that a support or an equation holds along the contact normal: the contact cannot push them.
+  subroutine check_held(model, slaves, report)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)
+    type(complaints_type), intent(inout) :: report
+    type(integer_list_type), allocatable :: found(:)
+    logical, allocatable :: is_free(:, :), was_told(:)
+    integer :: i, s, p
+    allocate (was_told(size(model%pairs)), source=.false.)
+    do i = 1, size(model%steps)
+      call find_free_unknowns(model, i, is_free)
+      if (allocated(found)) deallocate (found)
+      allocate (found(size(model%pairs)))
+      do s = 1, size(slaves)
+        if (slaves(s)%facet == 0) cycle
+        if (norm2(merge(slaves(s)%normal, 0.0_DP, is_free(:, slaves(s)%node))) >= HELD) cycle
+        call found(slaves(s)%pair)%add(model%mesh%node_label(slaves(s)%node))
+      end do
+      do p = 1, size(found)
+        if (found(p)%n == 0 .or. was_told(p)) cycle
+        was_told(p) = .true.
+        call warn(report, 'In step ' // text_of(i) // ' the displacement along the contact normal is held by a ' // &
+          'support or an equation at ' // plural(found(p)%n, 'slave node') // ' of ' // pair_name(model, p) // ' (' // &
+          label_list(found(p)%trimmed()) // '): the contact cannot push there. Swap slave and master.')
+      end do
+    end do
+  end subroutine check_held
+
+
+  !> The unknowns that neither a support of the step nor the first term of an equation takes.
+  subroutine find_free_unknowns(model, step, is_free)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step
+    logical, allocatable, intent(out) :: is_free(:, :)   !< (3, n_nodes)
+    integer :: i
+    allocate (is_free(3, model%mesh%n_nodes), source=.true.)
+    do i = 1, size(model%steps(step)%prescribed)
+      associate (load => model%steps(step)%prescribed(i))
+        is_free(load%dof, load%node) = .false.
+      end associate
+    end do
+    do i = 1, size(model%equations)
+      is_free(model%equations(i)%dof(1), model%equations(i)%node(1)) = .false.
+    end do
+  end subroutine find_free_unknowns
+
+
+  !> 'the contact pair SLAVE / MASTER'.
+  pure function pair_name(model, p) result(text)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: p                       !< pair
+    character(:), allocatable :: text
+    text = 'the contact pair ' // model%surfaces(model%pairs(p)%slave)%name // ' / ' // &
+      model%surfaces(model%pairs(p)%master)%name
+  end function pair_name
+
+
+  !> The text with its first letter large.
+  pure function capital(text) result(sentence)
+    character(*), intent(in) :: text
+    character(:), allocatable :: sentence
+    sentence = text
+    if (text(1:1) >= 'a' .and. text(1:1) <= 'z') sentence(1:1) = achar(iachar(text(1:1)) - 32)
+  end function capital
+
+end module amontons_audit_contact
