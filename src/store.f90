@@ -357,7 +357,7 @@ contains
     call open_types(form, file_type, memory_type, s(1))
     call h5screate_simple_f(rank_of(form), extent, space, s(2))
     call h5pcreate_f(H5P_DATASET_CREATE_F, list, s(3))
-    if (n_rows > int(SMALLEST_CHUNK / form%width, I64)) then
+    if (form%storage /= STORE_TEXT .and. n_rows > int(SMALLEST_CHUNK / form%width, I64)) then
       chunked = form
       chunked%n_rows_hint = int(min(n_rows, int(huge(1), I64)))
       call set_chunks(list, chunked, s(4))

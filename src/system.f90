@@ -21,6 +21,7 @@ module amontons_system
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, multiply, multiply_transpose, &
     multiply_symmetric, product_of, transpose_of, full_of, sum_of
   use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, lu_factorise, lu_solve, FACTOR_OK
+  use amontons_partition, only: order_unknowns
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, KRYLOV_CONVERGED
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, finish_constraints, &
     condense_forces, condensation, ROW_CONFLICT
@@ -40,6 +41,7 @@ module amontons_system
 
   real(DP), parameter :: KRYLOV_TOLERANCE = 1.0e-9_DP    !< of a direction, relative to the right-hand side [-]
   integer, parameter :: KRYLOV_MOST = 200                !< Krylov iterations of one direction
+  real(DP), parameter :: ORDER_GROWTH = 1.15_DP          !< a factor this much larger wants a new order of the nodes [-]
   real(DP), parameter :: SHIFT = 1.0e-4_DP               !< of the preconditioner's diagonal if A is not positive [-]
 
   !> The system, with everything that is kept between configurations.
@@ -53,6 +55,8 @@ module amontons_system
     type(sparse_type) :: reduced                   !< A
     type(sparse_type) :: analysed_map              !< the pattern of C for which reduction and factor were analysed
     type(factor_type) :: factor
+    integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while it serves
+    real(DP) :: best_entries = 0                   !< entries of the factor when that order was made
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
     real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
@@ -364,7 +368,7 @@ contains
     if (.not. is_same_pattern(system%whole%map, system%analysed_map)) then
       call analyse_reduction(system%assembly%stiffness, system%whole%map, system%reduction, system%reduced, error)
       if (allocated(error)) return
-      call analyse(system%factor, system%reduced, error=error)
+      call analyse_factor(system, error)
       if (allocated(error)) return
       system%analysed_map = system%whole%map
     end if
@@ -378,6 +382,77 @@ contains
     if (allocated(error)) return
     if (status /= FACTOR_OK) trouble = TROUBLE_SOLVER
   end subroutine factorise_reduced
+
+
+  !> Analyses A in an order of the nodes. METIS makes a new order only if the last one has become too expensive.
+  subroutine analyse_factor(system, error)
+    type(system_type), intent(inout) :: system
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: node(:), order(:)
+    integer :: i, n_nodes
+    n_nodes = system%whole%n_unknowns / 3
+    allocate (node(system%whole%n_free))
+    do i = 1, system%whole%n_unknowns
+      if (system%whole%free_of(i) > 0) node(system%whole%free_of(i)) = (i + 2) / 3
+    end do
+    if (allocated(system%node_order)) then
+      call analyse(system%factor, system%reduced, order_by_node(system%node_order, node), error)
+      if (allocated(error)) return
+      if (system%factor%n_entries <= ORDER_GROWTH * system%best_entries) return
+    end if
+    call order_unknowns(system%reduced, node, n_nodes, order, error)
+    if (allocated(error)) return
+    call analyse(system%factor, system%reduced, order, error)
+    system%best_entries = system%factor%n_entries
+    system%node_order = order_of_nodes(node(order), n_nodes)
+  end subroutine analyse_factor
+
+
+  !> The nodes in the order in which they first appear; those that do not appear come last.
+  pure function order_of_nodes(sequence, n_nodes) result(order)
+    integer, intent(in) :: sequence(:)             !< nodes of the unknowns, in the order of the unknowns
+    integer, intent(in) :: n_nodes
+    integer :: order(n_nodes)
+    logical :: is_met(n_nodes)
+    integer :: i, n
+    is_met = .false.
+    n = 0
+    do i = 1, size(sequence)
+      if (is_met(sequence(i))) cycle
+      is_met(sequence(i)) = .true.
+      n = n + 1
+      order(n) = sequence(i)
+    end do
+    do i = 1, n_nodes
+      if (is_met(i)) cycle
+      n = n + 1
+      order(n) = i
+    end do
+  end function order_of_nodes
+
+
+  !> The unknowns in the order of their nodes. Before: the unknowns of a node stand side by side.
+  pure function order_by_node(node_order, node) result(order)
+    integer, intent(in) :: node_order(:)           !< (n_nodes)
+    integer, intent(in) :: node(:)                 !< (n_free) node of each unknown, ascending
+    integer :: order(size(node))
+    integer :: first(size(node_order) + 1), i, k, n
+    first = 0
+    do i = 1, size(node)
+      first(node(i) + 1) = first(node(i) + 1) + 1
+    end do
+    first(1) = 1
+    do i = 1, size(node_order)
+      first(i + 1) = first(i) + first(i + 1)
+    end do
+    n = 0
+    do k = 1, size(node_order)
+      do i = first(node_order(k)), first(node_order(k) + 1) - 1
+        n = n + 1
+        order(n) = i
+      end do
+    end do
+  end function order_by_node
 
 
   !> A is singular or indefinite: its diagonal grows by a share of itself. Only the preconditioner changes, not the answer.
