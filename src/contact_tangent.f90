@@ -122,8 +122,8 @@ contains
       call differentiate_force(contact, model, imbalance, fields, link, force_normal, force_slip)
       call facet_weights(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, n_origin, nodes, weights, &
         d_weights)
-      call fill_weights(contact, slave, slave%facet, slave%xi, link)
       if (contact%is_small(slave%pair)) then
+        call fill_weights(contact, slave, slave%facet, slave%xi, link)
         call link_kept_weights(slave, link)
       else
         call gap_derivative(contact%facets(slave%pair), x, slave%facet, slave%xi, slave%gap, derivative)
@@ -164,7 +164,10 @@ contains
     type(link_type), intent(inout) :: link
     integer :: j, n
     n = derivative%n_nodes
-    link%nodes = derivative%nodes(:n)
+    link%n_weights = derivative%n_weights
+    link%weights = derivative%weights
+    link%d_weights = derivative%d_weights
+    link%nodes = derivative%nodes
     allocate (link%force_nodes(3, 3, n))
     link%xi_nodes = derivative%d_xi(:, :, :n)
     link%gap_nodes = derivative%d_gap(:, :n)
