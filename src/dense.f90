@@ -4,8 +4,8 @@
 !! Arguments are copied, never overwritten. LAPACK makes NaN on purpose when it tests the machine: traps are masked
 !! around its calls. Reference: Anderson et al., LAPACK Users' Guide, 3rd ed., SIAM 1999.
 module amontons_dense
-  use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_status, ieee_set_halting_mode, ieee_set_status, &
-    ieee_status_type
+  use, intrinsic :: ieee_arithmetic, only: ieee_all, ieee_get_status, ieee_is_finite, ieee_set_halting_mode, &
+    ieee_set_status, ieee_status_type
   use amontons_kinds, only: DP
   implicit none
   private
@@ -94,10 +94,10 @@ contains
     x = b
     status = DENSE_OK
     if (n == 0) return
-    norm = maxval(sum(abs(a), 1))
     if (.not. all_finite(a) .or. .not. all_finite(b)) then
       status = DENSE_FAILED
     else
+      norm = maxval(sum(abs(a), 1))
       call mask_traps(environment)
       call dgesv(n, size(b, 2), lu, n, pivot, x, n, info)
       condition = 0
@@ -253,7 +253,7 @@ contains
   !> Neither NaN nor infinities.
   pure logical function all_finite(a)
     real(DP), intent(in) :: a(:, :)
-    all_finite = all(abs(a) <= huge(a))
+    all_finite = all(ieee_is_finite(a))
   end function all_finite
 
 end module amontons_dense

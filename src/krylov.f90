@@ -6,6 +6,7 @@
 !! References: Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., SIAM 2003, sec. 6.5, 6.7, 9.4;
 !! Saad, SIAM J. Sci. Comput. 14 (1993) 461 (flexible GMRES); Giraud and Langou, IMA J. Numer. Anal. 22 (2002) 521.
 module amontons_krylov
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, multiply_symmetric
@@ -23,6 +24,10 @@ module amontons_krylov
   integer, parameter :: KRYLOV_NOT_FINITE = 4   !< the operator, the preconditioner or b gave NaN or an infinity
 
   real(DP), parameter :: PROGRESS = 0.99_DP     !< a cycle that leaves more of the residual than this has stagnated
+
+  real(DP), parameter :: NOISE = 64 * epsilon(1.0_DP)   !< what is less than this part of a vector is rounding
+
+  real(DP), parameter :: DEPENDENT = 1.0e-8_DP  !< sine of an angle too small to gain by: half of the digits
 
   !> A linear map of n numbers to n numbers.
   type, abstract :: operator_type
@@ -91,22 +96,20 @@ contains
     type(krylov_report_type), intent(out) :: report
     type(error_type), allocatable, intent(out) :: error
     type(cycle_type) :: basis
-    real(DP) :: r(size(b)), goal, size_of_b, before
+    real(DP) :: r(size(b)), best(size(b)), goal, size_of_b, before
     call start(operator, b, x, options, r, size_of_b, goal, report)
     if (report%status /= KRYLOV_TOO_MANY) return
     call allocate_cycle(basis, size(b), min(options%restart, options%max_iterations), error)
     if (.not. allocated(basis%g)) return
     before = norm(r)
     do while (report%status == KRYLOV_TOO_MANY .and. report%n_iterations < options%max_iterations)
+      best = x
       call run_cycle(operator, preconditioner, r, goal, options, basis, x, report)
       if (report%status == KRYLOV_NOT_FINITE) exit
       call residual_of(operator, b, x, r)
-      if (norm(r) <= goal) then
-        report%status = KRYLOV_CONVERGED
-      else if (.not. norm(r) < PROGRESS * before) then
-        report%status = KRYLOV_STAGNATED
-      end if
-      before = norm(r)
+      call judge_progress(norm(r), goal, before, report)
+      if (norm(r) > before) x = best                          ! by rounding only
+      before = min(norm(r), before)
     end do
     report%residual = before / size_of_b
   end subroutine gmres
@@ -122,9 +125,10 @@ contains
     real(DP), intent(out) :: size_of_b, goal                !< |b| and the residual to come below
     type(krylov_report_type), intent(out) :: report
     size_of_b = norm(b)
-    goal = max(options%tolerance * size_of_b, options%floor)
+    goal = options%floor
     r = b
-    if (.not. is_finite(size_of_b)) then
+    if (ieee_is_finite(size_of_b)) goal = max(options%tolerance * size_of_b, options%floor)
+    if (.not. ieee_is_finite(size_of_b)) then
       report%status = KRYLOV_NOT_FINITE
       x = 0
       report%residual = 1
@@ -132,15 +136,31 @@ contains
       x = 0
     else
       report%status = KRYLOV_TOO_MANY
-      if (.not. all(abs(x) <= 0)) call residual_of(operator, b, x, r)
-      if (.not. norm(r) <= size_of_b) then             ! a guess worse than none, or NaN
-        x = 0
-        r = b
-      end if
+      call judge_guess(operator, b, size_of_b, x, r)
       report%residual = norm(r) / size_of_b
       if (norm(r) <= goal) report%status = KRYLOV_CONVERGED
     end if
   end subroutine start
+
+
+  !> The residual of the first guess. A guess that is not finite or worse than none is replaced by 0.
+  subroutine judge_guess(operator, b, size_of_b, x, r)
+    class(operator_type), intent(inout) :: operator
+    real(DP), intent(in) :: b(:)
+    real(DP), intent(in) :: size_of_b                       !< |b|
+    real(DP), intent(inout) :: x(:)
+    real(DP), intent(out) :: r(:)                           !< b - A x
+    logical :: is_useful
+    r = b
+    is_useful = all(ieee_is_finite(x))
+    if (is_useful) is_useful = any(abs(x) > 0)
+    if (is_useful) call residual_of(operator, b, x, r)
+    if (is_useful) is_useful = ieee_is_finite(norm(r))
+    if (is_useful) is_useful = norm(r) <= size_of_b
+    if (is_useful) return
+    x = 0
+    r = b
+  end subroutine judge_guess
 
 
   !> Allocates the vectors of GMRES. The system gives memory only as the vectors are touched.
@@ -165,7 +185,7 @@ contains
     type(cycle_type), intent(inout) :: basis
     real(DP), intent(inout) :: x(:)
     type(krylov_report_type), intent(inout) :: report
-    real(DP) :: length
+    real(DP) :: length, whole
     integer :: k, n_steps
     n_steps = 0
     basis%g = 0
@@ -176,13 +196,13 @@ contains
       call preconditioner%apply(basis%v(:, k), basis%z(:, k))
       call operator%apply(basis%z(:, k), basis%v(:, k + 1))
       report%n_iterations = report%n_iterations + 1
-      call orthogonalise(basis, k, length)
-      if (.not. is_finite(length)) then
+      call orthogonalise(basis, k, whole, length)
+      if (.not. ieee_is_finite(length)) then
         report%status = KRYLOV_NOT_FINITE
         exit
       end if
       call rotate(basis, k)
-      if (.not. abs(basis%h(k, k)) > 0) exit                ! A z is nothing: this direction cannot help
+      if (abs(basis%h(k, k)) <= DEPENDENT * whole) exit     ! A z is nothing new: singular, or time to start again
       n_steps = k
       if (.not. length > 0) exit                            ! the space is complete: the solution lies in it
       basis%v(:, k + 1) = basis%v(:, k + 1) / length
@@ -193,15 +213,17 @@ contains
 
   !> Modified Gram-Schmidt of v(k + 1) against those before, a second time if the first cancelled digits ("twice is
   !> enough"). Fills column k of h. A length that is rounding noise of the vector becomes 0.
-  subroutine orthogonalise(basis, k, length)
+  subroutine orthogonalise(basis, k, whole, length)
     type(cycle_type), intent(inout) :: basis
     integer, intent(in) :: k
-    real(DP), intent(out) :: length                         !< what is left of the vector
-    real(DP) :: before, first, overlap
+    real(DP), intent(out) :: whole                          !< length of the vector
+    real(DP), intent(out) :: length                         !< of what is left of it
+    real(DP) :: before, overlap
     integer :: pass, i
     basis%h(:, k) = 0
-    first = norm(basis%v(:, k + 1))
-    length = first
+    whole = norm(basis%v(:, k + 1))
+    length = whole
+    if (.not. ieee_is_finite(whole)) return
     do pass = 1, 2
       before = length
       do i = 1, k
@@ -212,7 +234,7 @@ contains
       length = norm(basis%v(:, k + 1))
       if (length > 0.7_DP * before) exit
     end do
-    if (length <= 4 * epsilon(length) * first) length = 0
+    if (length <= NOISE * whole) length = 0
     basis%h(k + 1, k) = length
   end subroutine orthogonalise
 
@@ -258,7 +280,7 @@ contains
     do k = 1, n_steps
       correction = correction + y(k) * basis%z(:, k)
     end do
-    if (is_finite(norm(correction))) x = x + correction
+    if (ieee_is_finite(norm(correction))) x = x + correction
   end subroutine correct
 
 
@@ -277,16 +299,27 @@ contains
     before = norm(r)
     do while (report%status == KRYLOV_TOO_MANY .and. report%n_iterations < options%max_iterations)
       call run_descent(operator, preconditioner, goal, options, r, x, report)
+      if (report%status == KRYLOV_NOT_FINITE) exit
       call residual_of(operator, b, x, r)
-      if (norm(r) <= goal) then
-        report%status = KRYLOV_CONVERGED
-      else if (report%status == KRYLOV_TOO_MANY .and. .not. norm(r) < PROGRESS * before) then
-        report%status = KRYLOV_STAGNATED
-      end if
+      call judge_progress(norm(r), goal, before, report)
       before = norm(r)
     end do
     report%residual = before / size_of_b
   end subroutine conjugate_gradients
+
+
+  !> The verdict on a cycle by its true residual.
+  pure subroutine judge_progress(residual, goal, before, report)
+    real(DP), intent(in) :: residual                        !< after the cycle
+    real(DP), intent(in) :: goal                            !< to come below
+    real(DP), intent(in) :: before                          !< residual before the cycle
+    type(krylov_report_type), intent(inout) :: report
+    if (residual <= goal) then
+      report%status = KRYLOV_CONVERGED
+    else if (report%status == KRYLOV_TOO_MANY .and. residual >= PROGRESS * before) then
+      report%status = KRYLOV_STAGNATED
+    end if
+  end subroutine judge_progress
 
 
   !> Conjugate gradients until the residual of the recurrence is small or something breaks.
@@ -308,7 +341,7 @@ contains
       p = z + rho / rho_old * p
       call operator%apply(p, a_p)
       energy = inner(p, a_p)
-      if (.not. (is_finite(rho) .and. is_finite(energy))) then
+      if (.not. (ieee_is_finite(rho) .and. ieee_is_finite(energy))) then
         report%status = KRYLOV_NOT_FINITE
       else if (rho <= 0 .or. energy <= 0) then
         report%status = KRYLOV_INDEFINITE
@@ -334,7 +367,7 @@ contains
 
   !> The scalar product in four interleaved sums: the order is fixed, and the processor need not wait for each addition.
   pure function inner(x, y) result(product)
-    real(DP), intent(in), contiguous :: x(:), y(:)          !< (n)
+    real(DP), intent(in) :: x(:), y(:)                      !< (n)
     real(DP) :: product
     real(DP) :: part(4)
     integer :: k, n
@@ -352,17 +385,10 @@ contains
 
   !> The 2-norm.
   pure function norm(x) result(length)
-    real(DP), intent(in), contiguous :: x(:)                !< (n)
+    real(DP), intent(in) :: x(:)                            !< (n)
     real(DP) :: length
     length = sqrt(inner(x, x))
   end function norm
-
-
-  !> Neither NaN nor an infinity.
-  pure logical function is_finite(x)
-    real(DP), intent(in) :: x
-    is_finite = abs(x) <= huge(x)
-  end function is_finite
 
 
   !> y = A x.

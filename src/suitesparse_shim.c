@@ -85,9 +85,9 @@ static int status_of_umfpack(int status)
 
 static int all_finite(const double *value, size_t n)
 {
-  double sum = 0;
-  for (size_t k = 0; k < n; k++) sum += value[k] - value[k]; /* 0, or NaN if a value is not finite */
-  return sum == 0;
+  for (size_t k = 0; k < n; k++)
+    if (!isfinite(value[k])) return 0;
+  return 1;
 }
 
 /* A new handle of a Cholesky factor; NULL without memory. */

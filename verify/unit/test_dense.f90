@@ -1,0 +1,206 @@
+!> Tests of dense: residual ratios as LAPACK tests itself, and the exits for singular and not finite matrices.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_dense
+  use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+  use amontons_kinds, only: DP
+  use amontons_dense, only: solve_small, symmetric_eigen, singular_values, rank_of, null_space, least_squares, &
+    DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  integer, parameter :: SIZES(4) = [1, 2, 5, 100]
+  integer :: k
+  call random_seed(put=[(13 * k, k=1, 64)])
+  do k = 1, size(SIZES)
+    call test_solve(SIZES(k))
+    call test_eigen(SIZES(k))
+    call test_singular_values(SIZES(k) + 3, SIZES(k))
+    call test_singular_values(SIZES(k), SIZES(k) + 3)
+  end do
+  call test_known()
+  call test_singular()
+  call test_not_finite()
+  call test_null_space()
+  call test_least_squares()
+  call suite%finish()
+
+contains
+
+  !> The 1-norm.
+  pure real(DP) function norm_1(a)
+    real(DP), intent(in) :: a(:, :)
+    norm_1 = maxval([0.0_DP, sum(abs(a), 1)])
+  end function norm_1
+
+
+  !> The unit matrix.
+  pure function unit(n) result(a)
+    integer, intent(in) :: n
+    real(DP) :: a(n, n)
+    integer :: i
+    a = 0
+    do i = 1, n
+      a(i, i) = 1
+    end do
+  end function unit
+
+
+  subroutine test_solve(n)
+    integer, intent(in) :: n
+    real(DP) :: a(n, n), b(n, 3), x(n, 3), y(n), ratio
+    integer :: status
+    call random_number(a)
+    call random_number(b)
+    a = a - 0.5_DP
+    call solve_small(a, b, x, status)
+    ratio = norm_1(matmul(a, x) - b) / (norm_1(a) * norm_1(x) * real(n, DP) * epsilon(1.0_DP))
+    call suite%that('solve: status', status == DENSE_OK)
+    call suite%near('solve: ratio', ratio, 0.0_DP, 30.0_DP)
+    call solve_small(a, b(:, 2), y, status)
+    call suite%near('solve: one right-hand side as several', maxval(abs(y - x(:, 2))), 0.0_DP, &
+                    1.0e-10_DP * maxval(abs(x)))
+  end subroutine test_solve
+
+
+  subroutine test_eigen(n)
+    integer, intent(in) :: n
+    real(DP) :: a(n, n), v(n, n), w(n), residual(n, n)
+    integer :: status, j
+    call random_number(a)
+    a = a + transpose(a) - 1
+    call symmetric_eigen(a, w, v, status)
+    call suite%that('eigen: status', status == DENSE_OK)
+    call suite%that('eigen: ascending', all(w(2:) >= w(:n - 1)))
+    residual = matmul(a, v)
+    do j = 1, n
+      residual(:, j) = residual(:, j) - w(j) * v(:, j)
+    end do
+    call suite%near('eigen: ratio', norm_1(residual) / (norm_1(a) * real(n, DP) * epsilon(1.0_DP)), 0.0_DP, 30.0_DP)
+    call suite%near('eigen: orthonormal', norm_1(matmul(transpose(v), v) - unit(n)) / (real(n, DP) * epsilon(1.0_DP)), &
+                    0.0_DP, 30.0_DP)
+  end subroutine test_eigen
+
+
+  !> The squares of the singular values are the eigenvalues of the smaller of A'A and A A'.
+  subroutine test_singular_values(m, n)
+    integer, intent(in) :: m, n
+    real(DP) :: a(m, n), s(min(m, n)), square(min(m, n), min(m, n)), v(min(m, n), min(m, n)), w(min(m, n))
+    integer :: status
+    call random_number(a)
+    if (m > n) then
+      square = matmul(transpose(a), a)
+    else
+      square = matmul(a, transpose(a))
+    end if
+    call symmetric_eigen(square, w, v, status)
+    call singular_values(a, s, status)
+    call suite%that('singular values: status', status == DENSE_OK)
+    call suite%that('singular values: descending', all(s(2:) <= s(:size(s) - 1)))
+    call suite%near('singular values: squares', maxval(abs(s**2 - w(size(w):1:-1))) / w(size(w)), 0.0_DP, 1.0e-13_DP)
+  end subroutine test_singular_values
+
+
+  !> Matrices with a known answer.
+  subroutine test_known()
+    real(DP) :: w(2), v(2, 2), s(2), x(2)
+    integer :: status, rank
+    call symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), w, v, status)
+    call suite%near('eigenvalue 1 of [2 1; 1 2]', w(1), 1.0_DP, 1.0e-14_DP)
+    call suite%near('eigenvalue 2 of [2 1; 1 2]', w(2), 3.0_DP, 1.0e-14_DP)
+    call singular_values(reshape([3.0_DP, 4.0_DP, 0.0_DP, 0.0_DP], [2, 2]), s, status)
+    call suite%near('singular value 1 of [3 0; 4 0]', s(1), 5.0_DP, 1.0e-14_DP)
+    call suite%near('singular value 2 of [3 0; 4 0]', s(2), 0.0_DP, 1.0e-14_DP)
+    call rank_of(reshape([3.0_DP, 4.0_DP, 0.0_DP, 0.0_DP], [2, 2]), 1.0e-10_DP, rank, status)
+    call suite%that('rank of [3 0; 4 0]', rank == 1)
+    call rank_of(reshape([1.0_DP, 0.0_DP, 0.0_DP, 1.0e-8_DP], [2, 2]), 1.0e-10_DP, rank, status)
+    call suite%that('rank by the tolerance: 2', rank == 2)
+    call rank_of(reshape([1.0_DP, 0.0_DP, 0.0_DP, 1.0e-8_DP], [2, 2]), 1.0e-6_DP, rank, status)
+    call suite%that('rank by the tolerance: 1', rank == 1)
+    call rank_of(reshape([0.0_DP, 0.0_DP], [1, 2]), 1.0e-6_DP, rank, status)
+    call suite%that('rank of nothing', rank == 0)
+    call solve_small(reshape([1.0e-200_DP, 0.0_DP, 0.0_DP, 2.0e-200_DP], [2, 2]), [1.0e-200_DP, 1.0e-200_DP], x, status)
+    call suite%near('small numbers are not singular', x(2), 0.5_DP, 1.0e-15_DP)
+  end subroutine test_known
+
+
+  subroutine test_singular()
+    real(DP) :: hilbert(20, 20), x(20), y(2)
+    integer :: status, i, j
+    call solve_small(reshape([1.0_DP, 2.0_DP, 2.0_DP, 4.0_DP], [2, 2]), [1.0_DP, 1.0_DP], y, status)
+    call suite%that('singular: told', status == DENSE_SINGULAR)
+    call suite%that('singular: x is 0', all(abs(y) <= 0))
+    hilbert = reshape([((1 / real(i + j - 1, DP), i=1, 20), j=1, 20)], [20, 20])
+    call solve_small(hilbert, [(1.0_DP, i=1, 20)], x, status)
+    call suite%that('Hilbert matrix of 20: singular to working precision', status == DENSE_SINGULAR)
+    call solve_small(hilbert(:6, :6), [(sum(hilbert(i, :6)), i=1, 6)], x(:6), status)
+    call suite%near('Hilbert matrix of 6', maxval(abs(x(:6) - 1)), 0.0_DP, 1.0e-8_DP)
+  end subroutine test_singular
+
+
+  subroutine test_not_finite()
+    real(DP) :: a(2, 2), x(2), v(2, 2)
+    real(DP), allocatable :: basis(:, :)
+    integer :: status, rank
+    a = 1
+    a(2, 1) = ieee_value(1.0_DP, ieee_quiet_nan)
+    call solve_small(a, [1.0_DP, 1.0_DP], x, status)
+    call suite%that('NaN: solve', status == DENSE_FAILED .and. all(abs(x) <= 0))
+    call symmetric_eigen(a, x, v, status)
+    call suite%that('NaN: eigen', status == DENSE_FAILED)
+    call singular_values(a, x, status)
+    call suite%that('NaN: singular values', status == DENSE_FAILED)
+    call rank_of(a, 1.0e-10_DP, rank, status)
+    call suite%that('NaN: rank', status == DENSE_FAILED)
+    call null_space(a, 1.0e-10_DP, basis, status)
+    call suite%that('NaN: null space', status == DENSE_FAILED)
+    call least_squares(a, [1.0_DP, 1.0_DP], 1.0e-10_DP, x, rank, status)
+    call suite%that('NaN: least squares', status == DENSE_FAILED)
+  end subroutine test_not_finite
+
+
+  !> A product of random matrices of inner size 4 has rank 4.
+  subroutine test_null_space()
+    real(DP) :: left(9, 4), right(4, 7), a(9, 7)
+    real(DP), allocatable :: basis(:, :)
+    integer :: status, rank
+    call random_number(left)
+    call random_number(right)
+    a = matmul(left, right)
+    call rank_of(a, 1.0e-10_DP, rank, status)
+    call suite%that('null space: rank', rank == 4)
+    call null_space(a, 1.0e-10_DP, basis, status)
+    call suite%that('null space: status', status == DENSE_OK)
+    call suite%that('null space: dimensions', all(shape(basis) == [7, 3]))
+    call suite%near('null space: A N = 0', norm_1(matmul(a, basis)), 0.0_DP, 1.0e-13_DP)
+    call suite%near('null space: orthonormal', norm_1(matmul(transpose(basis), basis) - unit(3)), 0.0_DP, 1.0e-13_DP)
+    call null_space(a(:2, :), 1.0e-10_DP, basis, status)
+    call suite%that('null space of a wide matrix', all(shape(basis) == [7, 5]))
+    call suite%near('null space of a wide matrix: A N = 0', norm_1(matmul(a(:2, :), basis)), 0.0_DP, 1.0e-13_DP)
+    call null_space(a(:0, :), 1.0e-10_DP, basis, status)
+    call suite%near('null space of nothing: all', norm_1(basis - unit(7)), 0.0_DP, 0.0_DP)
+  end subroutine test_null_space
+
+
+  !> The residual is orthogonal to the columns; without full rank the solution is orthogonal to the null space.
+  subroutine test_least_squares()
+    real(DP) :: a(8, 5), b(8), x(5)
+    real(DP), allocatable :: basis(:, :)
+    integer :: rank, status
+    call random_number(a)
+    call random_number(b)
+    call least_squares(a, b, 1.0e-12_DP, x, rank, status)
+    call suite%that('least squares: full rank', status == DENSE_OK .and. rank == 5)
+    call suite%near('least squares: residual orthogonal', maxval(abs(matmul(transpose(a), matmul(a, x) - b))), &
+                    0.0_DP, 1.0e-13_DP)
+    a(:, 5) = a(:, 1) - 2 * a(:, 3)
+    call least_squares(a, b, 1.0e-12_DP, x, rank, status)
+    call null_space(a, 1.0e-12_DP, basis, status)
+    call suite%that('least squares: rank 4', rank == 4)
+    call suite%near('least squares: residual orthogonal again', maxval(abs(matmul(transpose(a), matmul(a, x) - b))), &
+                    0.0_DP, 1.0e-13_DP)
+    call suite%near('least squares: smallest', maxval(abs(matmul(transpose(basis), x))), 0.0_DP, 1.0e-13_DP)
+    call least_squares(a(:2, :), b(:2), 1.0e-12_DP, x, rank, status)
+    call suite%near('least squares: wide matrix solved', maxval(abs(matmul(a(:2, :), x) - b(:2))), 0.0_DP, 1.0e-13_DP)
+  end subroutine test_least_squares
+
+end program test_dense

@@ -1,0 +1,336 @@
+!> Tests of sparse: every product against its dense twin, as a ratio to the rounding error that theory allows.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_sparse
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, EXIT_INTERNAL
+  use amontons_sparse, only: sparse_type, reduction_type, from_triplets, symmetric_pattern, expand_pattern, &
+    entry_position, transpose_of, full_of, product_of, sum_of, multiply, multiply_transpose, multiply_symmetric, &
+    analyse_reduction, reduce_matrix
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  integer, parameter :: SIZES(5) = [1, 2, 5, 40, 100]
+  integer :: k
+  call random_seed(put=[(17 * k, k=1, 64)])
+  do k = 1, size(SIZES)
+    call test_triplets(SIZES(k), SIZES(k) + 3)
+    call test_products(SIZES(k))
+    call test_pattern(SIZES(k))
+    call test_reduction(SIZES(k), (2 * SIZES(k) + 2) / 3)
+  end do
+  call test_reduction(6, 0)
+  call test_large()
+  call test_errors()
+  call suite%finish()
+
+contains
+
+  !> A random matrix of about three entries a row, some places met twice, and its dense twin.
+  subroutine random_matrix(n, m, sparse, dense)
+    integer, intent(in) :: n, m
+    type(sparse_type), intent(out) :: sparse
+    real(DP), allocatable, intent(out) :: dense(:, :)
+    type(error_type), allocatable :: error
+    real(DP) :: place(2, 4 * n), value(4 * n)
+    integer :: row(4 * n), column(4 * n), k
+    call random_number(place)
+    call random_number(value)
+    row = 1 + int(real(n, DP) * place(1, :))
+    column = 1 + int(real(m, DP) * place(2, :))
+    row(n + 1:2 * n:2) = row(1:n:2)
+    column(n + 1:2 * n:2) = column(1:n:2)
+    value = value - 0.5_DP
+    allocate (dense(n, m), source=0.0_DP)
+    do k = 1, 4 * n
+      dense(row(k), column(k)) = dense(row(k), column(k)) + value(k)
+    end do
+    call from_triplets(n, m, row, column, value, sparse, error)
+    call suite%that('triplets are accepted', .not. allocated(error))
+  end subroutine random_matrix
+
+
+  !> A random symmetric matrix with its diagonal, as upper triangle and dense.
+  subroutine random_symmetric(n, sparse, dense)
+    integer, intent(in) :: n
+    type(sparse_type), intent(out) :: sparse
+    real(DP), allocatable, intent(out) :: dense(:, :)
+    type(sparse_type) :: any_matrix
+    real(DP), allocatable :: any_dense(:, :)
+    type(error_type), allocatable :: error
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+    integer :: i, j
+    call random_matrix(n, n, any_matrix, any_dense)
+    dense = any_dense + transpose(any_dense)
+    allocate (row(0), column(0), value(0))
+    do i = 1, n
+      dense(i, i) = dense(i, i) + 4
+      do j = i, n
+        if (i /= j .and. .not. abs(dense(i, j)) > 0) cycle
+        row = [row, i]
+        column = [column, j]
+        value = [value, dense(i, j)]
+      end do
+    end do
+    call from_triplets(n, n, row, column, value, sparse, error)
+  end subroutine random_symmetric
+
+
+  !> The dense twin of a sparse matrix.
+  function dense_of(sparse) result(dense)
+    type(sparse_type), intent(in) :: sparse
+    real(DP) :: dense(sparse%n_rows, sparse%n_columns)
+    integer :: i, p
+    dense = 0
+    do i = 1, sparse%n_rows
+      do p = sparse%first(i), sparse%first(i + 1) - 1
+        dense(i, sparse%column(p)) = dense(i, sparse%column(p)) + sparse%value(p)
+      end do
+    end do
+  end function dense_of
+
+
+  !> Columns ascend strictly in every row, and the row starts fit.
+  logical function is_sorted(sparse)
+    type(sparse_type), intent(in) :: sparse
+    integer :: i, p
+    is_sorted = sparse%first(1) == 1 .and. sparse%first(sparse%n_rows + 1) == size(sparse%column) + 1 .and. &
+                size(sparse%column) == size(sparse%value)
+    do i = 1, sparse%n_rows
+      do p = sparse%first(i) + 1, sparse%first(i + 1) - 1
+        is_sorted = is_sorted .and. sparse%column(p) > sparse%column(p - 1)
+      end do
+    end do
+  end function is_sorted
+
+
+  !> |y - M x| over n eps |M| |x|, the largest component; LAPACK's tests want it below about 30.
+  real(DP) function ratio(dense, x, y)
+    real(DP), intent(in) :: dense(:, :), x(:), y(:)
+    real(DP) :: expected(size(y)), scale(size(y))
+    integer :: k
+    expected = matmul(dense, x)
+    do k = 1, size(y)
+      scale(k) = sum(abs(dense(k, :) * x))
+    end do
+    ratio = maxval(abs(y - expected) / (epsilon(1.0_DP) * real(size(x), DP) * scale + tiny(1.0_DP)))
+  end function ratio
+
+
+  subroutine test_triplets(n, m)
+    integer, intent(in) :: n, m
+    type(sparse_type) :: a, again
+    real(DP), allocatable :: dense(:, :)
+    integer :: i, j, p
+    logical :: is_found
+    call random_matrix(n, m, a, dense)
+    call suite%that('triplets: sorted, no place twice', is_sorted(a))
+    call suite%near('triplets: summed', maxval(abs(dense_of(a) - dense)), 0.0_DP, 0.0_DP)
+    is_found = .true.
+    do i = 1, n
+      do j = 1, m
+        p = entry_position(a, i, j)
+        if (p == 0) then
+          is_found = is_found .and. .not. any(a%column(a%first(i):a%first(i + 1) - 1) == j)
+        else
+          is_found = is_found .and. a%column(p) == j .and. p >= a%first(i) .and. p < a%first(i + 1)
+        end if
+      end do
+    end do
+    call suite%that('entry_position: every place, present or not', is_found)
+    again = transpose_of(a)
+    call suite%that('transpose: sorted', is_sorted(again))
+    call suite%near('transpose', maxval(abs(dense_of(again) - transpose(dense))), 0.0_DP, 0.0_DP)
+  end subroutine test_triplets
+
+
+  subroutine test_products(n)
+    integer, intent(in) :: n
+    type(sparse_type) :: a, b, s, c
+    real(DP), allocatable :: dense(:, :), dense_b(:, :), dense_s(:, :)
+    real(DP) :: x(n + 3), y(n + 3)
+    call random_number(x)
+    call random_matrix(n, n + 3, a, dense)
+    call multiply(a, x, y(:n))
+    call suite%near('multiply, ratio', ratio(dense, x, y(:n)), 0.0_DP, 1.0_DP)
+    call multiply_transpose(a, x(:n), y)
+    call suite%near('multiply_transpose, ratio', ratio(transpose(dense), x(:n), y), 0.0_DP, 1.0_DP)
+    call random_symmetric(n, s, dense_s)
+    call multiply_symmetric(s, x(:n), y(:n))
+    call suite%near('multiply_symmetric, ratio', ratio(dense_s, x(:n), y(:n)), 0.0_DP, 1.0_DP)
+    c = full_of(s)
+    call suite%that('full_of: sorted', is_sorted(c))
+    call suite%near('full_of', maxval(abs(dense_of(c) - dense_s)), 0.0_DP, 0.0_DP)
+    call random_matrix(n, n + 3, b, dense_b)
+    s = sum_of(a, -3.0_DP, b)
+    call suite%that('sum_of: sorted', is_sorted(s))
+    call suite%near('sum_of', maxval(abs(dense_of(s) - dense + 3 * dense_b)), 0.0_DP, 1.0e-14_DP)
+    call random_matrix(n + 3, 2 * n, b, dense_b)
+    c = product_of(a, b)
+    call suite%that('product_of: sorted', is_sorted(c))
+    call suite%near('product_of', maxval(abs(dense_of(c) - matmul(dense, dense_b))), 0.0_DP, 1.0e-15_DP * real(n, DP))
+  end subroutine test_products
+
+
+  subroutine test_pattern(n)
+    integer, intent(in) :: n
+    type(sparse_type) :: pattern, direct, expanded
+    type(error_type), allocatable :: error
+    integer :: first(n + 1), items(3 * n), unknowns(6 * n), l, i, j
+    logical :: coupled(n, n)
+    real(DP) :: place(3 * n)
+    call random_number(place)
+    items = 1 + int(real(n, DP) * place)
+    items(1::3) = [(l, l=1, n)]   ! every item is in a list
+    first = [(3 * l + 1, l=0, n)]
+    coupled = .false.
+    do i = 1, n
+      coupled(i, i) = .true.
+    end do
+    do l = 1, n
+      do i = 3 * l - 2, 3 * l
+        do j = 3 * l - 2, 3 * l
+          coupled(items(i), items(j)) = .true.
+        end do
+      end do
+    end do
+    call symmetric_pattern(n, n, first, items, pattern, error)
+    call suite%that('pattern: no error', .not. allocated(error))
+    call suite%that('pattern: sorted', is_sorted(pattern))
+    pattern%value = 1
+    call suite%that('pattern: upper triangle of the couplings, with diagonal', &
+                    all((dense_of(pattern) > 0) .eqv. upper(coupled)))
+    unknowns = [(2 * items(l) - 1, 2 * items(l), l=1, 3 * n)]
+    call symmetric_pattern(2 * n, n, [(6 * l + 1, l=0, n)], unknowns, direct, error)
+    call expand_pattern(pattern, 2, expanded, error)
+    call suite%that('expand_pattern: the same as from the unknowns', size(direct%column) == size(expanded%column))
+    call suite%that('expand_pattern: rows', all(direct%first == expanded%first))
+    call suite%that('expand_pattern: columns', all(direct%column == expanded%column))
+  end subroutine test_pattern
+
+
+  !> The upper triangle of a table.
+  function upper(table) result(above)
+    logical, intent(in) :: table(:, :)
+    logical :: above(size(table, 1), size(table, 2))
+    integer :: i, j
+    do j = 1, size(table, 2)
+      above(:, j) = table(:, j) .and. [(j >= i, i=1, size(table, 1))]
+    end do
+  end function upper
+
+
+  !> Rows of C empty, with one entry (1 or another number, columns shared), and with several.
+  subroutine random_relation(n, m, relation, dense)
+    integer, intent(in) :: n, m
+    type(sparse_type), intent(out) :: relation
+    real(DP), allocatable, intent(out) :: dense(:, :)
+    type(error_type), allocatable :: error
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+    real(DP) :: dice(7)
+    integer :: i, k, width
+    allocate (row(0), column(0), value(0))
+    do i = 1, n
+      call random_number(dice)
+      width = merge(int(5 * dice(1)), int(2 * dice(1)), dice(2) < 0.3_DP)
+      if (m == 0) width = 0
+      do k = 1, width
+        row = [row, i]
+        column = [column, 1 + int(real(m, DP) * dice(2 + k))]
+        value = [value, merge(1.0_DP, dice(1) - 0.5_DP * real(k, DP), width == 1 .and. dice(7) < 0.8_DP)]
+      end do
+    end do
+    call from_triplets(n, m, row, column, value, relation, error)
+    dense = dense_of(relation)
+  end subroutine random_relation
+
+
+  subroutine test_reduction(n, m)
+    integer, intent(in) :: n, m
+    type(sparse_type) :: k, c, a
+    type(reduction_type) :: reduction
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: dense_k(:, :), dense_c(:, :), expected(:, :)
+    real(DP) :: largest
+    integer :: round, i
+    call random_symmetric(n, k, dense_k)
+    call random_relation(n, m, c, dense_c)
+    call analyse_reduction(k, c, reduction, a, error)
+    call suite%that('reduction: no error', .not. allocated(error))
+    call suite%that('reduction: sorted', is_sorted(a))
+    call suite%that('reduction: diagonal first', all(a%column(a%first(:m)) == [(i, i=1, m)]))
+    do round = 1, 3
+      call reduce_matrix(reduction, k, c, a, error)
+      call suite%that('reduction: values without error', .not. allocated(error))
+      expected = matmul(transpose(dense_c), matmul(dense_k, dense_c))
+      largest = maxval([1.0_DP, abs(expected)])
+      if (m > 0) call suite%near('reduction: C''KC of the dense twins', &
+        maxval(abs(upper_part(expected) - dense_of(a))), 0.0_DP, 1.0e-16_DP * real(n, DP) * largest)
+      call random_number(k%value)            ! new values in the same patterns
+      call random_number(c%value)
+      if (round == 2) c%value(::3) = 0       ! places of zero entries stay
+      dense_k = dense_of(full_of(k))
+      dense_c = dense_of(c)
+    end do
+  end subroutine test_reduction
+
+
+  !> The upper triangle of a matrix, 0 below.
+  function upper_part(a) result(part)
+    real(DP), intent(in) :: a(:, :)
+    real(DP) :: part(size(a, 1), size(a, 2))
+    part = merge(a, 0.0_DP, upper(abs(a) >= 0))
+  end function upper_part
+
+
+  !> Large enough for threads: against the rows of the full matrix, and bitwise the same twice.
+  subroutine test_large()
+    integer, parameter :: N = 20000, WIDTH = 15
+    type(sparse_type) :: pattern
+    type(error_type), allocatable :: error
+    real(DP), dimension(N) :: x, y, again, other
+    integer :: first(N - WIDTH + 1), items((N - WIDTH) * WIDTH), l, i
+    first = [(WIDTH * l + 1, l=0, N - WIDTH)]
+    items = [((l + i, i=1, WIDTH), l=0, N - WIDTH - 1)]
+    call symmetric_pattern(N, N - WIDTH, first, items, pattern, error)
+    call random_number(pattern%value)
+    call random_number(x)
+    call multiply_symmetric(pattern, x, y)
+    call multiply_symmetric(pattern, x, again)
+    call multiply(full_of(pattern), x, other)
+    call suite%that('multiply_symmetric: bitwise repeatable', all(abs(y - again) <= 0))
+    call suite%near('multiply_symmetric: threads share it right', maxval(abs(y - other) / y), 0.0_DP, 1.0e-14_DP)
+  end subroutine test_large
+
+
+  subroutine test_errors()
+    type(sparse_type) :: a, c, r
+    type(reduction_type) :: reduction
+    type(error_type), allocatable :: error
+    call from_triplets(2, 2, [1, 3], [1, 1], [1.0_DP, 1.0_DP], a, error)
+    call expect_error('a row outside the matrix', error)
+    call from_triplets(2, 2, [1, 2], [1, 0], [1.0_DP, 1.0_DP], a, error)
+    call expect_error('a column outside the matrix', error)
+    call from_triplets(2, 2, [1, 2], [1], [1.0_DP, 1.0_DP], a, error)
+    call expect_error('triplets of unequal length', error)
+    call symmetric_pattern(2, 1, [1, 3], [1, 3], a, error)
+    call expect_error('an item outside the pattern', error)
+    call from_triplets(3, 3, [1, 2, 3], [1, 2, 3], [1.0_DP, 1.0_DP, 1.0_DP], a, error)
+    call from_triplets(2, 2, [1, 2], [1, 2], [1.0_DP, 1.0_DP], c, error)
+    call analyse_reduction(a, c, reduction, r, error)
+    call expect_error('matrix and relation of different sizes', error)
+    call analyse_reduction(c, c, reduction, r, error)
+    call reduce_matrix(reduction, a, c, r, error)
+    call expect_error('a reduction of another pattern', error)
+  end subroutine test_errors
+
+
+  subroutine expect_error(what, error)
+    character(*), intent(in) :: what
+    type(error_type), allocatable, intent(in) :: error
+    call suite%that('error told: '//what, allocated(error))
+    if (allocated(error)) call suite%that('internal: '//what, error%code == EXIT_INTERNAL)
+  end subroutine expect_error
+
+end program test_sparse
