@@ -90,6 +90,7 @@ all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUIL
 	@$(MAKE) build
 
 build: $(PRODUCTS)
+	@:
 
 $(BIN)/amontons: $(B)/main.o $(LIB)/libamontons.a
 	@echo "linking   $@" && mkdir -p $(@D)
@@ -112,6 +113,7 @@ $(B)/%.o: src/%.c
 	$(Q)$(CC) $(CFLAGS) $(INCLUDES) -Isrc -c $< -o $@
 
 unit: $(UNITS) ## Build the unit test programs
+	@:
 
 $(B)/unit/check.o: verify/unit/check.f90
 	@echo "compiling $<" && mkdir -p $(@D)
