@@ -137,7 +137,7 @@ class ContactCheck:
         order = [row[int(label)] for label in self.deck.element_labels]
         on_file = self.results.stresses[frame].reshape(-1, 8, 6)[order]
         own = state.cauchy[..., [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
-        floor = 1e-6 * float(self.elastic[:, 0].max())
+        floor = 1e-4 * float(self.elastic[:, 0].max())
         return float(np.abs(on_file - own).max()) / max(float(np.abs(own).max()), floor)
 
     def _pair(

@@ -205,7 +205,7 @@ def test_periodic_cell_by_equations(run_deck: Run, tmp_path: Path, kind: str) ->
     motion = "*BOUNDARY\n" + f"{origin + 1}, 1, 3\n{corner + 1}, 1, 1, 0.002\n{corner + 1}, 2, 3\n{side_support(body)}"
     found = solve(run_deck, tmp_path, body.cards() + cards + step(motion))
     series = 0.002 / ((2 / 3) / (4 * YOUNG) + (4 / 3) / YOUNG)
-    close(found["RF"][corner, 0], series, 1e-8, "force of the corner")
+    close(found["RF"][right, 0].sum(), series, 1e-8, "force through the cell")
     close(found["S"][:, 0], series, 1e-7, "stress")
     jump = found["U"][[partner[tuple(np.round(body.nodes[n, 1:], 9))] for n in left]] - found["U"][left]
     close(jump, np.tile([0.002, 0, 0], (len(left), 1)), 1e-10, "jump from left to right")
