@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Cholesky: supernodal, with the ordering given or by METIS. `analyse` once for a pattern, `factorise` for each new
-!! matrix, `solve` for each load. The factor's memory is kept between factorisations.
+!! matrix, `solve` for each load. The factor's memory is kept between factorisations and analyses.
 !! References: Chen, Davis, Hager, Rajamanickam, ACM Trans. Math. Software 35 (2008) 22 (CHOLMOD);
 !! Davis, ACM Trans. Math. Software 30 (2004) 196 (UMFPACK).
 module amontons_factor
@@ -142,18 +142,19 @@ module amontons_factor
 contains
 
   !> Orders the unknowns and finds the pattern of the factor, for all matrices of this pattern.
-  !> After it, estimate_memory and the statistics are known; no value is looked at.
+  !> After it, estimate_memory and the statistics are known; no value is looked at. An earlier analysis is thrown away,
+  !> but its memory is used again.
   subroutine analyse(factor, matrix, permutation, error)
-    type(factor_type), intent(inout) :: factor         !< an earlier analysis is thrown away
+    type(factor_type), intent(inout) :: factor         !< new, or used before
     type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle with its diagonal
     integer, intent(in), optional :: permutation(:)    !< (n) unknown that comes k-th, from 1; default: METIS decides
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: statistics(4)
     integer :: status
-    call forget(factor)
+    call reset(factor)
     factor%n_unknowns = matrix%n_rows
     if (matrix%n_rows == 0) return
-    factor%handle = cholesky_new()
+    if (.not. c_associated(factor%handle)) factor%handle = cholesky_new()
     if (.not. c_associated(factor%handle)) then
       call set_error(error, EXIT_SOLVER, 'No memory for the solver.')
       return
@@ -320,6 +321,13 @@ contains
   subroutine forget(factor)
     type(factor_type), intent(inout) :: factor
     call release_factor(factor)
+    call reset(factor)
+  end subroutine forget
+
+
+  !> Makes the statistics as new.
+  subroutine reset(factor)
+    type(factor_type), intent(inout) :: factor
     factor%n_unknowns = 0
     factor%n_entries = 0
     factor%n_operations = 0
@@ -328,7 +336,7 @@ contains
     factor%weakest = 0
     factor%pivot_ratio = 0
     factor%is_ready = .false.
-  end subroutine forget
+  end subroutine reset
 
 
   !> Frees the memory of CHOLMOD.
