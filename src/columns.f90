@@ -175,7 +175,7 @@ contains
   end subroutine create_columns
 
 
-  !> Adds rows to all tables of a group of columns.
+  !> Adds rows to all tables of a group of columns. (The brackets say that a copy is meant: rows of a matrix are apart.)
   subroutine append_columns(store, columns, integers, reals, tables, error)
     type(store_type), intent(in) :: store
     type(column_type), intent(in) :: columns(:)
@@ -189,10 +189,10 @@ contains
     do i = 1, size(columns)
       associate (width => columns(i)%width)
         if (columns(i)%is_integer) then
-          call append_rows(store, tables(i), integers(n_integers + 1:n_integers + width, :), error)
+          call append_rows(store, tables(i), (integers(n_integers + 1:n_integers + width, :)), error)
           n_integers = n_integers + width
         else
-          call append_rows(store, tables(i), reals(n_reals + 1:n_reals + width, :), error)
+          call append_rows(store, tables(i), (reals(n_reals + 1:n_reals + width, :)), error)
           n_reals = n_reals + width
         end if
       end associate
@@ -219,10 +219,10 @@ contains
       name = folder // '/' // trim(columns(i)%name)
       if (columns(i)%is_integer) then
         n_integers = n_integers + 1
-        call write_data(store, name, integers(n_integers, :), columns(i)%unit, columns(i)%description, error)
+        call write_data(store, name, (integers(n_integers, :)), columns(i)%unit, columns(i)%description, error)
       else
         n_reals = n_reals + 1
-        call write_data(store, name, reals(n_reals, :), columns(i)%unit, columns(i)%description, error)
+        call write_data(store, name, (reals(n_reals, :)), columns(i)%unit, columns(i)%description, error)
       end if
     end do
   end subroutine write_columns

@@ -79,7 +79,8 @@ module amontons_results
 
 contains
 
-  !> Creates options%outdir/job.vtkhdf with the mesh and all that is known before the first increment.
+  !> Creates options%outdir/job.vtkhdf with the mesh and all that is known before the first increment. It can be read once
+  !! increment 0 is written.
   subroutine open_results(results, model, options, error)
     type(results_type), intent(out) :: results
     type(model_type), intent(in) :: model
@@ -99,7 +100,6 @@ contains
     if (.not. allocated(error)) call write_pairs(results%store, model, error)
     if (.not. allocated(error)) call write_steps(results%store, model%steps, error)
     if (.not. allocated(error)) call create_histories(results, error)
-    if (.not. allocated(error)) call flush_store(results%store, error)
     if (allocated(error)) call abandon(results)
   end subroutine open_results
 
@@ -349,14 +349,14 @@ contains
     if (.not. allocated(error)) call write_data(store, ROOT // 'name', names, '[-]', 'Name of each material.', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'law', laws, &
       '[-]', 'Elastic law at finite strain.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'youngs_modulus', model%materials%youngs_modulus, &
+    if (.not. allocated(error)) call write_data(store, ROOT // 'youngs_modulus', (model%materials%youngs_modulus), &
       '[stress]', &
       'Young''s modulus.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'poissons_ratio', model%materials%poissons_ratio, &
+    if (.not. allocated(error)) call write_data(store, ROOT // 'poissons_ratio', (model%materials%poissons_ratio), &
       '[-]', &
       'Poisson''s ratio.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'density', model%materials%density, '[mass/length^3]', &
-      'Density.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'density', (model%materials%density), &
+      '[mass/length^3]', 'Density.', error)
   end subroutine write_materials
 
 
@@ -397,11 +397,11 @@ contains
       '1: weights and normal kept from the start of the step.', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'first', first, '[-]', &
       'Start of its facets in facet_nodes, facet_element and facet_face, and the end.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_nodes', facets(:MAX_FACE_NODES, :), '[-]', &
+    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_nodes', (facets(:MAX_FACE_NODES, :)), '[-]', &
       'Nodes of each facet: corners, then mid-sides, outward by the right-hand rule; -1 fills up.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_element', facets(MAX_FACE_NODES + 1, :), '[-]', &
-      'Element of each facet.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_face', facets(MAX_FACE_NODES + 2, :), '[-]', &
+    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_element', (facets(MAX_FACE_NODES + 1, :)), &
+      '[-]', 'Element of each facet.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_face', (facets(MAX_FACE_NODES + 2, :)), '[-]', &
       'Number of the facet in its element, 1 to 6 as in the deck (S1 to S6).', error)
   end subroutine write_pairs
 
