@@ -79,8 +79,8 @@ module amontons_results
 
 contains
 
-  !> Creates options%outdir/job.vtkhdf with the mesh and all that is known before the first increment. It can be read once
-  !! increment 0 is written.
+  !> Creates options%outdir/job.vtkhdf with the mesh and all that is known before the first increment. It can be read
+  !! once increment 0 is written.
   subroutine open_results(results, model, options, error)
     type(results_type), intent(out) :: results
     type(model_type), intent(in) :: model

@@ -501,7 +501,7 @@ contains
 
   !> Chunk size and compression.
   !!
-  !! A table that grows by many rows at a time has one compressed chunk for each block of rows, so that a block that stands
+  !! A table that grows by many rows at a time has one compressed chunk for each block of rows, so that a block that is
   !! in the file is never moved again: a viewer may be reading it. Chunks of tables that grow row by row are changed in
   !! place, hence not compressed.
   subroutine set_chunks(list, form, status)
