@@ -345,7 +345,8 @@ def draw_history(axes: Axes, job: Job, k: int) -> None:
     normal = np.linalg.norm(job.fields["CNORMF"][:, job.slaves].sum(axis=1), axis=1)
     shear = np.linalg.norm(job.fields["CSHEARF"][:, job.slaves].sum(axis=1), axis=1)
     axes.plot(job.times, normal, color="#2f6db3", lw=2, marker="o", ms=3, label="normal N")
-    axes.plot(job.times, shear, color="#f28e2b", lw=2, marker="o", ms=3, label="tangential T")
+    if shear.max() > 1e-9 * normal.max():
+        axes.plot(job.times, shear, color="#f28e2b", lw=2, marker="o", ms=3, label="tangential T")
     if job.friction:
         axes.plot(job.times, job.friction * normal, color=INK, lw=1.2, ls="--", label=f"{job.friction:g} N")
     for end in job.step_ends:

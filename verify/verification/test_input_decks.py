@@ -128,7 +128,7 @@ def test_hertz_octant(run: Run, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_ironing(run: Run, tmp_path: Path) -> None:
-    """Twenty facets of sliding: contact holds all the way, and the force in steady sliding ripples by less than 10 %."""
+    """Twenty-seven facets of sliding: contact holds all the way, and the force in steady sliding ripples by less than 10 %."""
     path, deck = solved(run, "ironing", tmp_path)
     assert_contact_holds(path)
     normal, shear = sums(path, deck)
