@@ -18,7 +18,8 @@ module amontons_audit
   use amontons_contact, only: contact_type
   use amontons_audit_words, only: complain, warn, number_of, label_list
   use amontons_audit_contact, only: check_contact, tally_pairs, pair_tally_type
-  use amontons_audit_bodies, only: bodies_type, find_bodies, body_name, check_bodies
+  use amontons_audit_bodies, only: bodies_type, find_bodies, body_name
+  use amontons_audit_motion, only: check_motions
   implicit none
   private
   public :: audit_model, audit_summary
@@ -28,7 +29,7 @@ module amontons_audit
 contains
 
   !> All checks. Errors: EXIT_SETUP if the report holds an error; the report names each. Cost: linear, but for bodies
-  !! that contact couples (audit_bodies).
+  !! that contact couples (audit_motion).
   subroutine audit_model(model, contact, slaves, report, error)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
@@ -42,7 +43,7 @@ contains
     call check_lone_nodes(model, bodies, report)
     call check_equations(model, report)
     call check_contact(model, contact, slaves, report)
-    call check_bodies(model, contact, slaves, bodies, report)
+    call check_motions(model, contact, slaves, bodies, report)
     if (report%n_errors > 0) call set_error(error, EXIT_SETUP, 'The model cannot stand as it is: the audit found ' // &
       plural(report%n_errors, 'error') // '. No step was begun.')
   end subroutine audit_model
@@ -310,24 +311,26 @@ contains
     integer :: p
     call tally_pairs(model, contact, slaves, tallies)
     text = table_entry('contact pairs', size(tallies)) // NEWLINE // &
-      '      slaves projected    closed   least gap largest gap   friction  slave / master' // NEWLINE
+      '      slaves projected    closed    least gap  largest gap  friction  slave / master' // NEWLINE
     do p = 1, size(tallies)
-      write (line, '(2x,3i10,2a12,a11,2x)') tallies(p)%n_slaves, tallies(p)%n_projected, tallies(p)%n_closed, &
-        gap_text(tallies(p), tallies(p)%least_gap), gap_text(tallies(p), tallies(p)%largest_gap), &
+      write (line, '(2x,3i10,2(1x,a12),a10,2x)') tallies(p)%n_slaves, tallies(p)%n_projected, tallies(p)%n_closed, &
+        gap_text(tallies(p), tallies(p)%least_gap, contact%edge(p)), &
+        gap_text(tallies(p), tallies(p)%largest_gap, contact%edge(p)), &
         text_of(model%interactions(model%pairs(p)%interaction)%friction)
-      text = text // line(:69) // model%surfaces(model%pairs(p)%slave)%name // ' / ' // &
+      text = text // line(:70) // model%surfaces(model%pairs(p)%slave)%name // ' / ' // &
         model%surfaces(model%pairs(p)%master)%name // NEWLINE
     end do
   end function pair_table
 
 
-  !> A gap, or '-' where no node has one.
-  pure function gap_text(tally, gap) result(text)
+  !> A gap, or '-' where no node has one; rounding is told as 0.
+  pure function gap_text(tally, gap, edge) result(text)
     type(pair_tally_type), intent(in) :: tally
-    real(DP), intent(in) :: gap                    !< [length]
-    character(:), allocatable :: text
+    real(DP), intent(in) :: gap, edge              !< [length]
+    character(12) :: text
     text = '-'
-    if (tally%largest_gap >= tally%least_gap) text = text_of(gap)
+    if (tally%largest_gap >= tally%least_gap) text = text_of(merge(gap, 0.0_DP, abs(gap) > SAME * edge))
+    text = adjustr(text)
   end function gap_text
 
 

@@ -34,7 +34,7 @@ uses_cards = kinds errors text lookup
 uses_card_form = kinds text lookup cards
 uses_card_table = card_form
 uses_deck_reader = kinds text lookup mesh model cards card_form
-uses_deck_mesh = text lookup topology mesh model cards card_form deck_reader
+uses_deck_mesh = kinds text lookup topology mesh model cards card_form deck_reader
 uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
 uses_deck_model = kinds text lookup topology mesh materials surfaces loads model cards card_form deck_reader
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
@@ -59,8 +59,9 @@ uses_contact_tangent = kinds errors sparse topology model gap state constraints 
 uses_system = kinds errors history sparse partition factor krylov loads steps model state constraints assembly contact contact_tangent
 uses_audit_words = errors text
 uses_audit_contact = kinds errors text lookup loads model state contact audit_words
-uses_audit_bodies = kinds errors text lookup tensor dense topology steps model element state contact audit_words audit_contact
-uses_audit = kinds errors text lookup topology loads steps model element state constraints contact audit_words audit_contact audit_bodies
+uses_audit_bodies = kinds text model element
+uses_audit_motion = kinds errors text lookup tensor dense topology steps model state contact audit_words audit_contact audit_bodies
+uses_audit = kinds errors text lookup topology loads steps model element state constraints contact audit_words audit_contact audit_bodies audit_motion
 
 # 6 solution: the increment, the steps, the results
 uses_converge = kinds steps

@@ -1,0 +1,744 @@
+!> Audit of motion: which rigid motions of the bodies nothing holds in a step, in words.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! A body can move rigidly in six ways, u = t + r x (x - centre)/size. A support, an equation, or a contact that is
+!! closed or can close is a row a'u = 0 on these. The supports leave each body a basis of motions (the null space of its
+!! 6 x 6 Gram matrix); equations and contacts are rows on these bases, and couple bodies. Each cluster of coupled bodies
+!! gets a Gram matrix R'R, whose null space is what is free. Cost: linear in nodes and rows, cubic in the free motions
+!! of one cluster.
+module amontons_audit_motion
+  use amontons_kinds, only: DP
+  use amontons_errors, only: complaints_type
+  use amontons_text, only: text_of
+  use amontons_lookup, only: integer_list_type
+  use amontons_tensor, only: cross_product
+  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_dense, only: symmetric_eigen, DENSE_OK
+  use amontons_steps, only: step_type
+  use amontons_model, only: model_type
+  use amontons_state, only: slave_type
+  use amontons_contact, only: contact_type, facet_weights
+  use amontons_audit_words, only: complain, warn, step_list, joined
+  use amontons_audit_contact, only: is_closed, may_meet_later
+  use amontons_audit_bodies, only: body_type, bodies_type, body_name, find_root, unite
+  implicit none
+  private
+  public :: check_motions
+
+  ! An eigenvalue or pivot of a Gram matrix that is a smaller part of the largest than this counts as 0 [-]. With
+  ! contacts it is the square of a slope: the normals carry the rounding of the coordinates in the deck.
+  real(DP), parameter :: SUPPORT_TOLERANCE = 1.0e-12_DP
+  real(DP), parameter :: CONTACT_TOLERANCE = 1.0e-10_DP
+  real(DP), parameter :: CLEAN = 1.0e-3_DP         !< a part of a motion smaller than this is not told [-]
+
+  !> The motions that the supports of a step leave to each body.
+  type :: bases_type
+    integer, allocatable :: n(:)                   !< (n_bodies) 0 to 6
+    real(DP), allocatable :: motion(:, :, :)       !< (6, 6, n_bodies) the first n are orthonormal: t, r
+  end type bases_type
+
+  !> Rows of equations and contacts on the motions of the bodies, one after the other.
+  type :: rows_type
+    integer :: n = 0
+    integer :: n_entries = 0
+    integer, allocatable :: first(:)               !< (n + 1) start of a row's entries
+    logical, allocatable :: is_open(:)             !< (n) of a contact that is open at the start
+    integer, allocatable :: body(:)                !< (n_entries)
+    real(DP), allocatable :: value(:, :)           !< (6, n_entries) on the motions of that body's basis
+    real(DP), allocatable :: work(:, :)            !< (6, n_bodies) the row in the making on t and r; 0 between rows
+    integer, allocatable :: touched(:)             !< bodies of the row in the making
+    integer :: n_touched = 0
+  end type rows_type
+
+  !> A sentence about some bodies, and the steps in which it is true.
+  type :: finding_type
+    character(:), allocatable :: text
+    logical :: is_warning = .false.
+    type(integer_list_type) :: steps
+  end type finding_type
+
+contains
+
+  !> Tells which rigid motions nothing holds, step by step (errors), and which only open contact holds at the start.
+  subroutine check_motions(model, contact, slaves, bodies, report)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(bodies_type), intent(in) :: bodies
+    type(complaints_type), intent(inout) :: report
+    type(finding_type), allocatable :: findings(:)
+    integer :: i
+    allocate (findings(0))
+    do i = 1, size(model%steps)
+      call check_step(model, contact, slaves, bodies, i, findings)
+    end do
+    do i = 1, size(findings)
+      associate (finding => findings(i))
+        if (finding%is_warning) then
+          call warn(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%text)
+        else
+          call complain(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%text)
+        end if
+      end associate
+    end do
+  end subroutine check_motions
+
+
+  !> The free motions of one step.
+  subroutine check_step(model, contact, slaves, bodies, step, findings)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: step                    !< its number
+    type(finding_type), allocatable, intent(inout) :: findings(:)
+    type(bases_type) :: bases
+    type(rows_type) :: rows
+    call find_bases(model, bodies, model%steps(step), bases)
+    if (all(bases%n == 0)) return
+    allocate (rows%work(6, bodies%n), source=0.0_DP)
+    allocate (rows%touched(bodies%n), rows%first(65), rows%is_open(64), rows%body(128), rows%value(6, 128))
+    rows%first(1) = 1
+    call add_equations(model, bodies, bases, rows)
+    call add_contacts(model, contact, slaves, bodies, bases, rows)
+    call check_clusters(model, bodies, bases, rows, step, .false., findings)
+    if (step > 1 .or. size(findings) > 0) return
+    if (any(rows%is_open(:rows%n))) call check_clusters(model, bodies, bases, rows, step, .true., findings)
+  end subroutine check_step
+
+
+  !> The displacement of a point by the six motions of a body: u_k = sum row(k, :) (t, r).
+  pure function rigid_motion(body, x) result(rows)
+    type(body_type), intent(in) :: body
+    real(DP), intent(in) :: x(3)                   !< [length]
+    real(DP) :: rows(3, 6)
+    real(DP) :: arm(3)
+    arm = (x - body%centre) / body%size
+    rows = reshape([1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, &
+      0.0_DP, -arm(3), arm(2), arm(3), 0.0_DP, -arm(1), -arm(2), arm(1), 0.0_DP], [3, 6])
+  end function rigid_motion
+
+
+  !> What the supports of a step leave free.
+  subroutine find_bases(model, bodies, step, bases)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(step_type), intent(in) :: step
+    type(bases_type), intent(out) :: bases
+    real(DP), allocatable :: gram(:, :, :)
+    real(DP) :: rows(3, 6)
+    integer :: i, b
+    allocate (gram(6, 6, bodies%n), source=0.0_DP)
+    allocate (bases%n(bodies%n), source=0)
+    allocate (bases%motion(6, 6, bodies%n), source=0.0_DP)
+    do b = 1, bodies%n
+      if (bodies%list(b)%n_elements == 0) call hold_unused(model, bodies%list(b)%node, gram(:, :, b))
+    end do
+    do i = 1, size(step%prescribed)
+      associate (load => step%prescribed(i))
+        b = bodies%of_node(load%node)
+        if (b == 0) cycle
+        rows = rigid_motion(bodies%list(b), model%mesh%coordinates(:, load%node))
+        call add_product(rows(load%dof, :), rows(load%dof, :), gram(:, :, b))
+      end associate
+    end do
+    do b = 1, bodies%n
+      call find_null_space(gram(:, :, b), SUPPORT_TOLERANCE, bases%n(b), bases%motion(:, :, b))
+    end do
+  end subroutine find_bases
+
+
+  !> A node without elements does not turn, and moves only in the directions that equations name.
+  subroutine hold_unused(model, node, gram)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: node
+    real(DP), intent(inout) :: gram(6, 6)
+    logical :: is_used(6)
+    integer :: i, k
+    is_used = .false.
+    do i = 1, size(model%equations)
+      do k = 1, size(model%equations(i)%node)
+        if (model%equations(i)%node(k) == node) is_used(model%equations(i)%dof(k)) = .true.
+      end do
+    end do
+    do k = 1, 6
+      if (.not. is_used(k)) gram(k, k) = 1.0_DP
+    end do
+  end subroutine hold_unused
+
+
+  !> Orthonormal vectors that a Gram matrix maps to (nearly) zero, in the first n columns.
+  subroutine find_null_space(gram, tolerance, n, vectors)
+    real(DP), intent(in) :: gram(:, :)             !< (m, m)
+    real(DP), intent(in) :: tolerance              !< of an eigenvalue over the largest [-]
+    integer, intent(out) :: n
+    real(DP), intent(out) :: vectors(:, :)         !< (m, m)
+    real(DP) :: values(size(gram, 1))
+    integer :: status
+    call symmetric_eigen(gram, values, vectors, status)
+    n = 0
+    if (status == DENSE_OK) n = count(values <= tolerance * values(size(values)))
+  end subroutine find_null_space
+
+
+  !> Adds a'u(node) to the row in the making.
+  subroutine add_term(model, bodies, node, a, rows)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: node
+    real(DP), intent(in) :: a(3)
+    type(rows_type), intent(inout) :: rows
+    integer :: b
+    b = bodies%of_node(node)
+    if (b == 0) return
+    if (.not. any(rows%touched(:rows%n_touched) == b)) then
+      rows%n_touched = rows%n_touched + 1
+      rows%touched(rows%n_touched) = b
+    end if
+    rows%work(:, b) = rows%work(:, b) + matmul(a, rigid_motion(bodies%list(b), model%mesh%coordinates(:, node)))
+  end subroutine add_term
+
+
+  !> Ends the row in the making: what of it falls on motions that supports leave free is kept.
+  subroutine end_row(bases, is_open, rows)
+    type(bases_type), intent(in) :: bases
+    logical, intent(in) :: is_open                 !< of a contact that is open at the start
+    type(rows_type), intent(inout) :: rows
+    real(DP) :: value(6), largest
+    integer :: i, b, n_before
+    n_before = rows%n_entries
+    largest = 0.0_DP
+    do i = 1, rows%n_touched
+      largest = max(largest, maxval(abs(rows%work(:, rows%touched(i)))))
+    end do
+    do i = 1, rows%n_touched
+      b = rows%touched(i)
+      value = 0.0_DP
+      value(:bases%n(b)) = matmul(rows%work(:, b), bases%motion(:, :bases%n(b), b))
+      rows%work(:, b) = 0.0_DP
+      if (norm2(value) <= 1.0e-12_DP * largest .or. bases%n(b) == 0) cycle
+      if (rows%n_entries == size(rows%body)) call enlarge_entries(rows)
+      rows%n_entries = rows%n_entries + 1
+      rows%body(rows%n_entries) = b
+      rows%value(:, rows%n_entries) = value
+    end do
+    rows%n_touched = 0
+    if (rows%n_entries == n_before) return
+    if (rows%n == size(rows%is_open)) then
+      rows%is_open = [rows%is_open, rows%is_open]
+      rows%first = [rows%first, rows%first]
+    end if
+    rows%n = rows%n + 1
+    rows%is_open(rows%n) = is_open
+    rows%first(rows%n + 1) = rows%n_entries + 1
+  end subroutine end_row
+
+
+  !> Doubles the room for entries.
+  subroutine enlarge_entries(rows)
+    type(rows_type), intent(inout) :: rows
+    real(DP), allocatable :: larger(:, :)
+    integer :: n
+    n = size(rows%body)
+    rows%body = [rows%body, rows%body]
+    allocate (larger(6, 2 * n))
+    larger(:, :n) = rows%value
+    call move_alloc(larger, rows%value)
+  end subroutine enlarge_entries
+
+
+  !> The rows of all equations.
+  subroutine add_equations(model, bodies, bases, rows)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(inout) :: rows
+    real(DP) :: a(3)
+    integer :: i, k
+    do i = 1, size(model%equations)
+      associate (equation => model%equations(i))
+        do k = 1, size(equation%node)
+          a = 0.0_DP
+          a(equation%dof(k)) = equation%coefficient(k) / maxval(abs(equation%coefficient))
+          call add_term(model, bodies, equation%node(k), a, rows)
+        end do
+      end associate
+      call end_row(bases, .false., rows)
+    end do
+  end subroutine add_equations
+
+
+  !> The rows of all slave nodes that are or may come into contact.
+  subroutine add_contacts(model, contact, slaves, bodies, bases, rows)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(inout) :: rows
+    type(slave_type) :: slave
+    logical, allocatable :: is_later(:)            ! (n_pairs) apart now, may be driven together
+    integer :: s, p
+    allocate (is_later(size(model%pairs)), source=.true.)
+    do s = 1, size(slaves)
+      if (slaves(s)%facet > 0) is_later(slaves(s)%pair) = .false.
+    end do
+    do p = 1, size(model%pairs)
+      if (is_later(p)) is_later(p) = may_meet_later(model, contact, p)
+    end do
+    do s = 1, size(slaves)
+      slave = slaves(s)
+      if (is_later(slave%pair)) then               ! where it will touch is not known: take any facet
+        slave%facet = 1
+        slave%normal = -contact%slave_normal(:, s)
+      end if
+      if (slave%facet == 0 .or. norm2(slave%normal) < 0.5_DP) cycle
+      call add_contact(model, contact, slave, bodies, bases, rows)
+    end do
+  end subroutine add_contacts
+
+
+  !> The normal row of one slave node, and with friction the two tangential ones.
+  subroutine add_contact(model, contact, slave, bodies, bases, rows)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(inout) :: rows
+    real(DP) :: direction(3, 3), weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES)
+    integer :: nodes(MAX_FACE_NODES), n, i, k, n_directions
+    logical :: is_open
+    call facet_weights(contact%facets(slave%pair), slave%facet, slave%xi, n, nodes, weights, dN)
+    is_open = .not. is_closed(contact, slave)
+    n_directions = merge(3, 1, model%interactions(model%pairs(slave%pair)%interaction)%friction > 0.0_DP)
+    direction(:, 1) = slave%normal
+    direction(:, 2) = 0.0_DP
+    direction(minloc(abs(slave%normal), dim=1), 2) = 1.0_DP
+    direction(:, 2) = cross_product(slave%normal, direction(:, 2))
+    direction(:, 2) = direction(:, 2) / norm2(direction(:, 2))
+    direction(:, 3) = cross_product(slave%normal, direction(:, 2))
+    do k = 1, n_directions
+      call add_term(model, bodies, slave%node, direction(:, k), rows)
+      do i = 1, n
+        call add_term(model, bodies, nodes(i), -weights(i) * direction(:, k), rows)
+      end do
+      call end_row(bases, is_open, rows)
+    end do
+  end subroutine add_contact
+
+
+  !> Clusters of bodies that the rows couple: what is free in each.
+  subroutine check_clusters(model, bodies, bases, rows, step, is_start, findings)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(in) :: rows
+    integer, intent(in) :: step
+    logical, intent(in) :: is_start                !< .true.: without the contacts that are open at the start
+    type(finding_type), allocatable, intent(inout) :: findings(:)
+    integer, allocatable :: parent(:)
+    type(integer_list_type), allocatable :: members(:), rows_of(:)   ! of a cluster, at its root
+    integer :: b, r, i, root
+    allocate (members(bodies%n), rows_of(bodies%n))
+    parent = [(b, b=1, bodies%n)]
+    do r = 1, rows%n
+      if (is_start .and. rows%is_open(r)) cycle
+      do i = rows%first(r) + 1, rows%first(r + 1) - 1
+        call unite(parent, rows%body(rows%first(r)), rows%body(i))
+      end do
+    end do
+    do b = 1, bodies%n
+      if (bases%n(b) == 0) cycle
+      root = find_root(parent, b)
+      call members(root)%add(b)
+    end do
+    do r = 1, rows%n
+      if (is_start .and. rows%is_open(r)) cycle
+      root = find_root(parent, rows%body(rows%first(r)))
+      call rows_of(root)%add(r)
+    end do
+    do b = 1, bodies%n
+      if (members(b)%n == 0) cycle
+      call check_cluster(model, bodies, bases, rows, members(b)%trimmed(), rows_of(b), step, is_start, findings)
+    end do
+  end subroutine check_clusters
+
+
+  !> One cluster: the null space of its Gram matrix, told as motions.
+  subroutine check_cluster(model, bodies, bases, rows, members, rows_of, step, is_start, findings)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(in) :: rows
+    integer, intent(in) :: members(:)              !< bodies
+    type(integer_list_type), intent(in) :: rows_of
+    integer, intent(in) :: step
+    logical, intent(in) :: is_start
+    type(finding_type), allocatable, intent(inout) :: findings(:)
+    real(DP), allocatable :: gram(:, :), vectors(:, :), motions(:, :)
+    real(DP) :: motion(6)
+    integer, allocatable :: place(:)               ! (n_bodies) of a member's first motion, less one
+    integer :: i, k, l, m, n, b
+    allocate (place(bodies%n), source=0)
+    m = 0
+    do i = 1, size(members)
+      place(members(i)) = m
+      m = m + bases%n(members(i))
+    end do
+    allocate (gram(m, m), vectors(m, m))
+    call fill_gram(bases, rows, rows_of, place, gram)
+    call find_scaled_null_space(members, bases, gram, n, vectors)
+    if (n == 0) return
+    allocate (motions(6 * size(members), n))
+    do i = 1, size(members)
+      b = members(i)
+      do k = 1, n
+        motion = 0.0_DP
+        do l = 1, bases%n(b)
+          motion = motion + vectors(place(b) + l, k) * bases%motion(:, l, b)
+        end do
+        motions(6 * i - 5:6 * i, k) = motion
+      end do
+    end do
+    call simplify(motions)
+    call tell_motions(model, bodies, members, motions, step, is_start, findings)
+  end subroutine check_cluster
+
+
+  !> R'R of a cluster.
+  subroutine fill_gram(bases, rows, rows_of, place, gram)
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(in) :: rows
+    type(integer_list_type), intent(in) :: rows_of !< the rows of the cluster
+    integer, intent(in) :: place(:)                !< (n_bodies) of a body's first motion, less one
+    real(DP), intent(out) :: gram(:, :)
+    integer :: k, i, j, r, a, b
+    gram = 0.0_DP
+    do k = 1, rows_of%n
+      r = rows_of%items(k)
+      do j = rows%first(r), rows%first(r + 1) - 1
+        b = rows%body(j)
+        do i = rows%first(r), rows%first(r + 1) - 1
+          a = rows%body(i)
+          call add_product(rows%value(:bases%n(a), i), rows%value(:bases%n(b), j), &
+            gram(place(a) + 1:place(a) + bases%n(a), place(b) + 1:place(b) + bases%n(b)))
+        end do
+      end do
+    end do
+  end subroutine fill_gram
+
+
+  !> G = G + a b'.
+  pure subroutine add_product(a, b, gram)
+    real(DP), intent(in) :: a(:), b(:)
+    real(DP), intent(inout) :: gram(:, :)          !< (size of a, size of b)
+    integer :: j
+    do j = 1, size(b)
+      gram(:, j) = gram(:, j) + b(j) * a
+    end do
+  end subroutine add_product
+
+
+  !> The null space after the motions of each body have been scaled by its strongest one, so that bodies with few rows
+  !! count as those with many.
+  subroutine find_scaled_null_space(members, bases, gram, n, vectors)
+    integer, intent(in) :: members(:)              !< bodies of the cluster
+    type(bases_type), intent(in) :: bases
+    real(DP), intent(inout) :: gram(:, :)          !< used up
+    integer, intent(out) :: n
+    real(DP), intent(out) :: vectors(:, :)         !< the first n columns
+    real(DP) :: scale(size(gram, 1)), largest
+    integer :: i, k, first, last
+    last = 0
+    do k = 1, size(members)
+      first = last + 1
+      last = last + bases%n(members(k))
+      largest = 0.0_DP
+      do i = first, last
+        largest = max(largest, gram(i, i))
+      end do
+      if (largest <= 0.0_DP) largest = 1.0_DP
+      scale(first:last) = 1.0_DP / sqrt(largest)
+    end do
+    do i = 1, size(scale)
+      gram(:, i) = scale * scale(i) * gram(:, i)
+    end do
+    call factorise_pivoted(gram, n, vectors)
+    do i = 1, n
+      vectors(:, i) = scale * vectors(:, i)
+      vectors(:, i) = vectors(:, i) / maxval(abs(vectors(:, i)))
+    end do
+  end subroutine find_scaled_null_space
+
+
+  !> Null vectors of a Gram matrix by Cholesky with the largest pivot first: L11 L11' x1 = -L11 L21' x2 for unit x2.
+  !!
+  !! In a tower of n bodies the smallest pivot falls as 1/n^3, the smallest eigenvalue as 1/n^4: pivots tell a weak hold
+  !! from none in longer towers. Reference: N. J. Higham, Analysis of the Cholesky decomposition of a semi-definite
+  !! matrix, in: Reliable numerical computation, Oxford 1990.
+  pure subroutine factorise_pivoted(gram, n, vectors)
+    real(DP), intent(inout) :: gram(:, :)          !< (m, m), diagonal at most 1; used up: L in the lower triangle
+    integer, intent(out) :: n                      !< m less the rank
+    real(DP), intent(out) :: vectors(:, :)         !< (m, m) the first n columns are set
+    real(DP) :: x(size(gram, 1))
+    integer :: order(size(gram, 1)), m, rank, i, j, k
+    m = size(gram, 1)
+    order = [(i, i=1, m)]
+    do rank = 0, m - 1
+      k = rank + 1
+      i = k - 1 + maxloc([(gram(j, j), j=k, m)], dim=1)
+      if (gram(i, i) <= CONTACT_TOLERANCE) exit
+      order([k, i]) = order([i, k])
+      call exchange(gram, k, i)
+      gram(k:, k) = gram(k:, k) / sqrt(gram(k, k))
+      do j = k + 1, m
+        gram(j:, j) = gram(j:, j) - gram(j, k) * gram(j:, k)
+      end do
+    end do
+    n = m - rank
+    do i = 1, n
+      x = 0.0_DP
+      x(rank + i) = 1.0_DP
+      do k = rank, 1, -1
+        x(k) = -dot_product(gram(k + 1:, k), x(k + 1:)) / gram(k, k)
+      end do
+      vectors(order, i) = x
+    end do
+  end subroutine factorise_pivoted
+
+
+  !> Exchanges two rows and columns, k < i, of a symmetric matrix of which the lower triangle is kept.
+  pure subroutine exchange(a, k, i)
+    real(DP), intent(inout) :: a(:, :)
+    integer, intent(in) :: k, i
+    real(DP) :: row(k - 1), low(size(a, 1) - i), mid(max(i - k - 1, 0)), corner
+    if (k == i) return
+    row = a(k, :k - 1)
+    a(k, :k - 1) = a(i, :k - 1)
+    a(i, :k - 1) = row
+    mid = a(k + 1:i - 1, k)
+    a(k + 1:i - 1, k) = a(i, k + 1:i - 1)
+    a(i, k + 1:i - 1) = mid
+    low = a(i + 1:, k)
+    a(i + 1:, k) = a(i + 1:, i)
+    a(i + 1:, i) = low
+    corner = a(k, k)
+    a(k, k) = a(i, i)
+    a(i, i) = corner
+  end subroutine exchange
+
+
+  !> Takes combinations of the motions that are simple to tell: reduced echelon form, body by body, translations first.
+  pure subroutine simplify(motions)
+    real(DP), intent(inout) :: motions(:, :)       !< (6 members, n) columns
+    real(DP), parameter :: LEAST(2) = [0.1_DP, 0.0_DP]   ! part of a column that its pivot must have, in two passes
+    integer :: pass, row, n
+    n = 0
+    do pass = 1, 2
+      do row = 1, size(motions, 1)
+        if (n == size(motions, 2)) return
+        call take_pivot(row, LEAST(pass), n, motions)
+      end do
+    end do
+  end subroutine simplify
+
+
+  !> Makes a row the pivot of the next motion, if a motion has enough of it: there it is 1, elsewhere 0.
+  pure subroutine take_pivot(row, least, n, motions)
+    integer, intent(in) :: row
+    real(DP), intent(in) :: least                  !< part of the largest entry of the motion
+    integer, intent(inout) :: n                    !< motions that have a pivot
+    real(DP), intent(inout) :: motions(:, :)
+    real(DP) :: column(size(motions, 1)), part, best
+    integer :: j, k
+    best = max(least, CLEAN)
+    k = 0
+    do j = n + 1, size(motions, 2)
+      part = abs(motions(row, j)) / max(maxval(abs(motions(:, j))), tiny(1.0_DP))
+      if (part <= best) cycle
+      best = part
+      k = j
+    end do
+    if (k == 0) return
+    n = n + 1
+    column = motions(:, k) / motions(row, k)
+    motions(:, k) = motions(:, n)
+    motions(:, n) = column
+    do j = 1, size(motions, 2)
+      if (j /= n) motions(:, j) = motions(:, j) - motions(row, j) * column
+    end do
+  end subroutine take_pivot
+
+
+  !> One finding for each set of bodies that moves together.
+  subroutine tell_motions(model, bodies, members, motions, step, is_start, findings)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: members(:)              !< bodies
+    real(DP), intent(in) :: motions(:, :)          !< (6 members, n)
+    integer, intent(in) :: step
+    logical, intent(in) :: is_start
+    type(finding_type), allocatable, intent(inout) :: findings(:)
+    logical :: is_moved(size(members), size(motions, 2)), is_told(size(motions, 2)), is_same(size(motions, 2))
+    character(:), allocatable :: text
+    integer :: i, j, first
+    do j = 1, size(motions, 2)
+      do i = 1, size(members)
+        is_moved(i, j) = maxval(abs(motions(6 * i - 5:6 * i, j))) > CLEAN * maxval(abs(motions(:, j)))
+      end do
+    end do
+    is_told = .false.
+    do j = 1, size(motions, 2)
+      if (is_told(j)) cycle
+      is_same = [(all(is_moved(:, i) .eqv. is_moved(:, j)), i=1, size(motions, 2))]
+      is_told = is_told .or. is_same
+      first = findloc(is_moved(:, j), .true., dim=1)
+      text = body_name(model, bodies%list(members(first)))
+      if (count(is_moved(:, j)) > 1) text = text // ' and with it ' // &
+        other_bodies(model, bodies, pack(members, is_moved(:, j)))
+      text = text // ' can ' // motion_list(bodies%list(members(first)), motions(6 * first - 5:6 * first, :), is_same)
+      call add_finding(text // remedy(is_start), step, is_start, findings)
+    end do
+  end subroutine tell_motions
+
+
+  !> The second and third body by name, the others by number.
+  function other_bodies(model, bodies, moved) result(text)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: moved(:)                !< bodies; the first is named already
+    character(:), allocatable :: text
+    text = 'the ' // body_name(model, bodies%list(moved(2)))
+    if (size(moved) == 3) text = joined(text, 'the ' // body_name(model, bodies%list(moved(3))), .true.)
+    if (size(moved) > 3) text = joined(text, text_of(size(moved) - 2) // ' more', .true.)
+  end function other_bodies
+
+
+  !> What is missing and what to do.
+  pure function remedy(is_start) result(text)
+    logical, intent(in) :: is_start
+    character(:), allocatable :: text
+    if (is_start) then
+      text = ' until its contact closes: what could hold it is open at the start. Move the bodies together, or ' // &
+        'drive the body into contact by a prescribed displacement.'
+    else
+      text = ': no support, no equation and no contact holds it. Hold it by *BOUNDARY, or let it touch a body ' // &
+        'that is held (only friction holds it along the surface).'
+    end if
+  end function remedy
+
+
+  !> 'move along x and turn about z through its centre': translations first.
+  function motion_list(body, motions, is_listed) result(text)
+    type(body_type), intent(in) :: body
+    real(DP), intent(in) :: motions(:, :)          !< (6, n) t, r
+    logical, intent(in) :: is_listed(:)            !< (n)
+    character(:), allocatable :: text
+    logical :: is_turn(size(is_listed))
+    integer, allocatable :: list(:)
+    integer :: i
+    text = ''
+    if (count(is_listed) == 6) then
+      text = 'move and turn freely'
+      return
+    end if
+    is_turn = [(is_listed(i) .and. .not. is_translation(motions(:, i)), i=1, size(is_listed))]
+    list = [(i, i=1, size(is_listed))]
+    list = [pack(list, is_listed .and. .not. is_turn), pack(list, is_turn)]
+    do i = 1, size(list)
+      text = joined(text, motion_text(body, motions(:, list(i))), i == size(list))
+    end do
+  end function motion_list
+
+
+  !> Whether a motion turns the body by (nearly) nothing.
+  pure logical function is_translation(motion)
+    real(DP), intent(in) :: motion(6)              !< t, r
+    is_translation = norm2(motion(4:)) <= CLEAN * norm2(motion(:3))
+  end function is_translation
+
+
+  !> One motion in words: a translation, or a turn about an axis, or a screw. The axis of u = t + w x (x - c) goes
+  !! through c + (w x t)/w^2.
+  function motion_text(body, motion) result(text)
+    type(body_type), intent(in) :: body
+    real(DP), intent(in) :: motion(6)              !< t, r
+    character(:), allocatable :: text
+    real(DP) :: t(3), axis(3), turn, offset(3)
+    t = motion(:3)
+    turn = norm2(motion(4:)) / body%size
+    if (is_translation(motion)) then
+      text = 'move along ' // direction_text(t / norm2(t))
+      return
+    end if
+    axis = motion(4:) / norm2(motion(4:))
+    offset = cross_product(axis, t) / turn
+    text = 'turn about ' // direction_text(axis)
+    if (norm2(offset) <= CLEAN * body%size) then
+      text = text // ' through its centre'
+    else
+      text = text // ' through the point ' // vector_text(body%centre + offset, 1.0e-3_DP * body%size)
+    end if
+    if (abs(dot_product(axis, t)) > CLEAN * turn * body%size) text = text // ' while it moves along it'
+  end function motion_text
+
+
+  !> 'x', 'y', 'z', or '(0.6, 0.8, 0)'.
+  function direction_text(direction) result(text)
+    real(DP), intent(in) :: direction(3)           !< unit vector
+    character(:), allocatable :: text
+    integer :: k
+    k = maxloc(abs(direction), dim=1)
+    if (abs(direction(k)) > 1 - 0.5_DP * CLEAN**2) then
+      text = 'xyz'
+      text = text(k:k)
+    else
+      text = vector_text(sign(1.0_DP, direction(k)) * direction, 1.0e-3_DP)
+    end if
+  end function direction_text
+
+
+  !> '(1, 2.5, 0)', each number rounded to a power of ten not larger than the unit.
+  function vector_text(vector, unit) result(text)
+    real(DP), intent(in) :: vector(3)
+    real(DP), intent(in) :: unit                   !< about what matters
+    character(:), allocatable :: text
+    real(DP) :: step
+    integer :: k
+    step = 10.0_DP**floor(log10(unit) + 1.0e-9_DP)
+    text = '('
+    do k = 1, 3
+      text = text // text_of(step * anint(vector(k) / step))
+      if (k < 3) text = text // ', '
+    end do
+    text = text // ')'
+  end function vector_text
+
+
+  !> Adds a finding, or its step to one that says the same.
+  subroutine add_finding(text, step, is_warning, findings)
+    character(*), intent(in) :: text
+    integer, intent(in) :: step
+    logical, intent(in) :: is_warning
+    type(finding_type), allocatable, intent(inout) :: findings(:)
+    type(finding_type), allocatable :: longer(:)
+    integer :: i, n
+    n = size(findings)
+    do i = 1, n
+      if (findings(i)%text == text) then
+        call findings(i)%steps%add(step)
+        return
+      end if
+    end do
+    allocate (longer(n + 1))
+    do i = 1, n
+      longer(i) = findings(i)
+    end do
+    longer(n + 1)%text = text
+    longer(n + 1)%is_warning = is_warning
+    call longer(n + 1)%steps%add(step)
+    call move_alloc(longer, findings)
+  end subroutine add_finding
+
+end module amontons_audit_motion
