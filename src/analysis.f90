@@ -73,6 +73,7 @@ contains
   end subroutine start_analysis
 
 
+  !> Threads of the element loop; without OpenMP nothing happens.
   subroutine omp_set_num_threads_of(n_threads)
     !$ use omp_lib, only: omp_set_num_threads
     integer, intent(in) :: n_threads
@@ -179,6 +180,7 @@ contains
   end subroutine start_attempt
 
 
+  !> Room for twice as many records.
   subroutine double(records)
     type(increment_record_type), allocatable, intent(inout) :: records(:)
     type(increment_record_type), allocatable :: larger(:)
@@ -242,6 +244,7 @@ contains
   end subroutine keep
 
 
+  !> Whether an increment is due by a FREQUENCY; 0 means never.
   pure logical function is_multiple(increment, frequency)
     integer, intent(in) :: increment, frequency
     is_multiple = .false.

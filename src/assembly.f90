@@ -168,6 +168,7 @@ contains
 
   contains
 
+    !> All nodes of an element are neighbours.
     subroutine visit_element(node, e)
       integer, intent(in) :: node, e
       integer :: m
@@ -176,6 +177,7 @@ contains
       end do
     end subroutine visit_element
 
+    !> Notes a neighbour once, if its number is not below.
     subroutine visit(node, other)
       integer, intent(in) :: node, other
       if (other < node .or. mark(other) == node) return
@@ -255,6 +257,7 @@ contains
 
   contains
 
+    !> Three columns of a block, or those from the diagonal on.
     subroutine append_block_row(before, from)
       integer, intent(in) :: before, from
       integer :: s
@@ -292,6 +295,7 @@ contains
 
   contains
 
+    !> Place of a node among the neighbours of a lower one: binary search.
     pure integer function place_of(low, high) result(place)
       integer, intent(in) :: low, high
       integer :: left, right, middle
@@ -321,7 +325,7 @@ contains
     integer :: g, i, failed
     failed = huge(failed)
     fields%internal_force = 0.0_DP
-    !$omp parallel do schedule(dynamic) private(i) reduction(min: failed)
+    !$omp parallel do schedule(dynamic) private(i) reduction(min: failed) if (assembly%n_parts > 1)
     do g = 1, assembly%n_parts
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
         call add_element_forces(model, assembly%element_order(i), is_nlgeom, fields, failed)
@@ -329,7 +333,7 @@ contains
     end do
     !$omp end parallel do
     do g = assembly%n_parts + 1, assembly%n_groups
-      !$omp parallel do schedule(static) reduction(min: failed)
+      !$omp parallel do schedule(static) reduction(min: failed) if (is_worth_threads(assembly, g))
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
         call add_element_forces(model, assembly%element_order(i), is_nlgeom, fields, failed)
       end do
@@ -339,6 +343,15 @@ contains
   end subroutine assemble_forces
 
 
+  !> Starting threads for a handful of elements costs more than it saves.
+  pure logical function is_worth_threads(assembly, g)
+    type(assembly_type), intent(in) :: assembly
+    integer, intent(in) :: g                       !< group
+    is_worth_threads = assembly%group_first(g + 1) - assembly%group_first(g) > 16
+  end function is_worth_threads
+
+
+  !> Forces and point results of one element into the fields.
   subroutine add_element_forces(model, e, is_nlgeom, fields, failed)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
@@ -377,7 +390,7 @@ contains
     integer :: g, i, failed
     failed = huge(failed)
     assembly%stiffness%value = 0.0_DP
-    !$omp parallel do schedule(dynamic) private(i) reduction(min: failed)
+    !$omp parallel do schedule(dynamic) private(i) reduction(min: failed) if (assembly%n_parts > 1)
     do g = 1, assembly%n_parts
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
         call add_element_tangent(assembly, model, assembly%element_order(i), is_nlgeom, fields%u, failed)
@@ -385,7 +398,7 @@ contains
     end do
     !$omp end parallel do
     do g = assembly%n_parts + 1, assembly%n_groups
-      !$omp parallel do schedule(static) reduction(min: failed)
+      !$omp parallel do schedule(static) reduction(min: failed) if (is_worth_threads(assembly, g))
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
         call add_element_tangent(assembly, model, assembly%element_order(i), is_nlgeom, fields%u, failed)
       end do
@@ -395,6 +408,7 @@ contains
   end subroutine assemble_tangent
 
 
+  !> The stiffness of one element into the matrix, block by block.
   subroutine add_element_tangent(assembly, model, e, is_nlgeom, u, failed)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
@@ -477,6 +491,7 @@ contains
   end subroutine assemble_loads
 
 
+  !> Nodal forces of a pressure on a face, in its current place under NLGEOM.
   subroutine add_pressure(assembly, mesh, e, face, pressure, fields, is_nlgeom, is_with_stiffness)
     type(assembly_type), intent(inout) :: assembly
     type(mesh_type), intent(in) :: mesh

@@ -141,6 +141,7 @@ contains
 
   contains
 
+    !> Adds to the coefficient of an unknown and puts it on the list.
     subroutine gather(unknown, amount)
       integer, intent(in) :: unknown
       real(DP), intent(in) :: amount
@@ -150,6 +151,7 @@ contains
       self%work(unknown) = self%work(unknown) + amount
     end subroutine gather
 
+    !> Replaces a fixed unknown by its value, a dependent one by its expression.
     subroutine expand(unknown, amount)
       integer, intent(in) :: unknown
       real(DP), intent(in) :: amount
@@ -165,6 +167,7 @@ contains
       end do
     end subroutine expand
 
+    !> The unknowns left with a coefficient; clears the work array.
     subroutine collect()
       integer :: j, m
       m = 0
@@ -184,6 +187,7 @@ contains
   end subroutine substitute
 
 
+  !> Adds an accepted row; the list doubles when it is full.
   subroutine append_row(self, row)
     type(constraints_type), intent(inout) :: self
     type(row_type), intent(in) :: row
@@ -249,6 +253,7 @@ contains
   end subroutine expand_row
 
 
+  !> C by rows: one entry for a free unknown, none for a fixed one, the expression for a dependent one.
   subroutine fill_map(self)
     type(constraints_type), intent(inout) :: self
     integer :: i, n
@@ -320,6 +325,7 @@ contains
 
   contains
 
+    !> Adds to the force on an unknown.
     subroutine add(unknown, amount)
       integer, intent(in) :: unknown
       real(DP), intent(in) :: amount

@@ -116,6 +116,7 @@ contains
   end subroutine append_slaves
 
 
+  !> A list of columns with one more.
   pure function append_column(list, column) result(longer)
     integer, intent(in) :: list(:, :), column(:)
     integer, allocatable :: longer(:, :)
@@ -123,6 +124,7 @@ contains
   end function append_column
 
 
+  !> A list of vectors with one more.
   pure function append_vector(list, vector) result(longer)
     real(DP), intent(in) :: list(:, :), vector(:)
     real(DP), allocatable :: longer(:, :)
@@ -162,6 +164,7 @@ contains
   end subroutine add_face_areas
 
 
+  !> Vector product.
   pure function cross(a, b) result(c)
     real(DP), intent(in) :: a(3), b(3)
     real(DP) :: c(3)
@@ -241,6 +244,7 @@ contains
   end subroutine refresh_facet
 
 
+  !> The node has left its master: open, without force.
   subroutine lose_master(slave)
     type(slave_type), intent(inout) :: slave
     slave%facet = 0
@@ -437,6 +441,7 @@ contains
   end subroutine set_force
 
 
+  !> Notes for the slip procedure what it looks at.
   pure subroutine set_view(view, s, status, imbalance_t, normal_force, slip)
     type(slip_view_type), intent(inout) :: view
     integer, intent(in) :: s, status
@@ -449,6 +454,7 @@ contains
   end subroutine set_view
 
 
+  !> Counts changes of status and keeps the worst violation of a closed node.
   subroutine count_changes(contact, before, s, slave)
     type(contact_type), intent(inout) :: contact
     integer, intent(in) :: before                  !< status before

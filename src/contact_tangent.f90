@@ -90,6 +90,7 @@ contains
   end subroutine link_stick
 
 
+  !> Nodes and weights of a fixed point of a facet.
   subroutine fill_weights(contact, slave, facet, xi, link)
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slave
@@ -225,6 +226,7 @@ contains
   end subroutine differentiate_force
 
 
+  !> a b'.
   pure function outer(a, b) result(c)
     real(DP), intent(in) :: a(3), b(3)
     real(DP) :: c(3, 3)
@@ -360,6 +362,7 @@ contains
   end subroutine put_column
 
 
+  !> A 3 x 3 block as triplets.
   pure subroutine put_block(row_node, column_node, block, triplets)
     integer, intent(in) :: row_node, column_node
     real(DP), intent(in) :: block(3, 3)
@@ -376,6 +379,7 @@ contains
   end subroutine put_block
 
 
+  !> Room for so many entries.
   pure subroutine reserve(triplets, n)
     type(triplets_type), intent(inout) :: triplets
     integer, intent(in) :: n

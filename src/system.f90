@@ -104,6 +104,7 @@ contains
   end subroutine create_system
 
 
+  !> Contact finds its slave nodes; the state is laid out with them.
   subroutine prepare_state(system, model, state, error)
     use amontons_state, only: slave_type, create_state
     type(system_type), intent(inout) :: system
@@ -184,6 +185,7 @@ contains
   end function prescribed_value
 
 
+  !> The rows of *EQUATION, corrected by what is violated at u.
   subroutine add_equations(base, model, u, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
@@ -474,6 +476,7 @@ contains
   end subroutine factorise_shifted
 
 
+  !> Whether two matrices have their entries at the same places.
   pure logical function is_same_pattern(a, b) result(is_same)
     type(sparse_type), intent(in) :: a, b
     is_same = .false.
@@ -607,6 +610,7 @@ contains
   end subroutine apply_preconditioner
 
 
+  !> Starts a clock.
   subroutine start_clock(clock)
     integer(I64), intent(out) :: clock
     call system_clock(clock)

@@ -92,18 +92,20 @@ contains
   end function kind_of_name
 
 
+  !> Entries of the tetrahedra.
   pure function tetrahedron(name, n_nodes, n_points, vtk_type) result(entry)
     character(*), intent(in) :: name
     integer, intent(in) :: n_nodes, n_points, vtk_type
     type(kind_type) :: entry
     entry = kind_type(name=name, n_nodes=n_nodes, n_points=n_points, n_faces=4, vtk_type=vtk_type)
     entry%face_kind(:4) = merge(FACET_TRI3, FACET_TRI6, n_nodes == 4)
-    ! S1 1-2-3, S2 1-4-2, S3 2-4-3, S4 3-4-1: these run outward when reversed, S1 is seen from inside as 1-2-3.
+    ! The manuals name the faces 1-2-3, 1-4-2, 2-4-3, 3-4-1, as seen from inside: here they are turned outward.
     entry%face_nodes(:3, :4) = reshape([1, 3, 2, 1, 2, 4, 2, 3, 4, 3, 1, 4], [3, 4])
     if (n_nodes == 10) entry%face_nodes(4:6, :4) = reshape([7, 6, 5, 5, 9, 8, 6, 10, 9, 7, 8, 10], [3, 4])
   end function tetrahedron
 
 
+  !> Entry of the wedge.
   pure function wedge() result(entry)
     type(kind_type) :: entry
     entry = kind_type(name='C3D6', n_nodes=6, n_points=2, n_faces=5, vtk_type=13)
@@ -112,6 +114,7 @@ contains
   end function wedge
 
 
+  !> Entries of the hexahedra.
   pure function hexahedron(name, n_nodes, n_points, vtk_type) result(entry)
     character(*), intent(in) :: name
     integer, intent(in) :: n_nodes, n_points, vtk_type
