@@ -304,13 +304,13 @@ contains
     case (STATUS_NO_MEMORY)
       write (number, '(i0)') nint(min(megabytes, 1.0e9_DP))
       if (megabytes > 0) then
-        call set_error(error, EXIT_SOLVER, 'Not enough memory for the factor: '//trim(number)//' megabytes are wanted.')
+        call set_error(error, EXIT_SOLVER, 'Not enough memory for the factor: it wants ' // trim(number) // ' megabytes.')
       else
         call set_error(error, EXIT_SOLVER, 'Not enough memory to order and analyse the matrix.')
       end if
     case (STATUS_TOO_LARGE)
-      call set_error(error, EXIT_SOLVER, 'The factor would have more than 2 147 483 647 entries: too large for the '// &
-                     'direct solver.')
+      call set_error(error, EXIT_SOLVER, 'The factor would have more than 2 147 483 647 entries: too large ' // &
+                     'for the direct solver.')
     case default
       call set_error(error, EXIT_INTERNAL, 'SuiteSparse did not accept the matrix or the permutation.')
     end select

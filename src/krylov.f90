@@ -170,9 +170,10 @@ contains
     integer, intent(in) :: m                                !< iterations before a restart
     type(error_type), allocatable, intent(out) :: error
     integer :: status
-    allocate (basis%v(n, m + 1), basis%z(n, m), basis%h(m + 1, m), basis%c(m), basis%s(m), stat=status)
-    if (status == 0) allocate (basis%g(m + 1), stat=status)
+    allocate (basis%v(n, m + 1), stat=status)
+    if (status == 0) allocate (basis%z(n, m), stat=status)
     if (status /= 0) call set_error(error, EXIT_SOLVER, 'Not enough memory for the vectors of GMRES.')
+    if (status == 0) allocate (basis%h(m + 1, m), basis%c(m), basis%s(m), basis%g(m + 1))
   end subroutine allocate_cycle
 
 

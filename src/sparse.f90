@@ -8,7 +8,7 @@
 module amontons_sparse
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER, EXIT_INTERNAL
-  !$ use omp_lib, only: omp_get_max_threads
+!$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
   public :: sparse_type, reduction_type
@@ -475,7 +475,7 @@ contains
     integer :: n_parts, t
     integer, allocatable :: start(:)
     n_parts = 1
-    !$ if (size(matrix%column) > THREADS_PAY) n_parts = omp_get_max_threads()
+!$  if (size(matrix%column) > THREADS_PAY) n_parts = omp_get_max_threads()
     if (n_parts == 1) then
       call multiply_rows(matrix, 1, matrix%n_rows, x, y)
       return

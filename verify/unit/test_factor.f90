@@ -294,8 +294,8 @@ contains
     character(*), intent(in) :: what
     integer, intent(in) :: code
     type(error_type), allocatable, intent(in) :: error
-    call suite%that('error told: '//what, allocated(error))
-    if (allocated(error)) call suite%that('code of the error: '//what, error%code == code)
+    call suite%that('error told: ' // what, allocated(error))
+    if (allocated(error)) call suite%that('code of the error: ' // what, error%code == code)
   end subroutine expect_error
 
 

@@ -43,7 +43,6 @@ contains
 
 end module krylov_samples
 
-
 program test_krylov
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_is_finite
   use amontons_kinds, only: DP

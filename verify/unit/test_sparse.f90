@@ -329,8 +329,8 @@ contains
   subroutine expect_error(what, error)
     character(*), intent(in) :: what
     type(error_type), allocatable, intent(in) :: error
-    call suite%that('error told: '//what, allocated(error))
-    if (allocated(error)) call suite%that('internal: '//what, error%code == EXIT_INTERNAL)
+    call suite%that('error told: ' // what, allocated(error))
+    if (allocated(error)) call suite%that('internal: ' // what, error%code == EXIT_INTERNAL)
   end subroutine expect_error
 
 end program test_sparse
