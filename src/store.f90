@@ -5,7 +5,7 @@
 !! while the job runs: after `flush_store` what is on disk is whole, and it stays where it is while the next rows come.
 !! Closing a store closes all that is open in it.
 module amontons_store
-  use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_null_char, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
   use hdf5, only: HID_T, HSIZE_T, SIZE_T, H5F_ACC_TRUNC_F, H5F_CLOSE_STRONG_F, H5F_SCOPE_GLOBAL_F, &
@@ -238,9 +238,12 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer, intent(in), optional :: storage      !< STORE_..., default STORE_I32
     type(form_type) :: form
+    type(c_ptr) :: buffer
     form = form_type(storage=STORE_I32)
     if (present(storage)) form%storage = storage
-    call put_data(store, name, form, size(values, kind=I64), c_loc(values), error)
+    buffer = c_null_ptr
+    if (size(values) > 0) buffer = c_loc(values)
+    call put_data(store, name, form, size(values, kind=I64), buffer, error)
     if (allocated(error)) return
     call write_label(store, name, unit, description, error)
   end subroutine write_data_integers
@@ -256,9 +259,12 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer, intent(in), optional :: storage      !< STORE_..., default STORE_I32
     type(form_type) :: form
+    type(c_ptr) :: buffer
     form = form_type(storage=STORE_I32, width=size(values, 1), is_matrix=.true.)
     if (present(storage)) form%storage = storage
-    call put_data(store, name, form, size(values, 2, kind=I64), c_loc(values), error)
+    buffer = c_null_ptr
+    if (size(values) > 0) buffer = c_loc(values)
+    call put_data(store, name, form, size(values, 2, kind=I64), buffer, error)
     if (allocated(error)) return
     call write_label(store, name, unit, description, error)
   end subroutine write_data_integer_matrix
@@ -272,7 +278,10 @@ contains
     character(*), intent(in) :: unit              !< e.g. '[length]'
     character(*), intent(in) :: description       !< one sentence
     type(error_type), allocatable, intent(out) :: error
-    call put_data(store, name, form_type(), size(values, kind=I64), c_loc(values), error)
+    type(c_ptr) :: buffer
+    buffer = c_null_ptr
+    if (size(values) > 0) buffer = c_loc(values)
+    call put_data(store, name, form_type(), size(values, kind=I64), buffer, error)
     if (allocated(error)) return
     call write_label(store, name, unit, description, error)
   end subroutine write_data_reals
@@ -287,8 +296,11 @@ contains
     character(*), intent(in) :: description       !< one sentence
     type(error_type), allocatable, intent(out) :: error
     type(form_type) :: form
+    type(c_ptr) :: buffer
     form = form_type(width=size(values, 1), is_matrix=.true.)
-    call put_data(store, name, form, size(values, 2, kind=I64), c_loc(values), error)
+    buffer = c_null_ptr
+    if (size(values) > 0) buffer = c_loc(values)
+    call put_data(store, name, form, size(values, 2, kind=I64), buffer, error)
     if (allocated(error)) return
     call write_label(store, name, unit, description, error)
   end subroutine write_data_real_matrix

@@ -84,9 +84,8 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     call make_model(model)
-    model%steps(1)%prints = [ &
-      print_request_type(PRINT_NODE, 1, [character(4) :: 'U', 'RF'], is_totals=.true.), &
-      print_request_type(PRINT_NODE, 1, [character(4) :: 'RF'], is_only_totals=.true.)]
+    call add_request(model, PRINT_NODE, 1, [character(4) :: 'U', 'RF'], is_totals=.true.)
+    call add_request(model, PRINT_NODE, 1, [character(4) :: 'RF'], is_only_totals=.true.)
     call print_one(suite, model, 'node')
     call expect_line(suite, 'node.dat', 1, '')
     call expect_line(suite, 'node.dat', 2, '                        S T E P       1')
@@ -117,9 +116,8 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     call make_model(model)
-    model%steps(1)%prints = [ &
-      print_request_type(PRINT_ELEMENT, 1, [character(4) :: 'S', 'E', 'ENER', 'ELSE', 'EVOL'], is_totals=.true.), &
-      print_request_type(PRINT_ELEMENT, 2, [character(4) :: 'EVOL'], is_only_totals=.true.)]
+    call add_request(model, PRINT_ELEMENT, 1, [character(4) :: 'S', 'E', 'ENER', 'ELSE', 'EVOL'], is_totals=.true.)
+    call add_request(model, PRINT_ELEMENT, 2, [character(4) :: 'EVOL'], is_only_totals=.true.)
     call print_one(suite, model, 'element')
     call expect_line(suite, 'element.dat', 8, &
       ' stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz) for set TET and time  0.5000000E+00')
@@ -149,8 +147,7 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     call make_model(model)
-    model%steps(1)%prints = [ &
-      print_request_type(PRINT_CONTACT, 0, [character(4) :: 'CDIS', 'CSTR', 'SCEN', 'CNUM', 'CF'])]
+    call add_request(model, PRINT_CONTACT, 0, [character(4) :: 'CDIS', 'CSTR', 'SCEN', 'CNUM', 'CF'])
     call print_one(suite, model, 'contact')
     call expect_line(suite, 'contact.dat', 8, ' relative contact displacement (slave node,normal,tang1,tang2) ' // &
       'for all contact elements and time 0.5000000E+00')
@@ -194,7 +191,7 @@ contains
     integer :: increment
     call make_model(model)
     call make_fields(model, 1, fields)
-    model%steps(1)%prints = [print_request_type(PRINT_NODE, 1, [character(4) :: 'U'])]
+    call add_request(model, PRINT_NODE, 1, [character(4) :: 'U'])
     model%steps(1)%print_frequency = 2
     model%steps(1)%period = 2.5_DP
     call open_printed(printed, model, make_options('often'), error)
@@ -245,6 +242,26 @@ contains
     call suite%that('its code', error%code == EXIT_IO)
     call suite%that(error%message, index(error%message, 'Cannot create the file no/such/folder/job.sta: ') == 1)
   end subroutine test_no_folder
+
+
+  !> Adds a PRINT card to the first step.
+  subroutine add_request(model, kind, set, variables, is_totals, is_only_totals)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: kind, set
+    character(4), intent(in) :: variables(:)
+    logical, intent(in), optional :: is_totals, is_only_totals
+    type(print_request_type), allocatable :: longer(:)
+    integer :: n
+    n = size(model%steps(1)%prints)
+    allocate (longer(n + 1))
+    longer(:n) = model%steps(1)%prints
+    longer(n + 1)%kind = kind
+    longer(n + 1)%set = set
+    longer(n + 1)%variables = variables
+    if (present(is_totals)) longer(n + 1)%is_totals = is_totals
+    if (present(is_only_totals)) longer(n + 1)%is_only_totals = is_only_totals
+    call move_alloc(longer, model%steps(1)%prints)
+  end subroutine add_request
 
 
   !> Prints frame 1 as increment 1 of step 1 into NAME.dat.
