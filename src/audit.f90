@@ -174,8 +174,8 @@ contains
         told(k) = max(told(k), verdict)
       end do
       if (idle%n > 0) call warn(report, 'In step ' // text_of(i) // ' ' // plural(idle%n, 'equation') // &
-        ' (*EQUATION of line ' // label_list(idle%trimmed()) // ') say nothing new: supports and the equations ' // &
-        'before them hold their terms already.')
+        ' (*EQUATION of line ' // label_list(idle%trimmed()) // ') dropped: supports and the equations before hold ' // &
+        'all terms already.')
     end do
   end subroutine check_equations
 
