@@ -2,9 +2,9 @@
 
     python verify/picture.py job.vtkhdf [--output job.png] [--increment N]
 
-Left: the deformed bodies coloured by the Mises stress (displacements magnified by a round factor that is printed). Right:
-pressure and friction on the slave surface, status of each slave node, its slip scenario, and the sums of normal
-and tangential contact force over time. N counts the increments on file from 0, the initial state; the default is the last.
+Left: the deformed bodies coloured by the Mises stress (displacements magnified by a round factor that is printed).
+Right: pressure and friction on the slave surface, status of each slave node, its slip scenario, and the sums of normal
+and tangential contact force over time. N counts the increments on file from 0, the initial state; default: the last.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -140,7 +140,7 @@ def outer_faces(connectivity: Ints, offsets: Ints, types: Ints) -> list[Ints]:
 
 
 def round_factor(points: Floats, u: Floats) -> float:
-    """1, 2 or 5 times a power of ten, so that the largest displacement shows as about a twelfth of the model; at least 1."""
+    """1, 2 or 5 times a power of ten: the largest displacement shows as about a twelfth of the model; at least 1."""
     largest = float(np.linalg.norm(u, axis=1).max())
     wanted = float(np.ptp(points, axis=0).max()) / 12 / largest if largest > 0 else 1.0
     if wanted <= 1.5:
@@ -230,7 +230,9 @@ def cut_faces(skin: list[Ints], x: Floats, values: Floats) -> Pieces:
             quads.append(np.stack([np.einsum("a,fai->fi", w, places) for w in weights], axis=1))
             means.append(nodal @ at(*((low + high) / 2)))
             edges.append(np.tile([j == 0, i == cuts - 1, j == cuts - 1, i == 0], (len(skin), 1)))
-    return Pieces(np.concatenate(quads), np.concatenate(means), np.tile(normals, (cuts * cuts, 1)), np.concatenate(edges))
+    return Pieces(
+        np.concatenate(quads), np.concatenate(means), np.tile(normals, (cuts * cuts, 1)), np.concatenate(edges)
+    )
 
 
 def _triad(axes: Axes, right: Floats, up: Floats) -> None:
@@ -269,7 +271,13 @@ def slave_map(job: Job) -> Map:
     dropped = int(np.argmax(np.abs(normal))) if faces else 2
     kept = [d for d in range(3) if d != dropped]
     axes = np.eye(3)[kept]
-    return Map(np.unique(np.concatenate(faces)) if faces else job.slaves, x @ axes.T, faces, axes, ("xyz"[kept[0]], "xyz"[kept[1]]))
+    return Map(
+        np.unique(np.concatenate(faces)) if faces else job.slaves,
+        x @ axes.T,
+        faces,
+        axes,
+        ("xyz"[kept[0]], "xyz"[kept[1]]),
+    )
 
 
 def _map_axes(axes: Axes, chart: Map, title: str) -> None:
@@ -315,7 +323,9 @@ def nearest_distance(places: Floats) -> float:
     return float(np.median(apart.min(axis=1)))
 
 
-def draw_classes(axes: Axes, job: Job, chart: Map, values: Ints, colours: list[str], names: list[str], title: str) -> None:
+def draw_classes(
+    axes: Axes, job: Job, chart: Map, values: Ints, colours: list[str], names: list[str], title: str
+) -> None:
     """Each slave node's part of the faces around it in the colour of its class."""
     cells, classes = [], []
     for face in chart.faces:
@@ -326,7 +336,10 @@ def draw_classes(axes: Axes, job: Job, chart: Map, values: Ints, colours: list[s
             cells.append([corners[a], after, centre, before])
             classes.append(int(values[node]))
     picture = PolyCollection(
-        cells, array=np.array(classes), cmap=ListedColormap(colours), norm=BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
+        cells,
+        array=np.array(classes),
+        cmap=ListedColormap(colours),
+        norm=BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours)),
     )
     picture.set(edgecolor="face", linewidth=0.2)
     axes.add_collection(picture)
@@ -335,8 +348,8 @@ def draw_classes(axes: Axes, job: Job, chart: Map, values: Ints, colours: list[s
     handles = [Patch(color=colours[c], label=f"{names[c]} ({counts[c]})") for c in range(len(names))]
     _map_axes(axes, chart, title)
     axes.legend(
-        handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3 if len(names) == 3 else 2, frameon=False,
-        fontsize=8.5, handlelength=1.1, columnspacing=1.2,
+        handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3 if len(names) == 3 else 2,
+        frameon=False, fontsize=8.5, handlelength=1.1, columnspacing=1.2,
     )  # fmt: skip
 
 
@@ -373,7 +386,12 @@ def draw(job: Job, k: int, output: Path) -> float:
         bodies.set_title(f"Deformed shape, {magnified}")
         if has_contact:
             _draw_contact(figure, grid, job, k)
-        figure.suptitle(f"{job.name}   t = {job.times[k]:.4g}   (increment {k} of {len(job.times) - 1} on file)", x=0.01, ha="left", fontsize=14)
+        figure.suptitle(
+            f"{job.name}   t = {job.times[k]:.4g}   (increment {k} of {len(job.times) - 1} on file)",
+            x=0.01,
+            ha="left",
+            fontsize=14,
+        )
         figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08, wspace=0.03, hspace=0.04)
         figure.savefig(output, facecolor="white")
         plt.close(figure)
@@ -387,7 +405,15 @@ def _draw_contact(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec, job: J
     status = job.frame("CSTATUS", k).astype(int)
     scenario = job.frame("CSCENARIO", k).astype(int)
     draw_classes(figure.add_subplot(grid[0, 2]), job, chart, status, STATUS_COLOURS, STATUS_NAMES, "Status")
-    draw_classes(figure.add_subplot(grid[1, 1]), job, chart, scenario, SCENARIO_COLOURS, SCENARIO_NAMES, "Slip scenario, last seen")
+    draw_classes(
+        figure.add_subplot(grid[1, 1]),
+        job,
+        chart,
+        scenario,
+        SCENARIO_COLOURS,
+        SCENARIO_NAMES,
+        "Slip scenario, last seen",
+    )
     draw_history(figure.add_subplot(grid[1, 2]), job, k)
 
 
@@ -396,7 +422,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Draw a finished job to PNG, without a display.")
     parser.add_argument("result", type=Path, help="job.vtkhdf")
     parser.add_argument("--output", type=Path, help="default: the result file's name with .png")
-    parser.add_argument("--increment", type=int, default=-1, metavar="N", help="increment on file from 0; default: the last")
+    parser.add_argument(
+        "--increment", type=int, default=-1, metavar="N", help="increment on file from 0; default: the last"
+    )
     options = parser.parse_args(arguments)
     try:
         job = read_job(options.result)

@@ -87,7 +87,9 @@ def _named_grid(nodes: Floats, cells: tuple[int, int, int], name: str) -> Mesh:
     return mesh
 
 
-def arc_indenter(centre: float, half: float, radius: float, pole: float, top: float, nx: int, nz: int, name: str) -> Mesh:
+def arc_indenter(
+    centre: float, half: float, radius: float, pole: float, top: float, nx: int, nz: int, name: str
+) -> Mesh:
     """One layer (0 <= y <= 1) of an indenter: bottom an arc in x-z with its pole at z = pole, flat top at z = top.
 
     Columns are straight and vertical; sizes along the arc are equal in x; rows are equal in each column.
@@ -104,9 +106,9 @@ def arc_indenter(centre: float, half: float, radius: float, pole: float, top: fl
 def ball_octant(radius: float, lateral: Floats, n_core: int, radial: Floats, name: str) -> Mesh:
     """The octant x, y >= 0 of a ball, its centre at (0, 0, radius), its lower pole in the origin.
 
-    A core block is surrounded by three outer blocks; `lateral` (0 to 1) are the lines from the polar axis outwards (1 is
-    45 degrees on the sphere), `radial` (0 to 1) the lines from the core to the sphere, n_core the cells of the core
-    in height. Surface NAME_CAP is the part of the sphere of the polar block, NAME_EQUATOR the node set z = radius.
+    A core block is surrounded by three outer blocks; `lateral` (0 to 1) are the lines from the polar axis outwards (1
+    is 45 degrees on the sphere), `radial` (0 to 1) the lines from the core to the sphere, n_core the cells of the
+    core in height. Surface NAME_CAP is the polar block's part of the sphere, NAME_EQUATOR the node set z = radius.
     """
     edge, diagonal, corner = 0.5 * radius, 0.45 * radius, 0.40 * radius
     steps = np.linspace(0.0, 1.0, n_core + 1)
@@ -122,7 +124,9 @@ def ball_octant(radius: float, lateral: Floats, n_core: int, radial: Floats, nam
         def place(a: Floats, b: Floats, r: Floats) -> Floats:
             one = np.ones_like(a)
             inner = core(*np.roll([a, b, one], axis + 1, axis=0))
-            ray = np.stack(list(np.roll([np.tan(a * math.pi / 4), np.tan(b * math.pi / 4), one], axis + 1, axis=0)), axis=-1)
+            ray = np.stack(
+                list(np.roll([np.tan(a * math.pi / 4), np.tan(b * math.pi / 4), one], axis + 1, axis=0)), axis=-1
+            )
             sphere = radius * ray / np.linalg.norm(ray, axis=-1, keepdims=True)
             return inner * (1 - r[..., None]) + sphere * r[..., None]
 
@@ -222,7 +226,8 @@ def _set_card(card: str, name: str, members: Ints) -> list[str]:
 
 def material_cards(name: str, elastic: tuple[float, float], elset: str) -> str:
     """An elastic material (E, nu) and the section that gives it to an element set."""
-    return f"*MATERIAL, NAME={name}\n*ELASTIC\n{elastic[0]:g}, {elastic[1]:g}\n*SOLID SECTION, ELSET={elset}, MATERIAL={name}\n"
+    young, nu = elastic
+    return f"*MATERIAL, NAME={name}\n*ELASTIC\n{young:g}, {nu:g}\n*SOLID SECTION, ELSET={elset}, MATERIAL={name}\n"
 
 
 def contact_cards(slave: str, master: str, mu: float, kind: str = "NODE TO SURFACE", behavior: str = "HARD") -> str:
@@ -285,11 +290,14 @@ def three_cubes_mesh() -> str:
     mesh.node_sets = {"FLOOR": mesh.node_sets["TABLE_BOTTOM"], "LID": mesh.node_sets["CUBE_TOP"]}
     mesh.element_sets = {"TABLE": np.array([0, 1]), "CUBE": np.array([2]), "ALL": np.arange(3)}
     mesh.surfaces = {}
-    return "** The mesh of three_cubes.inp: nodes with their places, elements with their nodes, and named sets of both.\n" + mesh_cards(mesh)
+    return (
+        "** The mesh of three_cubes.inp: nodes with their places, elements with their nodes, and named sets of both.\n"
+        + mesh_cards(mesh)
+    )
 
 
 def block_mesh(n: int, lower: int | None = None) -> Mesh:
-    """Upper block 1 x 1 x 0.5 (n elements on its edge) over the middle of a lower block 2 x 2 x 1 (`lower` on its edge).
+    """Upper block 1 x 1 x 0.5 (n elements on its edge) over the middle of a lower one 2 x 2 x 1 (`lower` on its edge).
 
     Without `lower`, about 1.5 n: some 6.7 n^3 unknowns in all; no node of the upper block lies on a facet edge.
     """
@@ -329,7 +337,8 @@ def block_deck(
         + mesh_cards(_with_all(block_mesh(n, lower)))
         + material_cards("STEEL", STEEL, "ALL")
         + contact_cards("UPPER_BOTTOM", "LOWER_TOP", mu, kind, behavior)
-        + f"{step}\nPress\n*STATIC\n0.1, 1., , 0.1\n*BOUNDARY\nLOWER_BOTTOM, 1, 3\nUPPER_TOP, 1, 2\nUPPER_TOP, 3, 3, -0.002\n"
+        + f"{step}\nPress\n*STATIC\n0.1, 1., , 0.1\n"
+        + "*BOUNDARY\nLOWER_BOTTOM, 1, 3\nUPPER_TOP, 1, 2\nUPPER_TOP, 3, 3, -0.002\n"
         + "*NODE PRINT, NSET=UPPER_TOP, TOTALS=ONLY\nRF\n"
         + OUTPUT_CARDS
         + f"*END STEP\n{step}\nDrag\n*STATIC\n0.1, 1., , 0.1\n*BOUNDARY\nUPPER_TOP, 1, 1, 0.004\n*END STEP\n"
@@ -357,6 +366,7 @@ def hertz_deck() -> str:
     radius, press, elastic = 50.0, 0.5, (20000.0, 0.3)
     modulus = elastic[0] / (1 - elastic[1] ** 2)
     a, force = math.sqrt(radius * press), 4 / 3 * modulus * math.sqrt(radius) * press**1.5
+    p0 = 3 * force / (2 * math.pi * a * a)
     quarter_arc = radius * math.pi / 4
     lateral = graded(quarter_arc, 0.75, 7, 6) / quarter_arc
     radial = 1.0 - graded(0.5 * radius, 0.75, 2, 6)[::-1] / (0.5 * radius)
@@ -371,11 +381,11 @@ def hertz_deck() -> str:
     head = f"""\
 ** Hertz: an elastic ball pressed on a rigid flat without friction, by symmetry one octant of it.
 **
-** R = {radius:g}, E = {elastic[0]:g}, nu = {elastic[1]:g}; the equator goes down by d = {press:g}; small displacements. The flat is a fixed plate.
-** Closed form (Hertz 1882), E* = E/(1 - nu^2) = {modulus:.1f}, P the force on the whole ball (four times the deck's):
-**   a = (3 P R / (4 E*))^(1/3),  p0 = 3 P / (2 pi a^2),  P = 4/3 E* R^(1/2) d^(3/2)
-** d = {press:g} gives a = {a:.3f}, p0 = {3 * force / (2 * math.pi * a * a):.1f}, P = {force:.0f} for a ball whose approach is measured far away. The equator
-** is not: expect P some 6 % higher; a and p0 of the P found: within one element (0.75), and 3 %.
+** R = {radius:g}, E = {elastic[0]:g}, nu = {elastic[1]:g}; the equator goes down by d = {press:g}; small displacements.
+** The flat is a fixed plate. Closed form (Hertz 1882), P the force on the whole ball (four times the deck's):
+**   E* = E/(1 - nu^2) = {modulus:.1f},  a = (3 P R / (4 E*))^(1/3),  p0 = 3 P / (2 pi a^2),  P = 4/3 E* R^(1/2) d^(3/2)
+** d = {press:g} gives a = {a:.3f}, p0 = {p0:.1f}, P = {force:.0f} for a ball whose approach is measured far away.
+** The equator is not: expect P some 6 % higher, and for that P the edge within one element (0.75), p0 within 1 %.
 ** {3 * len(mesh.nodes)} unknowns, 5 increments: some seconds on one core. Units: N, mm.
 """
     return (
@@ -383,7 +393,8 @@ def hertz_deck() -> str:
         + mesh_cards(mesh)
         + material_cards("BALL", elastic, "ALL")
         + contact_cards("BALL_CAP", "PLATE_TOP", 0.0)
-        + f"*STEP\nPress\n*STATIC\n0.2, 1., , 0.2\n*BOUNDARY\nPLATE, 1, 3\nSYMMETRY_X, 1\nSYMMETRY_Y, 2\nBALL_EQUATOR, 3, 3, {-press:g}\n"
+        + "*STEP\nPress\n*STATIC\n0.2, 1., , 0.2\n"
+        + f"*BOUNDARY\nPLATE, 1, 3\nSYMMETRY_X, 1\nSYMMETRY_Y, 2\nBALL_EQUATOR, 3, 3, {-press:g}\n"
         + "*NODE PRINT, NSET=BALL_EQUATOR, TOTALS=ONLY\nRF\n"
         + OUTPUT_CARDS
         + "*END STEP\n"
@@ -410,10 +421,12 @@ def ironing_deck() -> str:
         + material_cards("HARD", (6896.0, 0.32), "IRON")
         + material_cards("SOFT", (689.6, 0.32), "SLAB")
         + contact_cards("IRON_BOTTOM", "SLAB_TOP", 0.3)
-        + "*STEP, NLGEOM, INC=200\nPress\n*STATIC\n0.1, 1., 1e-4, 0.1\n*BOUNDARY\nSLAB_BOTTOM, 1\nSLAB_BOTTOM, 3\nPLANE, 2\nIRON_TOP, 1\nIRON_TOP, 3, 3, -0.3\n"
+        + "*STEP, NLGEOM, INC=200\nPress\n*STATIC\n0.1, 1., 1e-4, 0.1\n"
+        + "*BOUNDARY\nSLAB_BOTTOM, 1\nSLAB_BOTTOM, 3\nPLANE, 2\nIRON_TOP, 1\nIRON_TOP, 3, 3, -0.3\n"
         + "*NODE PRINT, NSET=IRON_TOP, TOTALS=ONLY\nRF\n"
         + OUTPUT_CARDS
-        + "*END STEP\n*STEP, NLGEOM, INC=500\nDrag\n*STATIC\n0.01, 1., 1e-5, 0.025\n*BOUNDARY\nIRON_TOP, 1, 1, 4.\n*END STEP\n"
+        + "*END STEP\n*STEP, NLGEOM, INC=500\nDrag\n*STATIC\n0.01, 1., 1e-5, 0.025\n"
+        + "*BOUNDARY\nIRON_TOP, 1, 1, 4.\n*END STEP\n"
     )
 
 

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+#: Natural coordinates of the corners of a hexahedron.
+CORNERS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
 KINDS = ["C3D4", "C3D6", "C3D8", "C3D10", "C3D20", "C3D20R"]
 QUADRATIC = {"C3D10", "C3D20", "C3D20R"}
 
@@ -42,7 +44,7 @@ class Solids:
         return np.flatnonzero(np.abs(self.nodes[:, axis] - value) < 1e-9)
 
     def outer_faces(self, nodes: Iterable[int] | None = None) -> list[tuple[int, int]]:
-        """(element from 0, face from 1) of the faces that belong to one element; of those, whose corners are all in nodes."""
+        """(element from 0, face from 1) of the faces of one element only; with nodes, those whose corners are in it."""
         owners: dict[tuple[int, ...], list[tuple[int, int]]] = {}
         for e, element in enumerate(self.elements):
             for f, local in enumerate(FACES[self.kind], start=1):
@@ -88,7 +90,7 @@ def as_kind(mesh: Mesh, kind: str) -> Solids:
 
 def _six_tetrahedra() -> list[list[int]]:
     """Kuhn's cut of a cube along the diagonal from corner 0 to corner 6; conforming between neighbours of a grid."""
-    corner = {(0, 0, 0): 0, (1, 0, 0): 1, (1, 1, 0): 2, (0, 1, 0): 3, (0, 0, 1): 4, (1, 0, 1): 5, (1, 1, 1): 6, (0, 1, 1): 7}
+    corner = {tuple(int(v) for v in (place + 1) / 2): i for i, place in enumerate(CORNERS)}
     cut = []
     for order in permutations(range(3)):
         place, path = [0, 0, 0], [0]

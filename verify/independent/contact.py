@@ -1,8 +1,8 @@
 """The check of contact, increment by increment, from displacements alone.
 
-In equilibrium the force of contact on a slave node is its internal force (nothing else acts there). It is split along the
-continuous normal of the master at the closest point and judged by the laws of Signorini and Coulomb; the forces on the
-masters are the opposite ones with the weights of the closest points.
+In equilibrium the force of contact on a slave node is its internal force (nothing else acts there). It is split along
+the continuous normal of the master at the closest point and judged by the laws of Signorini and Coulomb; the forces
+on the masters are the opposite ones with the weights of the closest points.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -70,7 +70,7 @@ class IncrementCheck:
     time: float
     pairs: list[PairCheck] = field(default_factory=list)
     equilibrium: float = 0.0  #: worst imbalance of a free node, master nodes with their share of contact
-    body_force: float = 0.0  #: worst resultant of supports and contact on a body, over the largest sum of absolute forces
+    body_force: float = 0.0  #: worst resultant of supports and contact on a body, over the sum of absolute forces
     body_moment: float = 0.0  #: the same of moments, over that sum times the body's size
     reactions: float = 0.0  #: worst difference between RF on file and our own, over the largest
     stress: float = 0.0  #: worst difference between the stresses on file and our own, over the largest
@@ -200,7 +200,8 @@ class ContactCheck:
         verdict.largest_pressure = largest
         verdict.friction = float(excess[is_closed].max(initial=0.0))
         verdict.unused = float((-excess)[is_slipping & is_old].max(initial=0.0))
-        is_long = is_slipping & is_old & (length > 1e-2 * length.max(initial=0.0)) & (shear > 1e-3 * mu * largest) & (mu > 0)
+        is_long = (length > 1e-2 * length.max(initial=0.0)) & (shear > 1e-3 * mu * largest) & (mu > 0)
+        is_long &= is_slipping & is_old
         sine = np.linalg.norm(np.cross(geometry.unit(across[is_long]), geometry.unit(slip[is_long])), axis=1)
         is_with = np.einsum("ni,ni->n", across[is_long], slip[is_long]) > 0
         verdict.direction = float(np.where(is_with, 1.0, sine).max(initial=0.0))
@@ -277,7 +278,7 @@ def _above(owner: object, limits: list[tuple[str, float]], where: str) -> list[s
 
 
 def _match(deck: Deck, results: Results) -> Ints:
-    """For each node of the deck its row in the result file: by label, else in the deck's order; the places must agree."""
+    """For each node of the deck its row in the file: by label, else in the deck's order; the places must agree."""
     if len(results.points) != len(deck.nodes):
         raise DeckError(f"the result file has {len(results.points)} points, the deck {len(deck.nodes)} nodes")
     order = np.arange(len(deck.nodes))

@@ -1,4 +1,4 @@
-"""The facts of a deck that a check needs: mesh, sets, elastic materials, contact pairs, supports. A small second reader.
+"""A second, small deck reader: the facts that a check needs: mesh, sets, materials, contact pairs, supports.
 
 It knows the cards that the decks of input/ use; a card that would change the physics and that it does not know is an
 error, so that a check never passes on half of a model.

@@ -6,7 +6,7 @@ energy W = sum w J0 psi(Fbar):
 
     f_a = sum w J0 [ tau g_a + p (gbar_a - g_a) ],   p = tr(tau)/3,   gbar_a = (1/v) sum w J0 J g_a
 
-with g_a the spatial gradients of the shape functions. Small displacements: the same with F = 1 in the gradients (B-bar).
+with g_a the spatial gradients of the shape functions. Small displacements: the same with F = 1 there (B-bar).
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

@@ -1,8 +1,8 @@
 """Elastic bodies without contact against closed forms: every element kind, small and large displacements.
 
-The closed form at finite strain is that of the Hencky law of doc/theory: Kirchhoff stress linear in the logarithmic strain.
-Tolerances: 1e-6 of the largest value is what the default controls promise; where the answer is in the space of the shape
-functions nothing else is left, so most tests ask for less than a tenth of that.
+The closed form at finite strain is that of the Hencky law of doc/theory: Kirchhoff stress linear in the logarithmic
+strain. Tolerances: 1e-6 of the largest value is what the default controls promise; where the answer is in the space
+of the shape functions nothing else is left, so most tests ask for less than a tenth of that.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -84,7 +84,8 @@ def rollers(body: Solids) -> str:
 def test_uniaxial_tension(run_deck: Run, tmp_path: Path, kind: str, is_nlgeom: bool) -> None:
     """Force, lateral contraction, stress and strain of a stretched bar.
 
-    Small: F = E A e. Hencky: tau = E ln(l), F = tau A0/l, lateral stretch l^(-nu), Cauchy stress tau/J, J = l^(1 - 2 nu).
+    Small: F = E A e. Hencky: tau = E ln(l), F = tau A0/l, lateral stretch l^(-nu), Cauchy stress tau/J with
+    J = l^(1 - 2 nu).
     """
     body = bar(kind)
     elongation = 0.5 if is_nlgeom else 0.001
@@ -141,14 +142,16 @@ def voigt(tensor: Floats) -> Floats:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_column_under_its_weight(run_deck: Run, tmp_path: Path, kind: str) -> None:
-    """nu = 0: u = -rho g z (H - z/2)/E; the reaction is the weight. Linear hexahedra and wedges are exact at their nodes
-    only if the column is one cell wide or prismatic (it is); linear tetrahedra are not and get 3 %.
+    """nu = 0: u = -rho g z (H - z/2)/E; the reaction is the weight. Linear hexahedra and wedges are exact at their
+    nodes only if the column is one cell wide or prismatic (it is); linear tetrahedra are not and get 3 %.
     """
     body = as_kind(make_decks.block([0, 1], [0, 1], np.linspace(0, 4, 9), "COLUMN"), kind)
     density, gravity, height = 2.5, 9.81, 4.0
     base = body.where(2, 0.0)
     cards = node_set("BASE", base) + rollers(body)
-    deck = body.cards() + cards + material(nu=0.0, density=density) + step(f"*DLOAD\nALL, GRAV, {gravity}, 0., 0., -1.\n")
+    deck = (
+        body.cards() + cards + material(nu=0.0, density=density) + step(f"*DLOAD\nALL, GRAV, {gravity}, 0., 0., -1.\n")
+    )
     found = solve(run_deck, tmp_path, deck)
     z = body.nodes[:, 2]
     expected = -density * gravity * z * (height - z / 2) / YOUNG
@@ -181,7 +184,10 @@ def hydrostatic_stretch(pressure: float, bulk: float, is_nlgeom: bool) -> float:
         return 1 - pressure / (3 * bulk)
     stretch = 1.0
     for _ in range(60):
-        value, slope = 3 * bulk * np.log(stretch) + pressure * stretch**3, 3 * bulk / stretch + 3 * pressure * stretch**2
+        value, slope = (
+            3 * bulk * np.log(stretch) + pressure * stretch**3,
+            3 * bulk / stretch + 3 * pressure * stretch**2,
+        )
         stretch -= value / slope
     return float(stretch)
 
@@ -213,7 +219,9 @@ def test_periodic_cell_by_equations(run_deck: Run, tmp_path: Path, kind: str) ->
 
 def side_support(body: Solids) -> str:
     """Against the rotation about x that periodicity leaves: one node beside the origin held in z."""
-    beside = int(body.where(0, 0.0)[np.argmax(body.nodes[body.where(0, 0.0), 1] * (body.nodes[body.where(0, 0.0), 2] < 1e-9))])
+    beside = int(
+        body.where(0, 0.0)[np.argmax(body.nodes[body.where(0, 0.0), 1] * (body.nodes[body.where(0, 0.0), 2] < 1e-9))]
+    )
     return f"{beside + 1}, 3\n"
 
 
@@ -241,7 +249,9 @@ def test_cantilever(run_deck: Run, tmp_path: Path, kind: str, tolerance: float) 
     # A uniform shear on the tip as forces on its nodes: by their share of the pressure reaction, which a job tells.
     loads = tip_shares(body)
     cload = "*CLOAD\n" + "".join(f"{n + 1}, 3, {force * share:.17g}\n" for n, share in loads.items())
-    deck = body.cards() + node_set("ROOT", body.where(0, 0.0)) + "*BOUNDARY\nROOT, 1, 3\n" + material(nu=0.0) + step(cload)
+    deck = (
+        body.cards() + node_set("ROOT", body.where(0, 0.0)) + "*BOUNDARY\nROOT, 1, 3\n" + material(nu=0.0) + step(cload)
+    )
     found = solve(run_deck, tmp_path, deck)
     expected = force * length**3 / (3 * YOUNG / 12) + force * length / (5 / 6 * YOUNG / 2)
     close(found["U"][tip, 2].mean(), expected, tolerance, "tip")
@@ -261,7 +271,8 @@ def tip_shares(body: Solids) -> dict[int, float]:
         mids = [n_corners + i for i, (a, b) in enumerate(edges) if a in local and b in local]
         corners = body.nodes[body.elements[e][local]]
         area = sum(
-            np.linalg.norm(np.cross(corners[i] - corners[0], corners[i + 1] - corners[0])) / 2 for i in range(1, len(local) - 1)
+            np.linalg.norm(np.cross(corners[i] - corners[0], corners[i + 1] - corners[0])) / 2
+            for i in range(1, len(local) - 1)
         )
         corner_share = -1 / 12 if len(local) == 4 else 0.0
         for members, share in ((local, corner_share), (mids, 1 / 3)):
