@@ -19,7 +19,7 @@ module amontons_contact
   implicit none
   private
   public :: contact_type, slip_view_type, create_contact, set_supports, begin_contact_increment, evaluate_contact
-  public :: facet_weights, contact_slip_vector, commit_slip
+  public :: facet_weights, contact_slip_vector, farthest_travel, commit_slip
 
   real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
@@ -248,7 +248,6 @@ contains
   subroutine lose_master(slave)
     type(slave_type), intent(inout) :: slave
     slave%facet = 0
-    slave%origin_facet = 0
     slave%status = STATUS_OPEN
     slave%gap = 0.0_DP
     slave%force = 0.0_DP
@@ -359,6 +358,8 @@ contains
       if (slave%facet == 0 .or. share < SUPPORTED) then
         if (before /= STATUS_OPEN) contact%n_left = contact%n_left + 1
         call lose_master(slave)
+        if (old%status == STATUS_OPEN) slave%origin_facet = 0
+        slave%slip_increment = 0.0_DP
         call set_view(view, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, spread(0.0_DP, 1, 3))
         return
       end if
@@ -368,15 +369,16 @@ contains
       if (slave%origin_facet > 0) d = contact%mask(:, s) * contact_slip_vector(contact, model, fields%u, slave)
       call trial_traction(imbalance, slave%gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, trial)
       status = merge(before, trial%status, is_frozen)
-      if (status /= STATUS_OPEN .and. before == STATUS_OPEN) then
+      if (status /= STATUS_OPEN .and. slave%origin_facet == 0) then
         call close_slave(contact, model, old, fields%u, slave)
         d = contact%mask(:, s) * contact_slip_vector(contact, model, fields%u, slave)
       end if
-      if (status == STATUS_OPEN) slave%origin_facet = 0
+      if (status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       slave%status = status
       contact%direction(:, s) = trial%direction
       N = -dot_product(free_normal, imbalance)
       slave%slip_increment = d - dot_product(free_normal, d) * free_normal
+      if (status == STATUS_OPEN) slave%slip_increment = 0.0_DP
       call set_force(slave, imbalance, N / share, mu * N * trial%direction)
       call set_view(view, s, status, imbalance + N * free_normal, N, slave%slip_increment)
       view%position(:, s) = d
@@ -494,6 +496,26 @@ contains
       contact_force(:, nodes(i)) = contact_force(:, nodes(i)) - weights(i) * force
     end do
   end subroutine add_contact_force
+
+
+  !> How far a change of displacement moves the slave nodes along their master, in facets, at most.
+  pure real(DP) function farthest_travel(contact, slaves, du) result(farthest)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
+    integer :: nodes(MAX_FACE_NODES), n, s
+    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), d(3)
+    farthest = 0.0_DP
+    do s = 1, size(slaves)
+      associate (slave => slaves(s))
+        if (slave%facet == 0 .or. contact%is_small(slave%pair)) cycle
+        call facet_weights(contact%facets(slave%pair), slave%facet, slave%xi, n, nodes, weights, dN)
+        d = du(:, slave%node) - matmul(du(:, nodes(:n)), weights(:n))
+        d = d - dot_product(slave%normal, d) * slave%normal
+        farthest = max(farthest, norm2(d) / contact%facets(slave%pair)%edge_length(slave%facet))
+      end associate
+    end do
+  end function farthest_travel
 
 
   !> At the end of a converged increment: gather the slip, and the work that friction took.

@@ -14,13 +14,14 @@ module amontons_line_search
   use amontons_steps, only: step_type, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type, STATUS_OPEN
   use amontons_slip, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip, NODE_SLIP
-  use amontons_contact, only: slip_view_type
+  use amontons_contact, only: slip_view_type, farthest_travel
   use amontons_system, only: system_type, evaluate, residual_pair, TROUBLE_NONE
   implicit none
   private
   public :: search_type, search_line
 
   integer, parameter :: MOST_HALVINGS = 4
+  real(DP), parameter :: MOST_TRAVEL = 0.5_DP      !< facets that a slave node may travel in one iteration while supports move [-]
   real(DP), parameter :: MERIT_GROWTH = 1.0_DP     !< AUTO takes the full step if the merit does not grow by more than this [-]
 
   !> What the search did.
@@ -96,7 +97,8 @@ contains
   end subroutine search_line
 
 
-  !> The full step, or the longest half, quarter, ... that leaves no element inverted.
+  !> The full step, or the longest half, quarter, ... that leaves no element inverted. While supports move, no slave node
+  !! travels more than MOST_TRAVEL facets: its gap and weights are linearised where it is.
   subroutine first_step(system, model, step, du, start, state, search, trouble)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -106,13 +108,17 @@ contains
     type(state_type), intent(inout) :: state
     type(search_type), intent(inout) :: search
     integer, intent(out) :: trouble
+    real(DP) :: longest
     integer :: halving
+    longest = 1.0_DP
+    if (.not. start%is_comparable) &
+      longest = MOST_TRAVEL / max(MOST_TRAVEL, farthest_travel(system%contact, start%slaves, du))
     do halving = 0, MOST_HALVINGS
-      search%step_length = 0.5_DP**halving
+      search%step_length = longest * 0.5_DP**halving
       call go(system, model, step, start, start%u + search%step_length * du, state, trouble)
       if (trouble == TROUBLE_NONE) exit
     end do
-    search%is_whole_step = halving == 0
+    search%is_whole_step = search%step_length == 1.0_DP
   end subroutine first_step
 
 
