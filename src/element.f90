@@ -14,7 +14,8 @@ module amontons_element
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, cross_product, determinant_minus_one, invert, &
     pack_voigt
   use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_NODES, MAX_POINTS, &
-    MAX_FACE_NODES, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R, N_KINDS
+    MAX_FACE_NODES, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R, &
+    N_SOLID_KINDS
   implicit none
   private
   public :: points_type, element_system, element_forces, element_tangent
@@ -28,9 +29,10 @@ module amontons_element
 
   ! The table of module topology once more, as constants: so the loops have known lengths. The unit test notices if
   ! they differ.
-  integer, parameter :: N_NODES(N_KINDS) = [4, 6, 8, 8, 10, 20, 20]
-  integer, parameter :: N_POINTS(N_KINDS) = [1, 2, 8, 8, 4, 27, 8]
-  logical, parameter :: IS_MEAN(N_KINDS) = [.false., .false., .true., .false., .false., .false., .false.]
+  integer, parameter :: N_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15]
+  integer, parameter :: N_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9]
+  logical, parameter :: IS_MEAN(N_SOLID_KINDS) = [.false., .false., .true., .false., .false., .false., .false., .false., &
+    .false., .false.]
 
   !> What is known at the integration points of one element; entries past its points are undefined.
   type :: points_type

@@ -2,16 +2,17 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Natural coordinates: hexahedra -1..1 in xi, eta, zeta; tetrahedra 0..1 with node 1 at the origin; wedges 0..1 in the
-!! triangle (xi, eta), -1..1 along zeta. Integration points are ordered as CalculiX prints them: xi fastest, then eta,
-!! then zeta.
+!! triangle (xi, eta), -1..1 along zeta; plane squares and triangles as their facets, trusses -1..1 in xi, the rest
+!! zero. Integration points are ordered as CalculiX prints them: xi fastest, then eta, then zeta.
 module amontons_shapes
   use amontons_kinds, only: DP
-  use amontons_topology, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, &
-    KIND_C3D20R, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
+  use amontons_topology, only: element_kind, kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
+    KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CAX8R, KIND_T3D2, KIND_T3D3, &
+    FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
   implicit none
   private
   public :: shape_functions, quadrature, node_coordinates, extrapolation_matrix
-  public :: facet_shapes, facet_quadrature, facet_node_coordinates
+  public :: facet_shapes, facet_quadrature, facet_node_coordinates, shape_of
   public :: MAX_FACET_POINTS
 
   integer, parameter :: MAX_FACET_POINTS = 9       !< most integration points of a facet
@@ -23,8 +24,10 @@ module amontons_shapes
     -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], [3, 20])
   real(DP), parameter :: TETRAHEDRON(3, 10) = reshape([real(DP) :: 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, &
     0.5_DP, 0, 0, 0.5_DP, 0.5_DP, 0, 0, 0.5_DP, 0, 0, 0, 0.5_DP, 0.5_DP, 0, 0.5_DP, 0, 0.5_DP, 0.5_DP], [3, 10])
-  real(DP), parameter :: WEDGE(3, 6) = reshape([real(DP) :: &
-    0, 0, -1, 1, 0, -1, 0, 1, -1, 0, 0, 1, 1, 0, 1, 0, 1, 1], [3, 6])
+  real(DP), parameter :: WEDGE(3, 15) = reshape([real(DP) :: &
+    0, 0, -1, 1, 0, -1, 0, 1, -1, 0, 0, 1, 1, 0, 1, 0, 1, 1, &
+    0.5_DP, 0, -1, 0.5_DP, 0.5_DP, -1, 0, 0.5_DP, -1, 0.5_DP, 0, 1, 0.5_DP, 0.5_DP, 1, 0, 0.5_DP, 1, &
+    0, 0, 0, 1, 0, 0, 0, 1, 0], [3, 15])
   real(DP), parameter :: SQUARE(2, 8) = reshape([real(DP) :: &
     -1, -1, 1, -1, 1, 1, -1, 1, 0, -1, 1, 0, 0, 1, -1, 0], [2, 8])
   real(DP), parameter :: TRIANGLE(2, 6) = reshape([real(DP) :: &
@@ -32,6 +35,7 @@ module amontons_shapes
 
   ! The two corners of each mid-side node.
   integer, parameter :: TETRAHEDRON_EDGES(2, 5:10) = reshape([1, 2, 2, 3, 3, 1, 1, 4, 2, 4, 3, 4], [2, 6])
+  integer, parameter :: WEDGE_EDGES(2, 7:15) = reshape([1, 2, 2, 3, 3, 1, 4, 5, 5, 6, 6, 4, 1, 4, 2, 5, 3, 6], [2, 9])
 
   real(DP), parameter :: GAUSS_2 = sqrt(3.0_DP) / 3
   real(DP), parameter :: GAUSS_3 = sqrt(15.0_DP) / 5
@@ -59,15 +63,41 @@ contains
       dN(:, :4) = reshape([real(DP) :: -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 4])
     case (KIND_C3D6)
       call wedge_shapes(xi, N(:6), dN(:, :6))
-    case (KIND_C3D8, KIND_C3D8_FULL)
+    case (KIND_C3D15)
+      call quadratic_wedge_shapes(xi, N(:15), dN(:, :15))
+    case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R)
       call trilinear_shapes(xi, N(:8), dN(:, :8))
     case (KIND_C3D10)
       call tetrahedron_shapes(xi, N(:10), dN(:, :10))
     case (KIND_C3D20, KIND_C3D20R)
       call serendipity_shapes(xi, N, dN)
+    case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
+      call embedded_shapes(kind, xi, N, dN)
     case default                                   ! no such kind: nothing is set
     end select
   end subroutine shape_functions
+
+
+  !> Plane kinds and trusses have the shapes of facets.
+  pure subroutine embedded_shapes(kind, xi, N, dN)
+    integer, intent(in) :: kind                    !< a plane kind or a truss
+    real(DP), intent(in) :: xi(3)
+    real(DP), intent(inout) :: N(MAX_NODES), dN(3, MAX_NODES)
+    real(DP) :: along(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    call facet_shapes(shape_of(kind), xi(:2), N(:MAX_FACE_NODES), along, ddN)
+    dN(:2, :MAX_FACE_NODES) = along
+  end subroutine embedded_shapes
+
+
+  !> The facet kind that has the shape of a plane kind or of a truss.
+  pure function shape_of(kind) result(facet)
+    integer, intent(in) :: kind                    !< a plane kind or a truss
+    integer :: facet
+    type(kind_type) :: entry
+    integer, parameter :: OF_NODES(2:8) = [FACET_LINE2, FACET_TRI3, FACET_QUAD4, 0, FACET_TRI6, 0, FACET_QUAD8]
+    entry = element_kind(kind)
+    facet = merge(FACET_LINE3, OF_NODES(entry%n_nodes), kind == KIND_T3D3)
+  end function shape_of
 
 
   !> N = 1/8 (1 + xi_a xi)(1 + eta_a eta)(1 + zeta_a zeta).
@@ -133,6 +163,40 @@ contains
   end subroutine wedge_shapes
 
 
+  !> Corners: 1/2 L (1 + z_a z)(2 L - 2 + z_a z); mid-sides of the triangles: 2 L_i L_j (1 + z_a z); between them:
+  !! L (1 - z^2); with the area coordinates L and z = zeta.
+  pure subroutine quadratic_wedge_shapes(xi, N, dN)
+    real(DP), intent(in) :: xi(3)
+    real(DP), intent(out) :: N(15), dN(3, 15)
+    real(DP), parameter :: SLOPE(2, 3) = reshape([real(DP) :: -1, -1, 1, 0, 0, 1], [2, 3])
+    real(DP) :: area(3), z, s
+    integer :: a, i, j
+    area = [1 - xi(1) - xi(2), xi(1), xi(2)]
+    z = xi(3)
+    do a = 1, 6
+      i = 1 + mod(a - 1, 3)
+      s = WEDGE(3, a)
+      N(a) = 0.5_DP * area(i) * (1 + s * z) * (2 * area(i) - 2 + s * z)
+      dN(:2, a) = 0.5_DP * SLOPE(:, i) * (1 + s * z) * (4 * area(i) - 2 + s * z)
+      dN(3, a) = 0.5_DP * area(i) * s * (2 * area(i) - 1 + 2 * s * z)
+    end do
+    do a = 7, 12
+      i = 1 + mod(WEDGE_EDGES(1, a) - 1, 3)
+      j = 1 + mod(WEDGE_EDGES(2, a) - 1, 3)
+      s = WEDGE(3, a)
+      N(a) = 2 * area(i) * area(j) * (1 + s * z)
+      dN(:2, a) = 2 * (SLOPE(:, i) * area(j) + area(i) * SLOPE(:, j)) * (1 + s * z)
+      dN(3, a) = 2 * area(i) * area(j) * s
+    end do
+    do a = 13, 15
+      i = a - 12
+      N(a) = area(i) * (1 - z * z)
+      dN(:2, a) = SLOPE(:, i) * (1 - z * z)
+      dN(3, a) = -2 * area(i) * z
+    end do
+  end subroutine quadratic_wedge_shapes
+
+
   !> Corners: L (2 L - 1); mid-sides: 4 L_i L_j, with the volume coordinates L.
   pure subroutine tetrahedron_shapes(xi, N, dN)
     real(DP), intent(in) :: xi(3)
@@ -156,8 +220,9 @@ contains
 
   !> Integration points and weights of an element. The weights add up to the volume of the parent element.
   !!
-  !!   C3D4 1 point (degree 1), C3D6 2 points, C3D8 and C3D20R 2x2x2 (degree 3 each way), C3D10 4 points (degree 2),
-  !!   C3D20 3x3x3 (degree 5 each way)
+  !!   C3D4 1 point (degree 1), C3D6 2 points, C3D8, C3D8I and C3D20R 2x2x2 (degree 3 each way), C3D8R 1 point,
+  !!   C3D10 4 points (degree 2), C3D15 3 points times 3 (degree 2 in the triangle, 5 along it),
+  !!   C3D20 3x3x3 (degree 5 each way); plane kinds: triangles 1 or 3 points, squares 1, 2x2 or 3x3; trusses 1 or 2
   pure subroutine quadrature(kind, n, xi, w)
     integer, intent(in) :: kind                    !< KIND_...
     integer, intent(out) :: n                      !< number of points
@@ -183,15 +248,66 @@ contains
       xi(:2, :2) = 1.0_DP / 3
       xi(3, :2) = [-GAUSS_2, GAUSS_2]
       w(:2) = 0.5_DP
-    case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D20R)
+    case (KIND_C3D15)
+      n = 9
+      call wedge_rule(xi, w)
+    case (KIND_C3D8R)
+      n = 1
+      w(1) = 8
+    case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D20R)
       n = 8
       call tensor_rule([-GAUSS_2, GAUSS_2], [1.0_DP, 1.0_DP], xi, w)
     case (KIND_C3D20)
       n = 27
       call tensor_rule([-GAUSS_3, 0.0_DP, GAUSS_3], [5.0_DP, 8.0_DP, 5.0_DP] / 9, xi, w)
+    case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
+      call embedded_rule(kind, n, xi, w)
     case default                                   ! no such kind: nothing is set
     end select
   end subroutine quadrature
+
+
+  !> Three points of the triangle at three heights.
+  pure subroutine wedge_rule(xi, w)
+    real(DP), intent(inout) :: xi(3, MAX_POINTS), w(MAX_POINTS)
+    real(DP) :: flat(2, 3), weight(3)
+    integer :: k
+    call triangle_orbit(1.0_DP / 6, 1.0_DP / 6, flat, weight)
+    do k = 1, 3
+      xi(:2, 3 * k - 2:3 * k) = flat
+      xi(3, 3 * k - 2:3 * k) = real(k - 2, DP) * GAUSS_3
+      w(3 * k - 2:3 * k) = weight * merge(8.0_DP, 5.0_DP, k == 2) / 9
+    end do
+  end subroutine wedge_rule
+
+
+  !> The rules of plane kinds and trusses, by their number of points.
+  pure subroutine embedded_rule(kind, n, xi, w)
+    integer, intent(in) :: kind                    !< a plane kind or a truss
+    integer, intent(out) :: n
+    real(DP), intent(inout) :: xi(3, MAX_POINTS), w(MAX_POINTS)
+    type(kind_type) :: entry
+    real(DP) :: flat(2, MAX_FACET_POINTS), weight(MAX_FACET_POINTS)
+    entry = element_kind(kind)
+    n = entry%n_points
+    flat = 0
+    select case (shape_of(kind))
+    case (FACET_LINE2, FACET_LINE3)
+      weight(:n) = 2 / real(n, DP)
+      if (n == 2) flat(1, :2) = [-GAUSS_2, GAUSS_2]
+    case (FACET_TRI3)
+      flat(:, 1) = 1.0_DP / 3
+      weight(1) = 0.5_DP
+    case (FACET_TRI6)
+      call triangle_orbit(1.0_DP / 6, 1.0_DP / 6, flat(:, :3), weight(:3))
+    case default
+      weight(1) = 4
+      if (n == 4) call facet_quadrature(FACET_QUAD4, n, flat, weight)
+      if (n == 9) call facet_quadrature(FACET_QUAD8, n, flat, weight)
+    end select
+    xi(:2, :n) = flat(:, :n)
+    w(:n) = weight(:n)
+  end subroutine embedded_rule
 
 
   !> The product rule on the cube, xi fastest.
@@ -217,6 +333,7 @@ contains
   pure subroutine node_coordinates(kind, xi)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(out) :: xi(3, MAX_NODES)      !< [-], zero past its nodes
+    real(DP) :: flat(2, MAX_FACE_NODES)
     xi = 0
     select case (kind)
     case (KIND_C3D4)
@@ -224,11 +341,16 @@ contains
     case (KIND_C3D10)
       xi(:, :10) = TETRAHEDRON
     case (KIND_C3D6)
-      xi(:, :6) = WEDGE
-    case (KIND_C3D8, KIND_C3D8_FULL)
+      xi(:, :6) = WEDGE(:, :6)
+    case (KIND_C3D15)
+      xi(:, :15) = WEDGE
+    case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R)
       xi(:, :8) = HEXAHEDRON(:, :8)
     case (KIND_C3D20, KIND_C3D20R)
       xi = HEXAHEDRON
+    case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
+      call facet_node_coordinates(shape_of(kind), flat)
+      xi(:2, :MAX_FACE_NODES) = flat
     case default                                   ! no such kind: nothing is set
     end select
   end subroutine node_coordinates
@@ -243,43 +365,82 @@ contains
   !! | C3D8            | trilinear through the 8 points                      |                       |
   !! | C3D20R          | trilinear through the 8 points                      | mean of the 2 corners |
   !! | C3D10           | linear through the 4 points                         | mean of the 2 corners |
+  !! | C3D15           | linear through 3 points, linear fit over the heights | mean of the 2 corners |
   !! | C3D20           | least squares fit of the 20 shape functions to the 27 points            | the same    |
+  !! | one point       | the one value                                       | the same              |
+  !! | plane           | linear through 3 points, bilinear through 4 points  | mean of the 2 corners |
+  !! | plane, 9 points | least squares fit of the 8 shape functions          | the same              |
+  !! | T3D3            | linear through 2 points                             | mean of the 2 ends    |
   pure subroutine extrapolation_matrix(kind, matrix, n_nodes, n_points)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(out) :: matrix(MAX_NODES, MAX_POINTS)   !< [-], zero past n_nodes, n_points
     integer, intent(out) :: n_nodes, n_points
+    type(kind_type) :: entry
+    entry = element_kind(kind)
+    n_nodes = entry%n_nodes
+    n_points = entry%n_points
     matrix = 0
-    n_nodes = 0
-    n_points = 0
     select case (kind)
-    case (KIND_C3D4)
-      n_nodes = 4
-      n_points = 1
-      matrix(:4, 1) = 1
     case (KIND_C3D6)
-      n_nodes = 6
-      n_points = 2
-      matrix(:6, 1) = 0.5_DP * (1 - WEDGE(3, :) / GAUSS_2)
-      matrix(:6, 2) = 0.5_DP * (1 + WEDGE(3, :) / GAUSS_2)
-    case (KIND_C3D8, KIND_C3D8_FULL)
-      n_nodes = 8
-      n_points = 8
-      call extrapolate_trilinear(8, matrix)
-    case (KIND_C3D20R)
-      n_nodes = 20
-      n_points = 8
-      call extrapolate_trilinear(20, matrix)
+      matrix(:6, 1) = 0.5_DP * (1 - WEDGE(3, :6) / GAUSS_2)
+      matrix(:6, 2) = 0.5_DP * (1 + WEDGE(3, :6) / GAUSS_2)
+    case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D20R)
+      call extrapolate_trilinear(n_nodes, matrix)
     case (KIND_C3D10)
-      n_nodes = 10
-      n_points = 4
       call extrapolate_tetrahedron(matrix)
+    case (KIND_C3D15)
+      call extrapolate_wedge(matrix)
     case (KIND_C3D20)
-      n_nodes = 20
-      n_points = 27
-      call extrapolate_serendipity(matrix)
-    case default                                   ! no such kind: nothing is set
+      call extrapolate_serendipity(kind, n_nodes, n_points, matrix)
+    case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
+      call extrapolate_embedded(kind, n_nodes, n_points, matrix)
+    case default
+      if (n_points == 1) matrix(:n_nodes, 1) = 1
     end select
   end subroutine extrapolation_matrix
+
+
+  !> Linear in the triangle through three points, times a linear least squares fit over three heights.
+  pure subroutine extrapolate_wedge(matrix)
+    real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
+    real(DP) :: area(3)
+    integer :: a, i, k
+    do a = 1, 15
+      area = [1 - WEDGE(1, a) - WEDGE(2, a), WEDGE(1, a), WEDGE(2, a)]
+      do k = 1, 3
+        do i = 1, 3
+          matrix(a, 3 * k - 3 + i) = (2 * area(i) - 1.0_DP / 3) &
+            * (1 + 1.5_DP * WEDGE(3, a) * real(k - 2, DP) / GAUSS_3) / 3
+        end do
+      end do
+    end do
+  end subroutine extrapolate_wedge
+
+
+  !> The plane kinds and trusses. A linear or bilinear function is, on an edge's middle, the mean of the corners.
+  pure subroutine extrapolate_embedded(kind, n_nodes, n_points, matrix)
+    integer, intent(in) :: kind                    !< a plane kind or a truss
+    integer, intent(in) :: n_nodes, n_points
+    real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
+    real(DP) :: at(3, MAX_NODES), xi(3, MAX_POINTS), w(MAX_POINTS), area(3)
+    integer :: a, p, n
+    call node_coordinates(kind, at)
+    call quadrature(kind, n, xi, w)
+    do a = 1, n_nodes
+      select case (n_points)
+      case (2)
+        matrix(a, :2) = 0.5_DP * (1 + xi(1, :2) * at(1, a) / GAUSS_2**2)
+      case (3)
+        area = [1 - at(1, a) - at(2, a), at(1, a), at(2, a)]
+        matrix(a, :3) = 2 * area - 1.0_DP / 3
+      case (4)
+        matrix(a, :4) = [(0.25_DP * product(1 + xi(:2, p) * at(:2, a) / GAUSS_2**2), p=1, 4)]
+      case default
+        matrix(a, 1) = 1
+      end select
+    end do
+    if (n_points == 9) call extrapolate_serendipity(kind, n_nodes, n_points, matrix)
+  end subroutine extrapolate_embedded
 
 
   !> Trilinear through the points of the 2x2x2 rule. A trilinear function is, on an edge's middle, the mean of the
@@ -311,30 +472,34 @@ contains
   end subroutine extrapolate_tetrahedron
 
 
-  !> Least squares fit of the serendipity functions to 27 points: (N N^T)^-1 N, by Cholesky.
-  pure subroutine extrapolate_serendipity(matrix)
+  !> Least squares fit of the shape functions to the points: (N N^T)^-1 N, by Cholesky.
+  pure subroutine extrapolate_serendipity(kind, n_nodes, n_points, matrix)
+    integer, intent(in) :: kind                    !< KIND_C3D20 or a square of eight nodes and nine points
+    integer, intent(in) :: n_nodes, n_points
     real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), shapes(20, 27), dN(3, 20), L(20, 20)
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), shapes(MAX_NODES, MAX_POINTS), dN(3, MAX_NODES), &
+      L(MAX_NODES, MAX_NODES)
     integer :: p, n, i, j
-    call quadrature(KIND_C3D20, n, xi, w)
-    do p = 1, n
-      call serendipity_shapes(xi(:, p), shapes(:, p), dN)
+    shapes = 0
+    call quadrature(kind, n, xi, w)
+    do p = 1, n_points
+      call shape_functions(kind, xi(:, p), shapes(:, p), dN)
     end do
     L = matmul(shapes, transpose(shapes))
-    do j = 1, 20
+    do j = 1, n_nodes
       do i = 1, j - 1
-        L(j:, j) = L(j:, j) - L(j, i) * L(j:, i)
+        L(j:n_nodes, j) = L(j:n_nodes, j) - L(j, i) * L(j:n_nodes, i)
       end do
-      L(j:, j) = L(j:, j) / sqrt(L(j, j))
+      L(j:n_nodes, j) = L(j:n_nodes, j) / sqrt(L(j, j))
     end do
-    do i = 1, 20
+    do i = 1, n_nodes
       do j = 1, i - 1
         shapes(i, :) = shapes(i, :) - L(i, j) * shapes(j, :)
       end do
       shapes(i, :) = shapes(i, :) / L(i, i)
     end do
-    do i = 20, 1, -1
-      do j = i + 1, 20
+    do i = n_nodes, 1, -1
+      do j = i + 1, n_nodes
         shapes(i, :) = shapes(i, :) - L(j, i) * shapes(j, :)
       end do
       shapes(i, :) = shapes(i, :) / L(i, i)
@@ -346,7 +511,7 @@ contains
   !> Shape functions of a facet with first and second derivatives; entries past its nodes are zero.
   pure subroutine facet_shapes(facet_kind, xi, N, dN, ddN)
     integer, intent(in) :: facet_kind              !< FACET_...
-    real(DP), intent(in) :: xi(2)                  !< triangles 0..1, node 1 at the origin; squares -1..1 [-]
+    real(DP), intent(in) :: xi(2)                  !< triangles 0..1, node 1 at the origin; squares and edges -1..1 [-]
     real(DP), intent(out) :: N(MAX_FACE_NODES)     !< values [-]
     real(DP), intent(out) :: dN(2, MAX_FACE_NODES) !< derivatives by xi(1), xi(2) [-]
     real(DP), intent(out) :: ddN(3, MAX_FACE_NODES)   !< second derivatives 11, 22, 12 [-]
@@ -363,6 +528,13 @@ contains
       call triangle_shapes(xi, N(:6), dN(:, :6), ddN(:, :6))
     case (FACET_QUAD8)
       call square_shapes(xi, N, dN, ddN)
+    case (FACET_LINE2)
+      N(:2) = 0.5_DP * [1 - xi(1), 1 + xi(1)]
+      dN(1, :2) = [-0.5_DP, 0.5_DP]
+    case (FACET_LINE3)
+      N(:3) = [0.5_DP * xi(1) * (xi(1) - 1), 0.5_DP * xi(1) * (xi(1) + 1), 1 - xi(1)**2]
+      dN(1, :3) = [xi(1) - 0.5_DP, xi(1) + 0.5_DP, -2 * xi(1)]
+      ddN(1, :3) = [1.0_DP, 1.0_DP, -2.0_DP]
     case default                                   ! no such kind: nothing is set
     end select
   end subroutine facet_shapes
@@ -439,12 +611,13 @@ contains
 
   !> Integration points and weights of a facet, enough to integrate N times the normal of any (curved) facet exactly.
   !!
-  !!   tri3 3 points (degree 2), quad4 2x2 (degree 3 each way), tri6 6 points (degree 4), quad8 3x3 (degree 5 each way)
+  !!   tri3 3 points (degree 2), quad4 2x2 (degree 3 each way), tri6 6 points (degree 4), quad8 3x3 (degree 5 each way);
+  !!   edges: 2 points (degree 3), 3 points (degree 5), enough for N times the normal times the radius too
   pure subroutine facet_quadrature(facet_kind, n, xi, w)
     integer, intent(in) :: facet_kind              !< FACET_...
     integer, intent(out) :: n                      !< number of points
     real(DP), intent(out) :: xi(2, MAX_FACET_POINTS)   !< natural coordinates [-], zero past n
-    real(DP), intent(out) :: w(MAX_FACET_POINTS)   !< weights [-], zero past n; sum 1/2 (triangles) or 4 (squares)
+    real(DP), intent(out) :: w(MAX_FACET_POINTS)   !< weights [-], zero past n; sum 1/2 (triangles), 4 (squares), 2 (edges)
     real(DP), parameter :: THREE(3) = [-GAUSS_3, 0.0_DP, GAUSS_3]
     real(DP), parameter :: WEIGHT(3) = [5.0_DP, 8.0_DP, 5.0_DP] / 9
     integer :: p, i, j
@@ -472,6 +645,14 @@ contains
         xi(:, p) = [THREE(i), THREE(j)]
         w(p) = WEIGHT(i) * WEIGHT(j)
       end do
+    case (FACET_LINE2)
+      n = 2
+      xi(1, :2) = [-GAUSS_2, GAUSS_2]
+      w(:2) = 1
+    case (FACET_LINE3)
+      n = 3
+      xi(1, :3) = THREE
+      w(:3) = WEIGHT
     case default                                   ! no such kind: nothing is set
     end select
   end subroutine facet_quadrature
@@ -502,6 +683,8 @@ contains
       xi(:, :4) = SQUARE(:, :4)
     case (FACET_QUAD8)
       xi = SQUARE
+    case (FACET_LINE2, FACET_LINE3)
+      xi(1, :2) = [-1.0_DP, 1.0_DP]
     case default                                   ! no such kind: nothing is set
     end select
   end subroutine facet_node_coordinates

@@ -6,8 +6,16 @@ module amontons_topology
   implicit none
   private
   public :: kind_type, facet_kind_type, element_kind, facet_kind, kind_of_name
-  public :: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R, N_KINDS
-  public :: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8
+  public :: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R
+  public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15
+  public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
+  public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
+  public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R
+  public :: KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_MASS
+  public :: N_KINDS, N_SOLID_KINDS
+  public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
+    FAMILY_MASS
+  public :: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3
   public :: MAX_NODES, MAX_POINTS, MAX_FACE_NODES
 
   integer, parameter :: KIND_C3D4 = 1         !< linear tetrahedron, 1 point
@@ -17,9 +25,45 @@ module amontons_topology
   integer, parameter :: KIND_C3D10 = 5        !< quadratic tetrahedron, 4 points
   integer, parameter :: KIND_C3D20 = 6        !< quadratic serendipity hexahedron, 27 points
   integer, parameter :: KIND_C3D20R = 7       !< the same, 8 points
-  integer, parameter :: N_KINDS = 7
+  integer, parameter :: KIND_C3D8I = 8        !< trilinear hexahedron, 8 points, nine incompatible modes
+  integer, parameter :: KIND_C3D8R = 9        !< trilinear hexahedron, 1 point, hourglass stiffness
+  integer, parameter :: KIND_C3D15 = 10       !< quadratic wedge, 9 points
+  integer, parameter :: N_SOLID_KINDS = 10    !< the kinds up to here are solids in space
+  integer, parameter :: KIND_CPS3 = 11        !< plane stress: triangle, 1 point
+  integer, parameter :: KIND_CPS4 = 12        !< square, 4 points
+  integer, parameter :: KIND_CPS4R = 13       !< square, 1 point, hourglass stiffness
+  integer, parameter :: KIND_CPS6 = 14        !< quadratic triangle, 3 points
+  integer, parameter :: KIND_CPS8 = 15        !< quadratic square, 9 points
+  integer, parameter :: KIND_CPS8R = 16       !< the same, 4 points
+  integer, parameter :: KIND_CPE3 = 17        !< plane strain: the same six shapes ...
+  integer, parameter :: KIND_CPE4 = 18        !< ... with mean dilatation
+  integer, parameter :: KIND_CPE4_FULL = 19   !< ... without (calculix dialect)
+  integer, parameter :: KIND_CPE4R = 20
+  integer, parameter :: KIND_CPE6 = 21
+  integer, parameter :: KIND_CPE8 = 22
+  integer, parameter :: KIND_CPE8R = 23
+  integer, parameter :: KIND_CAX3 = 24        !< axisymmetric about y, x is the radius: the same
+  integer, parameter :: KIND_CAX4 = 25        !< ... with mean dilatation
+  integer, parameter :: KIND_CAX4_FULL = 26   !< ... without (calculix dialect)
+  integer, parameter :: KIND_CAX4R = 27
+  integer, parameter :: KIND_CAX6 = 28
+  integer, parameter :: KIND_CAX8 = 29
+  integer, parameter :: KIND_CAX8R = 30
+  integer, parameter :: KIND_T3D2 = 31        !< straight truss, 1 point
+  integer, parameter :: KIND_T3D3 = 32        !< curved truss, 2 points; here the nodes are the ends, then the middle
+  integer, parameter :: KIND_SPRINGA = 33     !< spring along the line between two nodes
+  integer, parameter :: KIND_SPRING1 = 34     !< spring between a node and the ground, in one direction
+  integer, parameter :: KIND_SPRING2 = 35     !< spring between two nodes, in one direction of each
+  integer, parameter :: KIND_MASS = 36        !< point mass
+  integer, parameter :: N_KINDS = 36
 
-  integer, parameter :: FACET_TRI3 = 1, FACET_QUAD4 = 2, FACET_TRI6 = 3, FACET_QUAD8 = 4
+  ! What the nodes of an element resist.
+  integer, parameter :: FAMILY_SOLID = 1, FAMILY_PLANE_STRESS = 2, FAMILY_PLANE_STRAIN = 3, FAMILY_AXISYMMETRIC = 4, &
+    FAMILY_TRUSS = 5, FAMILY_SPRING = 6, FAMILY_MASS = 7
+
+  ! Edges are the facets of plane and axisymmetric elements.
+  integer, parameter :: FACET_TRI3 = 1, FACET_QUAD4 = 2, FACET_TRI6 = 3, FACET_QUAD8 = 4, FACET_LINE2 = 5, &
+    FACET_LINE3 = 6
 
   integer, parameter :: MAX_NODES = 20        !< most nodes of an element
   integer, parameter :: MAX_POINTS = 27       !< most integration points of an element
@@ -28,6 +72,7 @@ module amontons_topology
   !> One kind of element.
   type :: kind_type
     character(8) :: name = ''                 !< name in a deck
+    integer :: family = FAMILY_SOLID          !< FAMILY_...
     integer :: n_nodes = 0
     integer :: n_points = 0                   !< integration points, ordered as CalculiX prints them (xi fastest)
     integer :: n_faces = 0
@@ -55,7 +100,9 @@ contains
     case (KIND_C3D10)
       entry = tetrahedron('C3D10', 10, 4, 24)
     case (KIND_C3D6)
-      entry = wedge()
+      entry = wedge('C3D6', 6, 2, 13)
+    case (KIND_C3D15)
+      entry = wedge('C3D15', 15, 9, 26)
     case (KIND_C3D8)
       entry = hexahedron('C3D8', 8, 8, 12)
       entry%is_mean_dilatation = .true.
@@ -65,6 +112,28 @@ contains
       entry = hexahedron('C3D20', 20, 27, 25)
     case (KIND_C3D20R)
       entry = hexahedron('C3D20R', 20, 8, 25)
+    case (KIND_C3D8I)
+      entry = hexahedron('C3D8I', 8, 8, 12)
+    case (KIND_C3D8R)
+      entry = hexahedron('C3D8R', 8, 1, 12)
+    case (KIND_CPS3:KIND_CPS8R)
+      entry = plane('CPS', FAMILY_PLANE_STRESS, kind - KIND_CPS3 + merge(1, 0, kind >= KIND_CPS4))
+    case (KIND_CPE3:KIND_CPE8R)
+      entry = plane('CPE', FAMILY_PLANE_STRAIN, kind - KIND_CPE3)
+    case (KIND_CAX3:KIND_CAX8R)
+      entry = plane('CAX', FAMILY_AXISYMMETRIC, kind - KIND_CAX3)
+    case (KIND_T3D2)
+      entry = kind_type(name='T3D2', family=FAMILY_TRUSS, n_nodes=2, n_points=1, vtk_type=3)
+    case (KIND_T3D3)
+      entry = kind_type(name='T3D3', family=FAMILY_TRUSS, n_nodes=3, n_points=2, vtk_type=21)
+    case (KIND_SPRINGA)
+      entry = kind_type(name='SPRINGA', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
+    case (KIND_SPRING1)
+      entry = kind_type(name='SPRING1', family=FAMILY_SPRING, n_nodes=1, vtk_type=1)
+    case (KIND_SPRING2)
+      entry = kind_type(name='SPRING2', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
+    case (KIND_MASS)
+      entry = kind_type(name='MASS', family=FAMILY_MASS, n_nodes=1, vtk_type=1)
     end select
   end function element_kind
 
@@ -73,18 +142,18 @@ contains
   pure function facet_kind(kind) result(entry)
     integer, intent(in) :: kind               !< FACET_...
     type(facet_kind_type) :: entry
-    integer, parameter :: NODES(4) = [3, 4, 6, 8], CORNERS(4) = [3, 4, 3, 4]
+    integer, parameter :: NODES(6) = [3, 4, 6, 8, 2, 3], CORNERS(6) = [3, 4, 3, 4, 2, 2]
     entry%n_nodes = NODES(kind)
     entry%n_corners = CORNERS(kind)
   end function facet_kind
 
 
-  !> The element kind of a name in upper case; 0 if there is none. C3D8 gives the mean-dilatation kind.
+  !> The element kind of a name in upper case; 0 if there is none. C3D8, CPE4, CAX4 give the mean-dilatation kind.
   pure function kind_of_name(name) result(kind)
     character(*), intent(in) :: name          !< e.g. 'C3D8'
     integer :: kind
     type(kind_type) :: entry
-    do kind = 1, N_KINDS
+    do kind = 1, KIND_C3D20R   ! the kinds after these have no kernels yet
       entry = element_kind(kind)
       if (entry%name == name) return
     end do
@@ -105,13 +174,42 @@ contains
   end function tetrahedron
 
 
-  !> Entry of the wedge.
-  pure function wedge() result(entry)
+  !> Entries of the wedges.
+  pure function wedge(name, n_nodes, n_points, vtk_type) result(entry)
+    character(*), intent(in) :: name
+    integer, intent(in) :: n_nodes, n_points, vtk_type
     type(kind_type) :: entry
-    entry = kind_type(name='C3D6', n_nodes=6, n_points=2, n_faces=5, vtk_type=13)
-    entry%face_kind(:5) = [FACET_TRI3, FACET_TRI3, FACET_QUAD4, FACET_QUAD4, FACET_QUAD4]
+    entry = kind_type(name=name, n_nodes=n_nodes, n_points=n_points, n_faces=5, vtk_type=vtk_type)
+    entry%face_kind(:2) = merge(FACET_TRI3, FACET_TRI6, n_nodes == 6)
+    entry%face_kind(3:5) = merge(FACET_QUAD4, FACET_QUAD8, n_nodes == 6)
     entry%face_nodes(:4, :5) = reshape([1, 3, 2, 0, 4, 5, 6, 0, 1, 2, 5, 4, 2, 3, 6, 5, 3, 1, 4, 6], [4, 5])
+    if (n_nodes == 6) return
+    entry%face_nodes(4:6, :2) = reshape([9, 8, 7, 10, 11, 12], [3, 2])
+    entry%face_nodes(5:8, 3:5) = reshape([7, 14, 10, 13, 8, 15, 11, 14, 9, 13, 12, 15], [4, 3])
   end function wedge
+
+
+  !> Entries of the plane and axisymmetric elements; their faces are edges, counterclockwise.
+  pure function plane(prefix, family, shape) result(entry)
+    character(3), intent(in) :: prefix
+    integer, intent(in) :: family             !< FAMILY_...
+    integer, intent(in) :: shape              !< 0 to 6: triangle, square (mean, full, 1 point), then quadratic
+    type(kind_type) :: entry
+    character(2), parameter :: NAMES(0:6) = ['3 ', '4 ', '4 ', '4R', '6 ', '8 ', '8R']
+    integer, parameter :: NODES(0:6) = [3, 4, 4, 4, 6, 8, 8], POINTS(0:6) = [1, 4, 4, 1, 3, 9, 4], &
+      VTK(0:6) = [5, 9, 9, 9, 22, 23, 23]
+    integer :: n, i
+    entry = kind_type(name=prefix // NAMES(shape), family=family, n_nodes=NODES(shape), n_points=POINTS(shape), &
+      vtk_type=VTK(shape))
+    entry%is_mean_dilatation = shape == 1
+    n = merge(3, 4, NODES(shape) == 3 .or. NODES(shape) == 6)
+    entry%n_faces = n
+    entry%face_kind(:n) = merge(FACET_LINE2, FACET_LINE3, NODES(shape) == n)
+    do i = 1, n
+      entry%face_nodes(:2, i) = [i, modulo(i, n) + 1]
+      if (NODES(shape) > n) entry%face_nodes(3, i) = n + i
+    end do
+  end function plane
 
 
   !> Entries of the hexahedra.

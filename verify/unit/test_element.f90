@@ -10,7 +10,8 @@ program test_element
   use amontons_stress, only: stress_small, stress_finite
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, determinant
   use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_FACE_NODES, &
-    N_KINDS, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20R, FACET_TRI3, FACET_QUAD8
+    N_SOLID_KINDS, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_C3D10, KIND_C3D15, &
+    KIND_C3D20R, FACET_TRI3, FACET_QUAD8
   use check, only: suite_type
   implicit none
   integer, parameter :: N_DOF = 3 * MAX_NODES
@@ -22,7 +23,8 @@ program test_element
   call random_seed(put=[(15485863 + 7919 * i, i=1, n)])
   material%youngs_modulus = 210000
   material%poissons_ratio = 0.3_DP
-  do kind = 1, N_KINDS
+  do kind = 1, N_SOLID_KINDS
+    if (kind == KIND_C3D8I .or. kind == KIND_C3D8R) cycle
     do law = LAW_HENCKY, LAW_SAINT_VENANT
       material%law = law
       call check_patch(kind, .true.)
@@ -64,9 +66,10 @@ contains
     X = matmul(A, xi) + amount * (r - 0.5_DP)
     linear = 0
     if (entry%n_nodes == 10) linear = 1
+    if (entry%n_nodes == 15) linear = KIND_C3D6
     if (entry%n_nodes == 20) linear = KIND_C3D8
     if (linear == 0) return
-    corners = merge(4, 8, linear == 1)
+    corners = 2 + 2 * linear
     call random_number(r)
     do a_node = corners + 1, entry%n_nodes
       call shape_functions(linear, xi(:, a_node), N, dN)
@@ -286,13 +289,14 @@ contains
     call element_volume(kind, X(:, :n), volume, status)
     parent = 8
     if (n == 4 .or. n == 10) parent = 1.0_DP / 6
-    if (n == 6) parent = 1
+    if (n == 6 .or. n == 15) parent = 1
     call suite%that(title(kind, .false., 'volume: status'), status == ELEMENT_OK)
     call suite%near(title(kind, .false., 'volume'), volume, 1.054_DP * parent, 1e-14_DP)
     call element_body_force(kind, X(:, :n), b, force)
     call suite%near(title(kind, .false., 'body force: sum'), maxval(abs(sum(force, 2) - b * volume)), 0.0_DP, 1e-13_DP)
     corners = n
     if (n == 10) corners = 4
+    if (n == 15) corners = 6
     if (n == 20) corners = 8
     centre = sum(X(:, :corners), 2) / real(corners, DP)
     moment = 0
@@ -307,7 +311,7 @@ contains
   !! modes of C3D20R (6), which do not spread through a mesh.
   subroutine check_modes(kind)
     integer, intent(in) :: kind
-    integer, parameter :: EXPECTED(N_KINDS) = [6, 7, 6, 6, 6, 6, 12]
+    integer, parameter :: EXPECTED(N_SOLID_KINDS) = [6, 7, 6, 6, 6, 6, 12, 6, 6, 6]
     real(DP) :: X(3, MAX_NODES), K(N_DOF, N_DOF), values(N_DOF)
     type(kind_type) :: entry
     integer :: n, status
@@ -404,7 +408,7 @@ contains
 
 
   !> Internal forces of a uniform pressure are those of the pressure on all faces, current and exact; and these have
-  !! no sum. (Not of C3D6 and C3D20R distorted, nor C3D10 curved: their points do not integrate the gradients exactly.)
+  !! no sum. (Not of C3D6, C3D15, C3D20R distorted, nor C3D10 curved: their points do not integrate the gradients exactly.)
   subroutine check_hydrostatic(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), outside(3, MAX_NODES), pressure
@@ -436,7 +440,7 @@ contains
     end do
     call suite%near(title(kind, .true., 'closed surface: no force'), maxval(abs(sum(outside, 2))), 0.0_DP, 1e-14_DP * &
       norm2(outside))
-    if (kind == KIND_C3D6 .or. kind == KIND_C3D20R) return
+    if (kind == KIND_C3D6 .or. kind == KIND_C3D15 .or. kind == KIND_C3D20R) return
     call suite%near(title(kind, .true., 'pressure inside and outside'), norm2(force - outside), 0.0_DP, &
       1e-12_DP * norm2(outside))
   end subroutine check_hydrostatic
