@@ -21,7 +21,7 @@ module amontons_line_search
   public :: search_type, search_line
 
   integer, parameter :: MOST_HALVINGS = 4
-  real(DP), parameter :: MOST_TRAVEL = 0.5_DP      !< facets that a slave node may travel in one iteration while supports move [-]
+  real(DP), parameter :: MOST_TRAVEL = 1.2_DP      !< facets that a slave node may travel in one iteration while supports move [-]
   real(DP), parameter :: MERIT_GROWTH = 1.0_DP     !< AUTO takes the full step if the merit does not grow by more than this [-]
 
   !> What the search did.

@@ -7,14 +7,17 @@ module amontons_newton
   use amontons_steps, only: step_type
   use amontons_history, only: iteration_record_type
   use amontons_state, only: state_type
+  use amontons_contact, only: farthest_travel
   use amontons_converge, only: progress_type, judge, VERDICT_GO_ON, VERDICT_DIVERGES
   use amontons_line_search, only: search_type, search_line
-  use amontons_system, only: system_type, begin_increment, evaluate, find_direction, TROUBLE_NONE
+  use amontons_system, only: system_type, begin_increment, evaluate, find_direction, TROUBLE_NONE, &
+    TROUBLE_ELEMENT
   implicit none
   private
   public :: newton_type, begin_newton, iterate
 
   real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times the largest of the job so far [-]
+  real(DP), parameter :: FAR_TRAVEL = 0.6_DP        !< facets: a slave node that goes farther may meet or leave its master [-]
 
   !> An increment on its way.
   type :: newton_type
@@ -26,7 +29,8 @@ module amontons_newton
 
 contains
 
-  !> The start of an increment: u = u_old, the loads are those of its end, every slave node keeps its status.
+  !> The start of an increment: the loads are those of its end, and every node goes on with the velocity of the last
+  !! increment. Slave nodes keep their status, unless they go so far that they may meet or leave their master.
   subroutine begin_newton(newton, system, model, step, is_step_start, state)
     type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment
     type(system_type), intent(inout) :: system
@@ -34,10 +38,23 @@ contains
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state       !< trial = committed, with the new times
+    real(DP) :: dt
     newton%progress = progress_type()
     newton%record = iteration_record_type()
     call begin_increment(system, model, step, is_step_start, state)
-    call evaluate(system, model, step, .true., state, newton%trouble)
+    newton%trouble = TROUBLE_ELEMENT
+    if (.not. is_step_start) then
+      dt = state%new%total_time - state%old%total_time
+      state%new%u = state%old%u + dt * state%old%v
+      call evaluate(system, model, step, farthest_travel(system%contact, state%old%slaves, dt * state%old%v) < FAR_TRAVEL, &
+        state, newton%trouble)
+    end if
+    if (newton%trouble /= TROUBLE_NONE) then
+      state%new%u = state%old%u
+      state%new%slaves = state%old%slaves
+      call begin_increment(system, model, step, is_step_start, state)
+      call evaluate(system, model, step, .true., state, newton%trouble)
+    end if
     call note_residual(newton, system)
   end subroutine begin_newton
 

@@ -36,6 +36,7 @@ module amontons_state
     real(DP) :: step_time = 0               !< [time]
     real(DP) :: total_time = 0              !< [time]
     real(DP), allocatable :: u(:, :)        !< (3, n_nodes) displacement [length]
+    real(DP), allocatable :: v(:, :)        !< (3, n_nodes) mean velocity of the last increment [length/time]
     real(DP), allocatable :: stress(:, :)   !< (6, n_points) Cauchy stress xx yy zz xy yz xz [stress]
     real(DP), allocatable :: strain(:, :)   !< (6, n_points) small or logarithmic strain, tensor components, same order [-]
     real(DP), allocatable :: energy(:)      !< (n_points) strain energy per reference volume [energy/volume]
@@ -66,7 +67,7 @@ contains
     n = mesh%n_nodes
     m = mesh%n_points
     associate (new => state%new)
-      allocate (new%u(3, n), new%internal_force(3, n), new%applied_force(3, n), new%contact_force(3, n), &
+      allocate (new%u(3, n), new%v(3, n), new%internal_force(3, n), new%applied_force(3, n), new%contact_force(3, n), &
         new%reaction_force(3, n), source=0.0_DP)
       allocate (new%stress(6, m), new%strain(6, m), source=0.0_DP)
       allocate (new%energy(m), new%volume(m), source=0.0_DP)
@@ -79,6 +80,9 @@ contains
   !> The trial fields become the committed ones.
   subroutine commit_state(state)
     type(state_type), intent(inout) :: state
+    real(DP) :: dt
+    dt = state%new%total_time - state%old%total_time
+    if (dt > 0.0_DP) state%new%v = (state%new%u - state%old%u) / dt
     state%old = state%new
   end subroutine commit_state
 

@@ -19,7 +19,7 @@ module amontons_steps
     integer :: i_r = 12                    !< iteration after which a logarithmic estimate decides to cut back
     integer :: i_p = 9                     !< iteration after which the weaker residual tolerance r_p is used
     integer :: i_c = 24                    !< most iterations of an increment
-    integer :: i_l = 8                     !< more iterations than this: the next increment is smaller (d_b)
+    integer :: i_l = 12                    !< more iterations than this: the next increment is smaller (d_b)
     integer :: i_g = 6                     !< at most this many iterations twice running: the next increment is larger (d_d)
     integer :: i_a = 8                     !< most cut-backs of an increment
     ! TIME INCREMENTATION, line 2
