@@ -175,6 +175,7 @@ contains
   end subroutine find_entry
 
 
+  !> Whether a word starts with another one.
   pure function starts_with(word, beginning) result(does_so)
     character(*), intent(in) :: word, beginning
     logical :: does_so
@@ -185,10 +186,11 @@ contains
 
   !> Compares the parameters of a card with its entry: expands abbreviations in place and, if remarks are wanted, tells
   !! unknown, doubled, missing, refused ones and wrong values.
-  subroutine match_parameters(entry, parameters, line, remarks)
+  subroutine match_parameters(entry, parameters, line, is_lenient, remarks)
     type(card_entry_type), intent(in) :: entry
     type(parameter_type), intent(inout) :: parameters(:)
     integer, intent(in) :: line                  !< line of the card
+    logical, intent(in) :: is_lenient            !< an unknown parameter is a note only, as in CalculiX
     type(remarks_type), intent(inout), optional :: remarks
     type(remarks_type) :: ignored
     integer :: i, position
@@ -203,7 +205,7 @@ contains
     do i = 1, size(parameters)
       call find_option(entry, parameters(i)%key, position, is_abbreviated)
       if (position == 0) then
-        call remarks%add(line, unknown_parameter(entry, parameters(i)%key))
+        call remarks%add(line, unknown_parameter(entry, parameters(i)%key), is_warning=is_lenient)
         cycle
       end if
       if (is_abbreviated) call remarks%add(line, 'The parameter ' // parameters(i)%key // ' is taken as ' // &
@@ -254,6 +256,7 @@ contains
     if (option%refused /= '') words = words // '|' // option%refused
     if (parameter%text == '' .or. is_one_of(parameter%text, words)) return
     n_found = 0
+    word = ''
     do i = 1, count_words(words)
       if (.not. starts_with(squeezed(nth_word(words, i)), squeezed(parameter%text))) cycle
       n_found = n_found + 1

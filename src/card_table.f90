@@ -44,6 +44,7 @@ contains
   end subroutine list_cards
 
 
+  !> Heading, nodes, elements, sets, surfaces.
   subroutine describe_mesh(table)
     type(card_table_type), intent(inout) :: table
     call table%card('HEADING', IN_MODEL, 'Text that describes the job; it is kept with the results.', data='free text')
@@ -95,6 +96,7 @@ contains
   end subroutine describe_mesh
 
 
+  !> Materials and sections.
   subroutine describe_materials(table)
     type(card_table_type), intent(inout) :: table
     call table%card('MATERIAL', IN_MODEL, 'Starts a material; the cards of its properties follow.')
@@ -125,6 +127,7 @@ contains
   end subroutine describe_materials
 
 
+  !> Interactions and contact pairs.
   subroutine describe_contact(table)
     type(card_table_type), intent(inout) :: table
     character(*), parameter :: EXACT = 'Contact is enforced exactly, without a penalty.'
@@ -175,6 +178,7 @@ contains
   end subroutine describe_contact
 
 
+  !> Amplitudes and equations.
   subroutine describe_amplitude_and_equation(table)
     type(card_table_type), intent(inout) :: table
     call table%card('AMPLITUDE', IN_BOTH, 'A table of factors over time, linear in between and constant outside.', &
@@ -196,6 +200,7 @@ contains
   end subroutine describe_amplitude_and_equation
 
 
+  !> Prescribed displacements, forces, pressures, gravity.
   subroutine describe_loads(table)
     type(card_table_type), intent(inout) :: table
     character(*), parameter :: LATER = 'Give an amplitude with the delay in it.'
@@ -230,6 +235,7 @@ contains
   end subroutine describe_loads
 
 
+  !> What DLOAD and DSLOAD share.
   subroutine describe_distributed(table)
     type(card_table_type), intent(inout) :: table
     call table%option('OP', VALUE_WORD, 'NEW lets the loads of earlier steps go to zero.', allowed='MOD|NEW', default= &
@@ -243,6 +249,7 @@ contains
   end subroutine describe_distributed
 
 
+  !> Steps, the procedure, the line search.
   subroutine describe_steps(table)
     type(card_table_type), intent(inout) :: table
     character(*), parameter :: NOT_NEEDED = 'Newton''s method is our own and needs no hint.'
@@ -273,6 +280,7 @@ contains
   end subroutine describe_steps
 
 
+  !> The controls of a step.
   subroutine describe_controls(table)
     type(card_table_type), intent(inout) :: table
     call table%card('CONTROLS', IN_STEP, 'Changes how a step is solved, in this step and all later ones.', data= &
@@ -292,6 +300,7 @@ contains
   end subroutine describe_controls
 
 
+  !> Requests for the .dat file.
   subroutine describe_prints(table)
     type(card_table_type), intent(inout) :: table
     call table%card('NODE PRINT', IN_STEP, 'Prints values of nodes to the .dat file.', data='variables: U, RF')
@@ -318,6 +327,7 @@ contains
   end subroutine describe_prints
 
 
+  !> What the PRINT cards share.
   subroutine describe_print(table)
     type(card_table_type), intent(inout) :: table
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
@@ -327,6 +337,7 @@ contains
   end subroutine describe_print
 
 
+  !> Requests for the result file.
   subroutine describe_files(table)
     type(card_table_type), intent(inout) :: table
     character(*), parameter :: NAMES(9) = [character(14) :: 'NODE FILE', 'NODE OUTPUT', 'EL FILE', 'EL OUTPUT', &
@@ -350,6 +361,7 @@ contains
   end subroutine describe_files
 
 
+  !> Cards that cannot change the solution.
   subroutine describe_noted(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(STATUS_NOTED, 'PREPRINT|RESTART|TIME POINTS|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE ' // &
@@ -369,6 +381,7 @@ contains
   end subroutine describe_noted
 
 
+  !> Materials, temperatures and directions that we do not have.
   subroutine describe_refused_materials(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(STATUS_REFUSED, 'PLASTIC|CYCLIC HARDENING|DEFORMATION PLASTICITY|CREEP|VISCO|' // &
@@ -391,6 +404,7 @@ contains
   end subroutine describe_refused_materials
 
 
+  !> Procedures, changes of the model and loads that we do not have.
   subroutine describe_refused_procedures(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(STATUS_REFUSED, 'DYNAMIC|MODAL DYNAMIC|STEADY STATE DYNAMICS|FREQUENCY|COMPLEX ' // &
@@ -413,6 +427,7 @@ contains
   end subroutine describe_refused_procedures
 
 
+  !> Constraints, structural elements, parts and generators that we do not have.
   subroutine describe_refused_parts(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(STATUS_REFUSED, 'TIE|MPC|NETWORK MPC|COUPLING|KINEMATIC|DISTRIBUTING|KINEMATIC COUPLING|' // &

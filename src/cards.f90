@@ -6,7 +6,7 @@ module amontons_cards
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: complaints_type, error_type, set_error, EXIT_IO
   use amontons_lookup, only: sort_integers
-  use amontons_text, only: squeezed, text_of, BLANK_CHARACTERS, NEWLINE, parse_integer, parse_real
+  use amontons_text, only: squeezed, text_of, is_blank, BLANK_CHARACTERS, NEWLINE, parse_integer, parse_real
   implicit none
   private
   public :: cards_type, card_type, parameter_type, row_type, remarks_type
@@ -119,6 +119,7 @@ contains
   end subroutine open_cards_text
 
 
+  !> An empty deck with room for some lines.
   subroutine start_text(cards)
     type(cards_type), intent(out) :: cards
     allocate (character(65536) :: cards%text)
@@ -164,14 +165,13 @@ contains
     integer :: here, number, mark
     integer(I64) :: first, last, n
     logical :: is_card
-    cards%files = [cards%files, file_type(path, parent, parent_line)]
+    call append_path(cards, path, parent, parent_line)
     here = size(cards%files)
     n = len(text, I64)
     first = 1
     number = 0
     do while (first <= n)
-      last = index(text(first:), NEWLINE, kind=I64)
-      last = merge(first + last - 2, n, last > 0)
+      last = line_end(text, first)
       number = number + 1
       mark = verify(text(first:last), BLANK_CHARACTERS)
       is_card = mark > 0
@@ -184,6 +184,23 @@ contains
       first = last + 2
     end do
   end subroutine append_file
+
+
+  !> Appends a file to the list of files.
+  subroutine append_path(cards, path, parent, parent_line)
+    type(cards_type), intent(inout) :: cards
+    character(*), intent(in) :: path
+    integer, intent(in) :: parent, parent_line
+    type(file_type), allocatable :: larger(:)
+    integer :: n
+    n = size(cards%files)
+    allocate (larger(n + 1))
+    larger(:n) = cards%files
+    larger(n + 1)%path = path
+    larger(n + 1)%parent = parent
+    larger(n + 1)%parent_line = parent_line
+    call move_alloc(larger, cards%files)
+  end subroutine append_path
 
 
   !> Whether a line is an INCLUDE card.
@@ -251,10 +268,21 @@ contains
     character(:), allocatable, intent(out) :: line
     integer(I64) :: first
     first = last + 2
-    last = index(text(first:), NEWLINE, kind=I64)
-    last = merge(first + last - 2, len(text, I64), last > 0)
+    last = line_end(text, first)
     line = text(first:last)
   end subroutine next_line
+
+
+  !> The position before the next newline, or of the end of the text.
+  pure function line_end(text, first) result(last)
+    character(*), intent(in) :: text
+    integer(I64), intent(in) :: first            !< where the line starts
+    integer(I64) :: last
+    do last = first, len(text, I64)
+      if (text(last:last) == NEWLINE) exit
+    end do
+    last = last - 1
+  end function line_end
 
 
   !> The file name of an INCLUDE card; empty if there is none.
@@ -336,6 +364,7 @@ contains
   end subroutine append_line
 
 
+  !> Makes room for more characters.
   subroutine reserve_text(cards, n_more)
     type(cards_type), intent(inout) :: cards
     integer(I64), intent(in) :: n_more
@@ -347,6 +376,7 @@ contains
   end subroutine reserve_text
 
 
+  !> Doubles the room for lines.
   subroutine reserve_lines(cards)
     type(cards_type), intent(inout) :: cards
     integer(I64), allocatable :: start(:)
@@ -361,6 +391,7 @@ contains
   end subroutine reserve_lines
 
 
+  !> Doubles the size of an array.
   subroutine double(array)
     integer, allocatable, intent(inout) :: array(:)
     integer, allocatable :: larger(:)
@@ -454,16 +485,17 @@ contains
     character(*), intent(in) :: text
     integer(I64), intent(inout) :: first, last
     do while (last >= first)
-      if (index(BLANK_CHARACTERS, text(last:last)) == 0) exit
+      if (.not. is_blank(text(last:last))) exit
       last = last - 1
     end do
     do while (first <= last)
-      if (index(BLANK_CHARACTERS, text(first:first)) == 0) exit
+      if (.not. is_blank(text(first:first))) exit
       first = first + 1
     end do
   end subroutine trim_positions
 
 
+  !> Whether a line is a comment or blank.
   pure function is_comment_or_blank(cards, line) result(is_so)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: line
@@ -476,6 +508,7 @@ contains
   end function is_comment_or_blank
 
 
+  !> Whether the last character of a line, blanks apart, is a comma.
   pure function ends_with_comma(line) result(is_open)
     character(*), intent(in) :: line
     logical :: is_open
@@ -637,6 +670,7 @@ contains
   end subroutine split_fields
 
 
+  !> Doubles the room for fields.
   subroutine widen_row(row)
     type(row_type), intent(inout) :: row
     integer(I64), allocatable :: wider(:)
@@ -753,6 +787,7 @@ contains
   end subroutine publish_remarks
 
 
+  !> Hands one remark over, with the chain of includes that leads to it.
   subroutine publish_remark(cards, remark, complaints)
     type(cards_type), intent(in) :: cards
     type(remark_type), intent(in) :: remark

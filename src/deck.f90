@@ -221,7 +221,8 @@ contains
       if (card%entry == 0) return
       if (reader%table%entries(card%entry)%status /= STATUS_USED) return
       call read_parameters(reader%cards, card, parameters)
-      call match_parameters(reader%table%entries(card%entry), parameters, card%line, reader%remarks)
+      call match_parameters(reader%table%entries(card%entry), parameters, card%line, &
+        reader%dialect == DIALECT_CALCULIX, reader%remarks)
       if (reader%table%entries(card%entry)%data /= '') return
       call start_rows(card, row)
       if (next_row(reader%cards, row)) call need_no_data(reader, row)

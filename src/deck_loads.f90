@@ -11,7 +11,7 @@
 !! | with an amplitude | reference value times amplitude; kept on only if it runs in total time | |
 module amontons_deck_loads
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer, is_empty_field
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer
   use amontons_card_form, only: has_parameter, parameter_word
   use amontons_deck_model, only: face_number
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &

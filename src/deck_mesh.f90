@@ -6,14 +6,14 @@
 !! nothing needs them, else refused.
 module amontons_deck_mesh
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, start_rows, field_integer, field_text
+  use amontons_cards, only: parameter_type, row_type, next_row, field_integer, field_text
   use amontons_card_form, only: parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, is_card
-  use amontons_lookup, only: integer_list_type, label_table_type, name_table_type
+  use amontons_lookup, only: integer_list_type, label_table_type
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_text, only: text_of, plural, upper_case, NUMBER_OK
-  use amontons_topology, only: kind_type, element_kind, kind_of_name, KIND_C3D8, KIND_C3D8_FULL, MAX_NODES
+  use amontons_text, only: text_of, plural, NUMBER_OK
+  use amontons_topology, only: kind_type, element_kind, kind_of_name, KIND_C3D8, KIND_C3D8_FULL
   implicit none
   private
   public :: draft_type, read_nodes, read_elements, read_sections, keep_solids
@@ -142,7 +142,7 @@ contains
     type(draft_type), intent(inout) :: draft
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    integer :: c, kind, n_rows
+    integer :: c, kind, n_rows, n_wanted
     logical :: is_ok
     n_rows = count_rows(reader, 'ELEMENT')
     allocate (draft%label(n_rows), draft%kind(n_rows), draft%card(n_rows), draft%line(n_rows), draft%first(n_rows + 1))
@@ -153,10 +153,12 @@ contains
       call open_card(reader, c, parameters, row)
       draft%element_first(c) = draft%n + 1
       kind = kind_of_type(reader, c, parameter_word(parameters, 'TYPE', ''))
+      n_wanted = 0
+      if (kind > 0) n_wanted = node_count(kind)
       is_ok = .true.
       do while (is_ok)
         if (.not. next_row(reader%cards, row)) exit
-        call read_element(reader, row, c, kind, draft, is_ok)
+        call read_element(reader, row, c, kind, n_wanted, draft, is_ok)
       end do
       draft%element_last(c) = draft%n
     end do
@@ -167,6 +169,16 @@ contains
     allocate (draft%material(draft%n), source=0)
     if (draft%n == 0) call complain(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
   end subroutine read_elements
+
+
+  !> The number of nodes of an element kind.
+  pure function node_count(kind) result(n)
+    integer, intent(in) :: kind                  !< KIND_...
+    type(kind_type) :: entry
+    integer :: n
+    entry = element_kind(kind)
+    n = entry%n_nodes
+  end function node_count
 
 
   !> The kind of an element type; 0 if we do not have it. Names that meshio writes for a shape are taken with a note.
@@ -194,23 +206,18 @@ contains
 
   !> One element: its number and its nodes, on one row or several. The next row belongs to it after a trailing comma and
   !! while nodes are missing.
-  subroutine read_element(reader, row, c, kind, draft, is_ok)
+  subroutine read_element(reader, row, c, kind, n_wanted, draft, is_ok)
     type(reader_type), intent(inout) :: reader
     type(row_type), intent(inout) :: row
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: kind                  !< 0: unknown, then any number of nodes
+    integer, intent(in) :: n_wanted              !< nodes of the kind; 0 if unknown
     type(draft_type), intent(inout) :: draft
     logical, intent(out) :: is_ok                !< .false.: the rest of the card is not read
-    type(kind_type) :: entry
-    integer :: label, start, line, n_wanted
+    integer :: label, start, line
     is_ok = .true.
     line = row%line
     start = draft%nodes%n
-    n_wanted = 0
-    if (kind > 0) then
-      entry = element_kind(kind)
-      n_wanted = entry%n_nodes
-    end if
     call need_label(reader, row, 'element', label, is_ok)
     if (.not. is_ok) return
     call take_nodes(reader, row, 2, draft%nodes, is_ok)
@@ -222,7 +229,7 @@ contains
     if (kind > 0 .and. draft%nodes%n - start /= n_wanted) then
       is_ok = .false.
       call complain(reader, line, 'The element ' // text_of(label) // ' has ' // plural(draft%nodes%n - start, 'node') &
-        // '; ' // trim(entry%name) // ' has ' // text_of(n_wanted) // '. The rest of this card is not read.')
+        // '; its kind has ' // text_of(n_wanted) // '. The rest of this card is not read.')
       draft%nodes%n = start
       return
     end if
@@ -333,6 +340,7 @@ contains
     call build_mesh(draft, n, model%mesh)
     call finish_mesh(model%mesh)
     call reader%element_labels%build(model%mesh%element_label)
+    reader%draft_labels = draft%labels
     call tell_without_section(reader, draft)
     call tell_leftovers(reader, model%mesh, draft)
     call keep_set_members(reader, model%mesh, draft)
@@ -434,6 +442,7 @@ contains
     integer, intent(in) :: c                     !< index of the card
     character(*), intent(in) :: type             !< upper case
     character(:), allocatable :: advice
+    reader%has_refused_kinds = .true.
     if (type == '') return
     advice = 'The kinds are C3D4, C3D6, C3D8, C3D10, C3D20 and C3D20R.'
     if (begins(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking.'
@@ -460,6 +469,7 @@ contains
   end function is_lower_dimensional
 
 
+  !> Whether a word starts with another one.
   pure function begins(word, beginning) result(does_so)
     character(*), intent(in) :: word, beginning
     logical :: does_so

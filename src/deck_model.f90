@@ -3,7 +3,7 @@
 module amontons_deck_model
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, row_type, next_row, field_text, line_text
-  use amontons_card_form, only: has_parameter, parameter_text, parameter_word
+  use amontons_card_form, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     need_no_data, nodes_of_field, elements_of_field, is_card, check_name
   use amontons_loads, only: amplitude_type, equation_type
@@ -44,6 +44,7 @@ contains
   end subroutine read_heading
 
 
+  !> Adds one line to the heading; comments and blank lines are left out.
   subroutine add_heading_line(reader, line, heading)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: line
@@ -88,6 +89,8 @@ contains
         call read_elastic(reader, c, model%materials(m))
       else if (m > 0 .and. is_card(reader, c, 'DENSITY')) then
         call read_density(reader, c, model%materials(m))
+      else if (m > 0 .and. is_refused(reader, c)) then
+        model%materials(m)%has_elastic = .true.  ! it may have stood in place of ELASTIC, and is told
       end if
     end do
     do m = 1, size(model%materials)
@@ -97,6 +100,17 @@ contains
   end subroutine read_materials
 
 
+  !> Whether a card is one that we do not read.
+  pure function is_refused(reader, c) result(is_so)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    logical :: is_so
+    is_so = reader%cards%cards(c)%entry == 0
+    if (.not. is_so) is_so = reader%table%entries(reader%cards%cards(c)%entry)%status == STATUS_REFUSED
+  end function is_refused
+
+
+  !> Adds a material with the finite-strain law of the dialect.
   subroutine add_material(model, name, dialect)
     type(model_type), intent(inout) :: model
     character(*), intent(in) :: name
@@ -283,9 +297,9 @@ contains
     integer :: i
     logical :: is_ok
     call open_card(reader, c, parameters, row)
+    is_ok = .true.
     do while (next_row(reader%cards, row))
       call need_at_most(reader, row, 2)
-      is_ok = .true.
       call nodes_of_field(reader, mesh, row, 1, nodes, is_ok)
       do i = 1, size(nodes)
         if (stamp(nodes(i)) == c) cycle
@@ -293,7 +307,7 @@ contains
         call list%add(nodes(i))
       end do
     end do
-    if (list%n == 0) call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // &
+    if (is_ok .and. list%n == 0) call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // &
       ''' has no nodes.')
     surface%nodes = list%trimmed()
     call sort_integers(surface%nodes)
@@ -316,14 +330,15 @@ contains
     integer :: i, face, n_without
     logical :: is_ok
     call open_card(reader, c, parameters, row)
+    is_ok = .true.
     do while (next_row(reader%cards, row))
       call need_at_most(reader, row, 2)
-      is_ok = .true.
       call elements_of_field(reader, mesh, row, 1, found, is_ok)
       face = face_number(field_text(reader%cards, row, 2), 'S')
       if (face == 0) then
         call complain(reader, row%line, 'The second field must be a face S1 to S6; it is ''' // &
           field_text(reader%cards, row, 2) // '''.')
+        is_ok = .false.
         cycle
       end if
       n_without = 0
@@ -334,17 +349,19 @@ contains
         call elements%add(found(i))
         call faces%add(face)
       end do
+      if (n_without > 0) is_ok = .false.
       if (n_without > 0) call complain(reader, row%line, plural(n_without, 'element') // ' here have no face S' // &
         text_of(face) // '; tetrahedra have 4 faces, wedges 5, hexahedra 6.')
     end do
-    if (elements%n == 0) call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // &
-      ''' has no faces.')
+    if (is_ok .and. elements%n == 0) call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // &
+      surface%name // ''' has no faces.')
     surface%element = elements%trimmed()
     surface%face = faces%trimmed()
     call fill_surface_nodes(mesh, surface)
   end subroutine read_surface_faces
 
 
+  !> The number of faces of an element.
   pure function n_faces(mesh, e) result(n)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e

@@ -3,7 +3,7 @@
 module amontons_deck_reader
   use amontons_kinds, only: DP, NAME_LENGTH
   use amontons_cards, only: cards_type, row_type, parameter_type, remarks_type, read_parameters, field_integer, &
-    field_real, field_text, is_empty_field, start_rows
+    field_real, field_text, start_rows
   use amontons_card_form, only: card_table_type, match_parameters, parameter_text
   use amontons_lookup, only: name_table_type, label_table_type
   use amontons_mesh, only: mesh_type
@@ -23,7 +23,9 @@ module amontons_deck_reader
     integer, allocatable :: step_of_card(:)      !< (n_cards) step in which a card stands; 0: the model
     type(name_table_type) :: node_sets, element_sets, surfaces, materials, interactions, amplitudes
     type(label_table_type) :: node_labels, element_labels
+    type(label_table_type) :: draft_labels       !< all elements of the deck, also those that are no solids
     logical, allocatable :: has_leftovers(:)     !< (element sets) it holds elements that are no solids and were dropped
+    logical :: has_refused_kinds = .false.       !< elements of kinds that we do not have were told; what needs them is not
   end type reader_type
 
 contains
@@ -37,7 +39,7 @@ contains
     type(row_type), intent(inout) :: row
     call read_parameters(reader%cards, reader%cards%cards(c), parameters)
     associate (card => reader%cards%cards(c))
-      call match_parameters(reader%table%entries(card%entry), parameters, card%line)
+      call match_parameters(reader%table%entries(card%entry), parameters, card%line, .true.)
       call start_rows(card, row)
     end associate
   end subroutine open_card
@@ -192,8 +194,10 @@ contains
       found = reader%element_sets%find(field_text(reader%cards, row, i))
       if (found > 0) elements = mesh%element_sets(found)%members
       if (found > 0) then
-        if (reader%has_leftovers(found)) call complain(reader, row%line, 'The element set ''' // &
-          field_text(reader%cards, row, i) // ''' holds elements that are no solids; name solid elements only.')
+        if (reader%has_leftovers(found)) is_ok = .false.
+        if (reader%has_leftovers(found) .and. .not. reader%has_refused_kinds) call complain(reader, row%line, &
+          'The element set ''' // field_text(reader%cards, row, i) // ''' holds elements that are no solids; name ' // &
+          'solid elements only.')
       end if
     end if
     if (allocated(elements)) return
@@ -201,8 +205,11 @@ contains
     is_ok = .false.
     if (status == NUMBER_EMPTY) then
       call complain(reader, row%line, 'Field ' // text_of(i) // ' must name an element or an element set; it is empty.')
+    else if (status == NUMBER_OK .and. reader%draft_labels%find(label) > 0) then
+      if (.not. reader%has_refused_kinds) call complain(reader, row%line, 'The element ' // text_of(label) // &
+        ' is no solid; name solid elements only.')
     else
-      call complain(reader, row%line, 'There is no solid element or element set ''' // &
+      call complain(reader, row%line, 'There is no element or element set ''' // &
         field_text(reader%cards, row, i) // '''.')
     end if
   end subroutine elements_of_field

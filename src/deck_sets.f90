@@ -3,7 +3,7 @@
 !!
 !! A set is what all the cards with its name give together, wherever they stand; sets may name sets that come later.
 module amontons_deck_sets
-  use amontons_cards, only: parameter_type, row_type, next_row, field_integer, field_text, is_empty_field
+  use amontons_cards, only: parameter_type, row_type, next_row, field_integer, field_text
   use amontons_card_form, only: has_parameter, parameter_text
   use amontons_deck_mesh, only: draft_type
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_integer, need_at_most, is_card, &
@@ -11,7 +11,7 @@ module amontons_deck_sets
   use amontons_lookup, only: integer_list_type, label_table_type, name_table_type
   use amontons_mesh, only: mesh_type, set_type
   use amontons_model, only: DIALECT_CALCULIX
-  use amontons_text, only: text_of, plural, NUMBER_OK, NUMBER_EMPTY
+  use amontons_text, only: text_of, NUMBER_OK, NUMBER_EMPTY
   implicit none
   private
   public :: read_sets
@@ -94,6 +94,7 @@ contains
   end subroutine gather_family
 
 
+  !> Finds the members of all sets of a family.
   subroutine resolve_family(reader, draft, mesh, family)
     type(reader_type), intent(inout) :: reader
     type(draft_type), intent(in) :: draft
@@ -173,6 +174,7 @@ contains
   end subroutine resolve_named
 
 
+  !> Whether a card is NODE or ELEMENT, whose set is all that it defines.
   pure function is_block(reader, c) result(is_so)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: c

@@ -64,6 +64,7 @@ contains
   end subroutine read_steps
 
 
+  !> The controls of a dialect before any CONTROLS card.
   pure function default_controls(dialect) result(controls)
     integer, intent(in) :: dialect
     type(controls_type) :: controls

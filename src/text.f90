@@ -4,19 +4,24 @@ module amontons_text
   use amontons_kinds, only: DP, I64
   implicit none
   private
-  public :: upper_case, squeezed, is_one_of, nth_word, count_words, text_of, joined_words, plural
+  public :: upper_case, squeezed, is_one_of, nth_word, count_words, text_of, joined_words, plural, is_blank
   public :: parse_integer, parse_real, NUMBER_OK, NUMBER_EMPTY, NUMBER_BAD, NUMBER_NOT_FINITE
   public :: BLANK_CHARACTERS, NEWLINE
 
   integer, parameter :: NUMBER_OK = 0            !< a number
   integer, parameter :: NUMBER_EMPTY = 1         !< nothing but blanks
   integer, parameter :: NUMBER_BAD = 2           !< not a number of the kind asked for, or too large an integer
-  integer, parameter :: NUMBER_NOT_FINITE = 3    !< NaN, infinity, or beyond 1e300
+  integer, parameter :: NUMBER_NOT_FINITE = 3    !< NaN, infinity, or 1e301 and more
 
   character(1), parameter :: NEWLINE = achar(10)
   character(3), parameter :: BLANK_CHARACTERS = ' ' // achar(9) // achar(13)   !< blank, tab, carriage return
 
-  integer, parameter :: MAX_DECIMAL_EXPONENT = 300     !< larger magnitudes are refused
+  integer, parameter :: MAX_DECIMAL_EXPONENT = 301     !< 1e301 and more is refused
+  integer, parameter :: EXACT_DIVISOR = 18             !< 10**18 is the largest power of ten in a 64-bit integer
+  integer(I64), parameter :: LONG_POWERS(0:EXACT_DIVISOR) = [1_I64, 10_I64, 100_I64, 1000_I64, 10000_I64, 100000_I64, &
+    1000000_I64, 10000000_I64, 100000000_I64, 1000000000_I64, 10000000000_I64, 100000000000_I64, 1000000000000_I64, &
+    10000000000000_I64, 100000000000000_I64, 1000000000000000_I64, 10000000000000000_I64, 100000000000000000_I64, &
+    1000000000000000000_I64]
   integer, parameter :: EXACT_POWER = 22               !< 10**22 is the largest exact power of ten in double precision
   integer(I64), parameter :: EXACT_MANTISSA = 9007199254740992_I64   !< 2**53
   real(DP), parameter :: POWERS(0:EXACT_POWER) = [1.0e0_DP, 1.0e1_DP, 1.0e2_DP, 1.0e3_DP, 1.0e4_DP, 1.0e5_DP, &
@@ -53,7 +58,7 @@ contains
     integer :: i, n
     n = 0
     do i = 1, len(string)
-      if (index(BLANK_CHARACTERS, string(i:i)) > 0 .or. string(i:i) == '"') cycle
+      if (is_blank(string(i:i)) .or. string(i:i) == '"') cycle
       n = n + 1
       kept(n:n) = string(i:i)
     end do
@@ -231,7 +236,8 @@ contains
   !!
   !! Method: digits are gathered in a 64-bit integer; where it and the power of ten are exact in double precision, one
   !! multiplication or division rounds correctly (W. D. Clinger, How to read floating point numbers accurately, PLDI
-  !! 1990); all other numbers go through the compiler's library. NaN, infinity and magnitudes beyond 1e300 are refused.
+  !! 1990); else a long division of integers does; all other numbers go through the compiler's library. NaN, infinity
+  !! and magnitudes of 1e301 and more are refused.
   pure subroutine parse_real(field, value, status)
     character(*), intent(in) :: field
     real(DP), intent(out) :: value               !< 0 unless NUMBER_OK
@@ -259,10 +265,36 @@ contains
       if (power < 0) value = value / POWERS(-power)
       if (power > 0) value = value * POWERS(power)
       if (field(first:first) == '-') value = -value
+    else if (is_exact .and. power <= 0 .and. power >= -EXACT_DIVISOR) then
+      value = quotient(mantissa, LONG_POWERS(-power))
+      if (field(first:first) == '-') value = -value
     else
       call read_by_library(field(first:last), mark, value, status)
     end if
   end subroutine parse_real
+
+
+  !> A quotient of integers, correctly rounded: long division, some bits at a time, until all bits of a real, a rounding
+  !! bit and one more are there; a remainder that is left sets the last bit, so that no tie is taken for one.
+  pure function quotient(numerator, divisor) result(value)
+    integer(I64), intent(in) :: numerator        !< positive
+    integer(I64), intent(in) :: divisor          !< 1 to 10**18
+    real(DP) :: value
+    integer(I64) :: whole, rest
+    integer :: shift, n_bits
+    whole = numerator / divisor
+    rest = numerator - whole * divisor
+    n_bits = min(8, leadz(divisor) - 1)          ! rest < divisor: rest * 2**n_bits does not overflow
+    shift = 0
+    do while (whole < 2 * EXACT_MANTISSA)
+      rest = shiftl(rest, n_bits)
+      whole = shiftl(whole, n_bits) + rest / divisor
+      rest = modulo(rest, divisor)
+      shift = shift + n_bits
+    end do
+    if (rest /= 0) whole = ior(whole, 1_I64)
+    value = scale(real(whole, DP), -shift)
+  end function quotient
 
 
   !> Gathers sign, digits and point.
@@ -318,9 +350,9 @@ contains
       start = 1
       if (scan(field(1:1), 'eEdDqQ') == 1) start = 2
       if (start == 1 .and. scan(field(1:1), '+-') /= 1) return
-      if (index(BLANK_CHARACTERS, field(len(field):)) > 0 .or. start > len(field)) return
+      if (is_blank(field(len(field):)) .or. start > len(field)) return
       call parse_integer(field(start:), exponent, status)
-      if (status /= NUMBER_OK .or. index(BLANK_CHARACTERS, field(start:start)) > 0) then
+      if (status /= NUMBER_OK .or. is_blank(field(start:start))) then
         status = NUMBER_BAD
         return
       end if
@@ -371,6 +403,14 @@ contains
   end function is_word_not_finite
 
 
+  !> Whether a character is a blank, a tab or a carriage return.
+  pure function is_blank(character) result(is_so)
+    character(1), intent(in) :: character
+    logical :: is_so
+    is_so = character == ' ' .or. character == achar(9) .or. character == achar(13)
+  end function is_blank
+
+
   !> The part of a field without the blanks around it; first > last if nothing is left.
   pure subroutine trim_bounds(field, first, last)
     character(*), intent(in) :: field
@@ -378,11 +418,11 @@ contains
     first = 1
     last = len(field)
     do while (last >= 1)
-      if (index(BLANK_CHARACTERS, field(last:last)) == 0) exit
+      if (.not. is_blank(field(last:last))) exit
       last = last - 1
     end do
     do while (first <= last)
-      if (index(BLANK_CHARACTERS, field(first:first)) == 0) exit
+      if (.not. is_blank(field(first:first))) exit
       first = first + 1
     end do
   end subroutine trim_bounds

@@ -1,0 +1,229 @@
+!> Tests of text and lookup: numbers and words as a deck has them; names, labels, lists, sorting.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_text
+  use amontons_kinds, only: DP
+  use amontons_lookup, only: name_table_type, label_table_type, integer_list_type, sort_integers
+  use amontons_text, only: upper_case, squeezed, is_one_of, nth_word, count_words, text_of, joined_words, plural, &
+    parse_integer, parse_real, NUMBER_OK, NUMBER_EMPTY, NUMBER_BAD, NUMBER_NOT_FINITE
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  call test_words(suite)
+  call test_integers(suite)
+  call test_reals(suite)
+  call test_real_rounding(suite)
+  call test_written_numbers(suite)
+  call test_names(suite)
+  call test_labels(suite)
+  call test_sorting(suite)
+  call suite%finish()
+
+contains
+
+  !> Words are compared without case, blanks and quotation marks.
+  subroutine test_words(suite)
+    type(suite_type), intent(inout) :: suite
+    call suite%that('upper_case', upper_case('*Node, nset=a_1') == '*NODE, NSET=A_1')
+    call suite%that('squeezed', squeezed(' "End ' // achar(9) // 'Step"' // achar(13)) == 'ENDSTEP')
+    call suite%that('squeezed of nothing', len(squeezed('')) == 0)
+    call suite%that('count_words', count_words('A|B C|D') == 3 .and. count_words('') == 0 .and. count_words('A') == 1)
+    call suite%that('nth_word', nth_word('A|B C|D', 2) == 'B C' .and. nth_word('A|B C|D', 3) == 'D' .and. &
+      nth_word('A', 1) == 'A')
+    call suite%that('is_one_of', is_one_of('bc', 'A|B C|D') .and. .not. is_one_of('b', 'A|B C|D'))
+    call suite%that('nothing is one of nothing', .not. is_one_of('', ''))
+    call suite%that('joined_words', joined_words('A|B|C') == 'A, B or C' .and. joined_words('A') == 'A')
+    call suite%that('plural', plural(1, 'node') == '1 node' .and. plural(0, 'node') == '0 nodes')
+  end subroutine test_words
+
+
+  !> Integers: digits with a sign, nothing else.
+  subroutine test_integers(suite)
+    type(suite_type), intent(inout) :: suite
+    call expect_integer(suite, '42', 42, NUMBER_OK)
+    call expect_integer(suite, '  -7 ' // achar(9), -7, NUMBER_OK)
+    call expect_integer(suite, '+2147483647', 2147483647, NUMBER_OK)
+    call expect_integer(suite, '2147483648', 0, NUMBER_BAD)
+    call expect_integer(suite, '99999999999999999999999', 0, NUMBER_BAD)
+    call expect_integer(suite, '1.0', 0, NUMBER_BAD)
+    call expect_integer(suite, '1 2', 0, NUMBER_BAD)
+    call expect_integer(suite, '-', 0, NUMBER_BAD)
+    call expect_integer(suite, 'SET1', 0, NUMBER_BAD)
+    call expect_integer(suite, '   ', 0, NUMBER_EMPTY)
+    call expect_integer(suite, '', 0, NUMBER_EMPTY)
+  end subroutine test_integers
+
+
+  subroutine expect_integer(suite, field, value, status)
+    type(suite_type), intent(inout) :: suite
+    character(*), intent(in) :: field
+    integer, intent(in) :: value, status
+    integer :: got, got_status
+    call parse_integer(field, got, got_status)
+    call suite%that('parse_integer ''' // field // '''', got == value .and. got_status == status)
+  end subroutine expect_integer
+
+
+  !> All forms of reals; what is no number and what is not finite.
+  subroutine test_reals(suite)
+    type(suite_type), intent(inout) :: suite
+    call expect_real(suite, '1', 1.0_DP, NUMBER_OK)
+    call expect_real(suite, ' 1. ', 1.0_DP, NUMBER_OK)
+    call expect_real(suite, '.5', 0.5_DP, NUMBER_OK)
+    call expect_real(suite, '-0.1', -0.1_DP, NUMBER_OK)
+    call expect_real(suite, '1e5', 1.0e5_DP, NUMBER_OK)
+    call expect_real(suite, '1.d0', 1.0_DP, NUMBER_OK)
+    call expect_real(suite, '1.D-3', 1.0e-3_DP, NUMBER_OK)
+    call expect_real(suite, '1+5', 1.0e5_DP, NUMBER_OK)
+    call expect_real(suite, '-1.5-3', -1.5e-3_DP, NUMBER_OK)
+    call expect_real(suite, '210000', 210000.0_DP, NUMBER_OK)
+    call expect_real(suite, '1e300', 1.0e300_DP, NUMBER_OK)
+    call expect_real(suite, '1e-200', 1.0e-200_DP, NUMBER_OK)
+    call expect_real(suite, '1e-400', 0.0_DP, NUMBER_OK)
+    call expect_real(suite, '0e999', 0.0_DP, NUMBER_OK)
+    call expect_real(suite, '', 0.0_DP, NUMBER_EMPTY)
+    call expect_real(suite, '.', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, 'e5', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, '1e', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, '1e+', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, '1 e5', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, '1e 5', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, '1.2.3', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, '1,5', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, '1/2', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, 'abc', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, 'NaN', 0.0_DP, NUMBER_NOT_FINITE)
+    call expect_real(suite, '-inf', 0.0_DP, NUMBER_NOT_FINITE)
+    call expect_real(suite, 'Infinity', 0.0_DP, NUMBER_NOT_FINITE)
+    call expect_real(suite, '1e308', 0.0_DP, NUMBER_NOT_FINITE)
+    call expect_real(suite, '1e99999999', 0.0_DP, NUMBER_NOT_FINITE)
+    call expect_real(suite, repeat('9', 400), 0.0_DP, NUMBER_NOT_FINITE)
+  end subroutine test_reals
+
+
+  subroutine expect_real(suite, field, value, status)
+    type(suite_type), intent(inout) :: suite
+    character(*), intent(in) :: field
+    real(DP), intent(in) :: value
+    integer, intent(in) :: status
+    real(DP) :: got
+    integer :: got_status
+    call parse_real(field, got, got_status)
+    call suite%that('status of real ''' // field // '''', got_status == status)
+    call suite%near('parse_real ''' // field // '''', got, value, 0.0_DP)
+  end subroutine expect_real
+
+
+  !> Our own reading rounds as the compiler's library does: numbers of 1 to 20 digits, all magnitudes, ties included.
+  subroutine test_real_rounding(suite)
+    type(suite_type), intent(inout) :: suite
+    real(DP) :: got, expected, r(2)
+    integer :: i, n, status, n_wrong
+    character(40) :: field
+    character(12) :: form
+    n_wrong = 0
+    do i = 1, 20000
+      call random_number(r)
+      n = modulo(i, 20)
+      write (form, '(a,i0,a)') '(es40.', n, 'e3)'
+      write (field, form) (r(1) - 0.5_DP) * 10.0_DP**(60 * r(2) - 30)
+      if (modulo(i, 2) == 0) then
+        write (form, '(a,i0,a)') '(f38.', n, ')'
+        write (field, form) r(1) * 1000
+      end if
+      call parse_real(field, got, status)
+      read (field, '(f40.0)') expected
+      if (status /= NUMBER_OK .or. abs(got - expected) > 0) n_wrong = n_wrong + 1
+    end do
+    call suite%that('20000 numbers rounded as by the library', n_wrong == 0)
+    call expect_real(suite, '9007199254740993', 9007199254740992.0_DP, NUMBER_OK)
+    call expect_real(suite, '9007199254740993.0', 9007199254740992.0_DP, NUMBER_OK)
+    call expect_real(suite, '9007199254740993.1', 9007199254740994.0_DP, NUMBER_OK)
+    call expect_real(suite, '9007199254740992.9', 9007199254740992.0_DP, NUMBER_OK)
+    call expect_real(suite, '1.2345678901234567e-01', 1.2345678901234567e-01_DP, NUMBER_OK)
+    call expect_real(suite, '0.1000000000000000055511151231257827021181583404541015625', 0.1_DP, NUMBER_OK)
+  end subroutine test_real_rounding
+
+
+  !> Numbers in messages.
+  subroutine test_written_numbers(suite)
+    type(suite_type), intent(inout) :: suite
+    call suite%that('text_of integer', text_of(-12) == '-12')
+    call suite%that('text_of 0.3', text_of(0.3_DP) == '0.3')
+    call suite%that('text_of 210000', text_of(210000.0_DP) == '210000')
+    call suite%that('text_of 1.5e-6', text_of(1.5e-6_DP) == '1.5E-6')
+    call suite%that('text_of -2e9', text_of(-2.0e9_DP) == '-2E9')
+    call suite%that('text_of 0', text_of(0.0_DP) == '0')
+  end subroutine test_written_numbers
+
+
+  !> Names: numbered in the order of arrival, found whatever their case; many of them.
+  subroutine test_names(suite)
+    type(suite_type), intent(inout) :: suite
+    type(name_table_type) :: table
+    integer :: i, position
+    logical :: is_new, is_right
+    call suite%that('an empty table finds nothing', table%find('A') == 0)
+    is_right = .true.
+    do i = 1, 5000
+      call table%add('Set-' // text_of(i), position, is_new)
+      is_right = is_right .and. is_new .and. position == i
+    end do
+    call suite%that('5000 names are new', is_right)
+    call table%add('sEt -17', position, is_new)
+    call suite%that('a known name is found by add', position == 17 .and. .not. is_new .and. table%n == 5000)
+    is_right = .true.
+    do i = 1, 5000
+      is_right = is_right .and. table%find('SET-' // text_of(i)) == i
+    end do
+    call suite%that('5000 names are found', is_right .and. table%find('SET-5001') == 0)
+  end subroutine test_names
+
+
+  !> Labels: dense ones by a direct table, sparse ones by a search; twice the same keeps the first.
+  subroutine test_labels(suite)
+    type(suite_type), intent(inout) :: suite
+    type(label_table_type) :: table
+    integer, allocatable :: none(:)
+    call table%build([7, 5, 9, 5])
+    call suite%that('dense labels', table%find(7) == 1 .and. table%find(5) == 2 .and. table%find(9) == 3)
+    call suite%that('dense labels that are not there', table%find(6) == 0 .and. table%find(4) == 0 .and. &
+      table%find(10) == 0 .and. table%find(-2147483647) == 0)
+    call table%build([2000000000, 5, 70000, 5, 2147483647])
+    call suite%that('sparse labels', table%find(2000000000) == 1 .and. table%find(5) == 2 .and. &
+      table%find(70000) == 3 .and. table%find(2147483647) == 5)
+    call suite%that('sparse labels that are not there', table%find(6) == 0 .and. table%find(1) == 0 .and. &
+      table%find(2147483646) == 0)
+    allocate (none(0))
+    call table%build(none)
+    call suite%that('no labels', table%find(1) == 0)
+  end subroutine test_labels
+
+
+  !> Sorting is ascending, stable, and carries a companion; lists grow.
+  subroutine test_sorting(suite)
+    type(suite_type), intent(inout) :: suite
+    type(integer_list_type) :: list
+    integer, allocatable :: keys(:), companion(:)
+    integer :: i, n
+    logical :: is_right
+    call suite%that('an empty list', size(list%trimmed()) == 0)
+    is_right = .true.
+    allocate (keys(0), companion(0))
+    do n = 1, 70
+      companion = [(i, i=1, n)]
+      keys = modulo(companion * 7919, 13)
+      call sort_integers(keys, companion)
+      is_right = is_right .and. all(keys(2:) >= keys(:n - 1))
+      is_right = is_right .and. all(pack(companion(2:) - companion(:n - 1), keys(2:) == keys(:n - 1)) > 0)
+      is_right = is_right .and. all(keys == modulo(companion * 7919, 13))
+    end do
+    call suite%that('sorting of 1 to 70 keys, stable', is_right)
+    do i = 1, 1000
+      call list%add(1001 - i)
+    end do
+    keys = list%trimmed()
+    call sort_integers(keys)
+    call suite%that('a list of 1000 sorted', size(keys) == 1000 .and. all(keys == [(i, i=1, 1000)]))
+  end subroutine test_sorting
+
+end program test_text
