@@ -12,7 +12,7 @@ module amontons_audit_motion
   use amontons_text, only: text_of
   use amontons_lookup, only: integer_list_type
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_topology, only: element_kind, kind_type, KIND_SPRING1, FAMILY_AXISYMMETRIC, MAX_FACE_NODES
   use amontons_dense, only: symmetric_eigen, DENSE_OK
   use amontons_steps, only: step_type
   use amontons_model, only: model_type
@@ -142,10 +142,51 @@ contains
         call add_product(rows(load%dof, :), rows(load%dof, :), gram(:, :, b))
       end associate
     end do
+    call hold_by_elements(model, bodies, gram)
     do b = 1, bodies%n
       call find_null_space(gram(:, :, b), SUPPORT_TOLERANCE, bases%n(b), bases%motion(:, :, b))
     end do
   end subroutine find_bases
+
+
+  !> Motions that the elements themselves rule out: displacements that nothing resists are held at zero (the third of plane
+  !! models), an axisymmetric element resists its radial displacement, a spring to the ground its own.
+  subroutine hold_by_elements(model, bodies, gram)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    real(DP), intent(inout) :: gram(:, :, :)       !< (6, 6, n_bodies)
+    type(kind_type) :: entry
+    integer :: e, i, k
+    associate (mesh => model%mesh)
+      if (.not. allocated(mesh%is_idle)) return
+      do i = 1, mesh%n_nodes
+        do k = 1, 3
+          if (mesh%is_idle(k, i)) call hold(i, k)
+        end do
+      end do
+      do e = 1, mesh%n_elements
+        entry = element_kind(mesh%kind(e))
+        do i = mesh%first(e), mesh%first(e + 1) - 1
+          if (entry%family == FAMILY_AXISYMMETRIC) call hold(mesh%nodes(i), 1)
+          if (mesh%kind(e) == KIND_SPRING1) call hold(mesh%nodes(i), mesh%directions(1, e))
+        end do
+      end do
+    end associate
+
+  contains
+
+    !> A support of one displacement of a node.
+    subroutine hold(node, dof)
+      integer, intent(in) :: node, dof
+      real(DP) :: rows(3, 6)
+      integer :: b
+      b = bodies%of_node(node)
+      if (b == 0) return
+      rows = rigid_motion(bodies%list(b), model%mesh%coordinates(:, node))
+      call add_product(rows(dof, :), rows(dof, :), gram(:, :, b))
+    end subroutine hold
+
+  end subroutine hold_by_elements
 
 
   !> A node without elements does not turn, and moves only in the directions that equations name.

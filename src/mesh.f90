@@ -2,7 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_mesh
   use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, kind_type, MAX_NODES
+  use amontons_topology, only: element_kind, kind_type, MAX_NODES, KIND_SPRING1, KIND_SPRING2, FAMILY_SOLID, &
+    FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS
   implicit none
   private
   public :: mesh_type, set_type, finish_mesh, element_nodes
@@ -26,15 +27,20 @@ module amontons_mesh
     integer, allocatable :: nodes(:)               !< node indices of all elements, one after the other
     integer, allocatable :: point_first(:)         !< (n_elements + 1) start of an element's integration points
     integer, allocatable :: material(:)            !< (n_elements) index into model%materials; 0: no section
+    real(DP), allocatable :: section(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
+                                                   !< constant [force/length] or mass [mass], by the kind; else 1
+    integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
+    logical, allocatable :: is_idle(:, :)          !< (3, n_nodes) no element at the node resists this displacement
     type(set_type), allocatable :: node_sets(:)
     type(set_type), allocatable :: element_sets(:)
   end type mesh_type
 
 contains
 
-  !> Fills what follows from the kinds: first integration point of each element, and totals.
+  !> Fills what follows from the kinds: first integration point of each element, totals, and displacements that nothing
+  !! resists; sections that are not given are 1.
   subroutine finish_mesh(mesh)
-    type(mesh_type), intent(inout) :: mesh   !< with n_elements and kind(:) set
+    type(mesh_type), intent(inout) :: mesh   !< with n_elements, kind(:), first(:) and nodes(:) set
     type(kind_type) :: entry
     integer :: e
     if (allocated(mesh%point_first)) deallocate (mesh%point_first)
@@ -45,7 +51,59 @@ contains
       mesh%point_first(e + 1) = mesh%point_first(e) + entry%n_points
     end do
     mesh%n_points = mesh%point_first(mesh%n_elements + 1) - 1
+    if (.not. allocated(mesh%section)) allocate (mesh%section(mesh%n_elements), source=1.0_DP)
+    if (.not. allocated(mesh%directions)) allocate (mesh%directions(2, mesh%n_elements), source=0)
+    if (allocated(mesh%is_idle)) deallocate (mesh%is_idle)
+    allocate (mesh%is_idle(3, mesh%n_nodes), source=.false.)
+    if (allocated(mesh%nodes)) call find_idle(mesh)
   end subroutine finish_mesh
+
+
+  !> The displacements that no element at their node resists: the third of a node of plane elements, those across a
+  !! spring of one direction, those of a lone mass. A node without elements has none.
+  subroutine find_idle(mesh)
+    type(mesh_type), intent(inout) :: mesh
+    type(kind_type) :: entry
+    logical :: resists(3)
+    integer :: e, i, pass
+    do pass = 1, 2                                 ! first all are idle, then those that an element resists are not
+      do e = 1, mesh%n_elements
+        entry = element_kind(mesh%kind(e))
+        if (pass == 2 .and. entry%family == FAMILY_MASS) cycle
+        do i = mesh%first(e), mesh%first(e + 1) - 1
+          if (mesh%nodes(i) == 0) cycle            ! the deck names a node that is not there: an error is on its way
+          associate (is_idle => mesh%is_idle(:, mesh%nodes(i)))
+            if (pass == 1) then
+              is_idle = .true.
+            else
+              resists = resisted(mesh, e, i - mesh%first(e) + 1, entry%family)
+              is_idle = is_idle .and. .not. resists
+            end if
+          end associate
+        end do
+      end do
+    end do
+  end subroutine find_idle
+
+
+  !> The displacements that an element resists at one of its nodes.
+  pure function resisted(mesh, e, a, family) result(resists)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e, a                    !< element, its local node
+    integer, intent(in) :: family                  !< FAMILY_...
+    logical :: resists(3)
+    select case (family)
+    case (FAMILY_SOLID, FAMILY_TRUSS)
+      resists = .true.
+    case (FAMILY_SPRING)
+      resists = .true.
+      if (mesh%kind(e) /= KIND_SPRING1 .and. mesh%kind(e) /= KIND_SPRING2) return
+      resists = .false.
+      if (mesh%directions(a, e) > 0) resists(mesh%directions(a, e)) = .true.
+    case default
+      resists = [.true., .true., .false.]
+    end select
+  end function resisted
 
 
   !> The node indices of one element; the first n are set.

@@ -153,6 +153,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: i
     call start_constraints(system%base, 3 * model%mesh%n_nodes)
+    call hold_idle(system%base, model, fields%u)
     do i = 1, size(step%prescribed)
       associate (load => step%prescribed(i))
         call fix_unknown(system%base, 3 * (load%node - 1) + load%dof, &
@@ -164,6 +165,22 @@ contains
     call add_followers(system%base, system%contact%follower, fields%u)
     call finish_constraints(system%base)
   end subroutine prescribe
+
+
+  !> Displacements that no element resists (the third of plane models) stay at zero, unless a support moves them.
+  subroutine hold_idle(base, model, u)
+    type(constraints_type), intent(inout) :: base
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)
+    integer :: i, k
+    if (.not. allocated(model%mesh%is_idle)) return
+    if (.not. any(model%mesh%is_idle)) return
+    do i = 1, model%mesh%n_nodes
+      do k = 1, 3
+        if (model%mesh%is_idle(k, i)) call fix_unknown(base, 3 * (i - 1) + k, -u(k, i))
+      end do
+    end do
+  end subroutine hold_idle
 
 
   !> The displacement of a support now. One new in this step runs straight from where it was at the start of the step.

@@ -3,7 +3,7 @@
 program test_nodal
   use amontons_kinds, only: DP
   use amontons_topology, only: element_kind, kind_type, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_C3D8, &
-    KIND_C3D8_FULL, MAX_NODES, MAX_POINTS, N_KINDS
+    KIND_C3D8_FULL, MAX_NODES, MAX_POINTS, N_SOLID_KINDS
   use amontons_mesh, only: element_nodes, finish_mesh, mesh_type
   use amontons_shapes, only: node_coordinates, quadrature, shape_functions
   use amontons_nodal, only: average_at_nodes, point_volumes
@@ -79,12 +79,13 @@ contains
   !> The volumes of the points add up to that of the element, sheared and stretched: |det| times the parent's.
   subroutine test_volumes(suite)
     type(suite_type), intent(inout) :: suite
-    real(DP), parameter :: PARENT(N_KINDS) = [1 / 6.0_DP, 1.0_DP, 8.0_DP, 8.0_DP, 1 / 6.0_DP, 8.0_DP, 8.0_DP]
+    real(DP), parameter :: PARENT(N_SOLID_KINDS) = [1 / 6.0_DP, 1.0_DP, 8.0_DP, 8.0_DP, &
+      1 / 6.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 1.0_DP]
     type(mesh_type) :: mesh
     type(kind_type) :: entry
     real(DP) :: volumes(MAX_POINTS)
     integer :: kind, n
-    do kind = 1, N_KINDS
+    do kind = 1, N_SOLID_KINDS
       call make_mesh(kind, mesh)
       call point_volumes(mesh, 1, n, volumes)
       entry = element_kind(kind)
