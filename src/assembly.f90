@@ -13,7 +13,7 @@ module amontons_assembly
   use amontons_model, only: model_type
   use amontons_loads, only: load_value, DISTRIBUTED_PRESSURE
   use amontons_steps, only: step_type
-  use amontons_state, only: fields_type
+  use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
   use amontons_partition, only: partition_mesh
   use amontons_element, only: element_forces, element_tangent, element_body_force, facet_pressure, points_type, ELEMENT_OK
@@ -316,26 +316,28 @@ contains
 
 
   !> Internal forces F_int and the stresses, strains and energies at u.
-  subroutine assemble_forces(assembly, model, is_nlgeom, fields, failed_element)
+  !! Stress and history are updated from the committed history, never from a trial one.
+  subroutine assemble_forces(assembly, model, is_nlgeom, state, failed_element)
     type(assembly_type), intent(in) :: assembly
     type(model_type), intent(in) :: model
     logical, intent(in) :: is_nlgeom
-    type(fields_type), intent(inout) :: fields     !< in: u; out: internal_force, stress, strain, energy, volume
+    type(state_type), intent(inout) :: state       !< in: old history, new u, times and temperature; out: new
+                                                   !< internal_force, stress, strain, energy, volume, history
     integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
     integer :: g, i, failed
     failed = huge(failed)
-    fields%internal_force = 0.0_DP
+    state%new%internal_force = 0.0_DP
     !$omp parallel do schedule(dynamic) private(i) reduction(min: failed) if (assembly%n_parts > 1)
     do g = 1, assembly%n_parts
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
-        call add_element_forces(model, assembly%element_order(i), is_nlgeom, fields, failed)
+        call add_element_forces(model, assembly%element_order(i), is_nlgeom, state, failed)
       end do
     end do
     !$omp end parallel do
     do g = assembly%n_parts + 1, assembly%n_groups
       !$omp parallel do schedule(static) reduction(min: failed) if (is_worth_threads(assembly, g))
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
-        call add_element_forces(model, assembly%element_order(i), is_nlgeom, fields, failed)
+        call add_element_forces(model, assembly%element_order(i), is_nlgeom, state, failed)
       end do
       !$omp end parallel do
     end do
@@ -352,40 +354,77 @@ contains
 
 
   !> Forces and point results of one element into the fields.
-  subroutine add_element_forces(model, e, is_nlgeom, fields, failed)
+  subroutine add_element_forces(model, e, is_nlgeom, state, failed)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
     logical, intent(in) :: is_nlgeom
-    type(fields_type), intent(inout) :: fields
+    type(state_type), intent(inout) :: state
     integer, intent(inout) :: failed
     type(points_type) :: points
     real(DP) :: force(3, MAX_NODES)
-    integer :: n, m, p, status, a, nodes(MAX_NODES)
+    integer :: n, status, a, nodes(MAX_NODES)
     call element_nodes(model%mesh, e, n, nodes)
-    call element_forces(model%mesh%kind(e), model%materials(model%mesh%material(e)), &
-      model%mesh%coordinates(:, nodes(:n)), fields%u(:, nodes(:n)), is_nlgeom, force, points, status)
-    if (status /= ELEMENT_OK) then
-      failed = min(failed, e)
-      return
-    end if
-    do a = 1, n
-      fields%internal_force(:, nodes(a)) = fields%internal_force(:, nodes(a)) + force(:, a)
-    end do
+    associate (material => model%materials(model%mesh%material(e)), fields => state%new)
+      if (.not. material%is_plain) call bring_past(model, state, e, points)
+      call element_forces(model%mesh%kind(e), material, model%mesh%coordinates(:, nodes(:n)), fields%u(:, nodes(:n)), &
+        is_nlgeom, force, points, status)
+      if (status /= ELEMENT_OK) then
+        failed = min(failed, e)
+        return
+      end if
+      call keep_points(model%mesh, e, material%n_history, points, fields)
+      do a = 1, n
+        fields%internal_force(:, nodes(a)) = fields%internal_force(:, nodes(a)) + force(:, a)
+      end do
+    end associate
+  end subroutine add_element_forces
+
+
+  !> What an element whose material is not plain brings along: committed history, temperatures, time.
+  pure subroutine bring_past(model, state, e, points)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    integer, intent(in) :: e
+    type(points_type), intent(inout) :: points
+    integer :: n, m, p, k, nodes(MAX_NODES)
+    call element_nodes(model%mesh, e, n, nodes)
     p = model%mesh%point_first(e)
     m = model%mesh%point_first(e + 1) - p
+    k = model%materials(model%mesh%material(e))%n_history
+    points%past = 0.0_DP
+    points%past(:k, :m) = state%old%history(:k, p:p + m - 1)
+    points%temperature(:n) = state%new%temperature(nodes(:n))
+    points%initial_temperature(:n) = 0.0_DP
+    if (allocated(model%initial_temperature)) points%initial_temperature(:n) = model%initial_temperature(nodes(:n))
+    points%time = state%new%total_time
+    points%time_increment = state%new%total_time - state%old%total_time
+  end subroutine bring_past
+
+
+  !> The point values of an element into the fields.
+  pure subroutine keep_points(mesh, e, n_history, points, fields)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    integer, intent(in) :: n_history               !< of its material
+    type(points_type), intent(in) :: points
+    type(fields_type), intent(inout) :: fields
+    integer :: m, p
+    p = mesh%point_first(e)
+    m = mesh%point_first(e + 1) - p
     fields%stress(:, p:p + m - 1) = points%stress(:, :m)
     fields%strain(:, p:p + m - 1) = points%strain(:, :m)
     fields%energy(p:p + m - 1) = points%energy(:m)
     fields%volume(p:p + m - 1) = points%volume(:m)
-  end subroutine add_element_forces
+    if (n_history > 0) fields%history(:n_history, p:p + m - 1) = points%history(:n_history, :m)
+  end subroutine keep_points
 
 
   !> The stiffness K = d F_int / d u of the elements.
-  subroutine assemble_tangent(assembly, model, is_nlgeom, fields, failed_element)
+  subroutine assemble_tangent(assembly, model, is_nlgeom, state, failed_element)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
     logical, intent(in) :: is_nlgeom
-    type(fields_type), intent(in) :: fields        !< u
+    type(state_type), intent(in) :: state          !< old history; new u, times, temperature
     integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
     integer :: g, i, failed
     failed = huge(failed)
@@ -393,14 +432,14 @@ contains
     !$omp parallel do schedule(dynamic) private(i) reduction(min: failed) if (assembly%n_parts > 1)
     do g = 1, assembly%n_parts
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
-        call add_element_tangent(assembly, model, assembly%element_order(i), is_nlgeom, fields%u, failed)
+        call add_element_tangent(assembly, model, assembly%element_order(i), is_nlgeom, state, failed)
       end do
     end do
     !$omp end parallel do
     do g = assembly%n_parts + 1, assembly%n_groups
       !$omp parallel do schedule(static) reduction(min: failed) if (is_worth_threads(assembly, g))
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
-        call add_element_tangent(assembly, model, assembly%element_order(i), is_nlgeom, fields%u, failed)
+        call add_element_tangent(assembly, model, assembly%element_order(i), is_nlgeom, state, failed)
       end do
       !$omp end parallel do
     end do
@@ -409,18 +448,20 @@ contains
 
 
   !> The stiffness of one element into the matrix, block by block.
-  subroutine add_element_tangent(assembly, model, e, is_nlgeom, u, failed)
+  subroutine add_element_tangent(assembly, model, e, is_nlgeom, state, failed)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(in) :: u(:, :)
+    type(state_type), intent(in) :: state
     integer, intent(inout) :: failed
+    type(points_type) :: points
     real(DP) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
     integer :: n, a, b, k, status, nodes(MAX_NODES)
     call element_nodes(model%mesh, e, n, nodes)
+    if (.not. model%materials(model%mesh%material(e))%is_plain) call bring_past(model, state, e, points)
     call element_tangent(model%mesh%kind(e), model%materials(model%mesh%material(e)), &
-      model%mesh%coordinates(:, nodes(:n)), u(:, nodes(:n)), is_nlgeom, stiffness, status)
+      model%mesh%coordinates(:, nodes(:n)), state%new%u(:, nodes(:n)), is_nlgeom, stiffness, points, status)
     if (status /= ELEMENT_OK) then
       failed = min(failed, e)
       return

@@ -27,7 +27,7 @@ uses_materials = kinds
 uses_surfaces = kinds
 uses_loads = kinds
 uses_steps = kinds loads
-uses_model = mesh materials surfaces loads steps
+uses_model = kinds mesh materials surfaces loads steps
 
 # 3 reading: text to cards, cards to model
 uses_cards = kinds errors text lookup
@@ -43,15 +43,17 @@ uses_deck = errors text model cards card_form card_table deck_reader deck_mesh d
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
-uses_stress = kinds tensor materials
-uses_element = kinds tensor topology materials shapes stress
+uses_principal = kinds tensor
+uses_stress = kinds tensor materials principal
+uses_material_point = kinds tensor materials principal stress
+uses_element = kinds tensor topology materials shapes principal stress material_point
 uses_facets = kinds errors tensor topology mesh shapes
 uses_search = kinds facets
 uses_gap = kinds tensor topology shapes facets search
 uses_slip = kinds
 
 # 5 system: unknowns, residual, matrix
-uses_state = kinds mesh
+uses_state = kinds mesh model
 uses_constraints = kinds errors sparse
 uses_assembly = kinds errors sparse partition topology mesh loads steps model element state
 uses_contact = kinds errors topology mesh model shapes facets search gap slip state constraints

@@ -7,10 +7,12 @@
 module amontons_element
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
-  use amontons_materials, only: material_type
+  use amontons_materials, only: material_type, MAX_HISTORY
+  use amontons_material_point, only: point_type, update_point
+  use amontons_principal, only: logarithm_1p
   use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
-  use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, logarithm_1p, STRESS_OK, &
-    STRESS_INVERTED, LARGEST_GRADIENT
+  use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, STRESS_OK, STRESS_INVERTED, &
+    LARGEST_GRADIENT
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, cross_product, determinant_minus_one, invert, &
     pack_voigt
   use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_NODES, MAX_POINTS, &
@@ -34,8 +36,17 @@ module amontons_element
   logical, parameter :: IS_MEAN(N_SOLID_KINDS) = [.false., .false., .true., .false., .false., .false., .false., .false., &
     .false., .false.]
 
-  !> What is known at the integration points of one element; entries past its points are undefined.
+  !> What is known at the integration points of one element; entries past its points are undefined. What comes in is
+  !! read only where the material is not plain; a plain one leaves the history alone.
   type :: points_type
+    ! comes in: the past, committed, and the temperature
+    real(DP) :: past(MAX_HISTORY, MAX_POINTS)      !< committed history
+    real(DP) :: temperature(MAX_NODES)             !< of the nodes, at the end of the increment [temperature]
+    real(DP) :: initial_temperature(MAX_NODES)     !< of the nodes [temperature]
+    real(DP) :: time                               !< at the end of the increment [time]
+    real(DP) :: time_increment                     !< [time]
+    ! goes out
+    real(DP) :: history(MAX_HISTORY, MAX_POINTS)   !< at the end of the increment
     real(DP) :: stress(6, MAX_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]
     real(DP) :: strain(6, MAX_POINTS)              !< small or logarithmic strain, tensor components [-]
     real(DP) :: energy(MAX_POINTS)                 !< strain energy per reference volume [stress]
@@ -63,7 +74,7 @@ contains
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
     real(DP), intent(out) :: force(3, MAX_NODES)   !< internal force, zero past the nodes [force]
     real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric, set up to 3 * nodes
-    type(points_type), intent(out) :: points
+    type(points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
     select case (kind)                             ! constants here make loops of known length there
     case (KIND_C3D4)
@@ -90,7 +101,7 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
     real(DP), intent(out) :: force(3, MAX_NODES)   !< internal force, zero past the nodes [force]
-    type(points_type), intent(out) :: points
+    type(points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
     if (kind == KIND_C3D8) then
       call evaluate(KIND_C3D8, material, X, u, is_nlgeom, force, points, status)
@@ -101,16 +112,16 @@ contains
 
 
   !> The tangent of an element alone.
-  pure subroutine element_tangent(kind, material, X, u, is_nlgeom, stiffness, status)
+  pure subroutine element_tangent(kind, material, X, u, is_nlgeom, stiffness, points, status)
     integer, intent(in) :: kind                    !< KIND_...
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
     real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric, set up to 3 * nodes
+    type(points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
     real(DP) :: force(3, MAX_NODES)
-    type(points_type) :: points
     call element_system(kind, material, X, u, is_nlgeom, force, stiffness, points, status)
   end subroutine element_tangent
 
@@ -205,7 +216,7 @@ contains
     real(DP), intent(in) :: X(:, :), u(:, :)
     logical, intent(in) :: is_nlgeom
     real(DP), intent(out) :: force(3, MAX_NODES)
-    type(points_type), intent(out) :: points
+    type(points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status
     real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
     type(motion_type) :: motion
@@ -214,7 +225,11 @@ contains
     call set_reference(kind, X, motion, status)
     if (status == ELEMENT_OK) call move(kind, u, is_nlgeom, motion, status)
     if (status /= ELEMENT_OK) return
-    call set_stresses(kind, material, is_nlgeom, present(stiffness), motion, tau, tangent, points, status)
+    if (material%is_plain) then
+      call set_stresses(kind, material, is_nlgeom, present(stiffness), motion, tau, tangent, points, status)
+    else
+      call update_points(kind, material, is_nlgeom, motion, tau, tangent, points, status)
+    end if
     if (status /= ELEMENT_OK) return
     call add_forces(N_NODES(kind), N_POINTS(kind), IS_MEAN(kind), motion, tau, force)
     if (.not. present(stiffness)) return
@@ -343,7 +358,7 @@ contains
     type(motion_type), intent(in) :: motion
     real(DP), intent(out) :: tau(6, MAX_POINTS)    !< [stress]
     real(DP), intent(out) :: tangent(6, 6, MAX_POINTS)   !< defined if is_tangent [stress]
-    type(points_type), intent(out) :: points
+    type(points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...
     real(DP) :: strain(6), dilatation
     integer :: p
@@ -371,6 +386,71 @@ contains
     end do
     if (status /= STRESS_OK) status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, status == STRESS_INVERTED)
   end subroutine set_stresses
+
+
+  !> Stress, tangent, point values and history at all points of a material that is not plain.
+  pure subroutine update_points(kind, material, is_nlgeom, motion, tau, tangent, points, status)
+    integer, intent(in) :: kind
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom
+    type(motion_type), intent(in) :: motion
+    real(DP), intent(out) :: tau(6, MAX_POINTS)    !< [stress]
+    real(DP), intent(out) :: tangent(6, 6, MAX_POINTS)   !< [stress]
+    type(points_type), intent(inout) :: points
+    integer, intent(out) :: status                 !< ELEMENT_...
+    type(point_type) :: point
+    real(DP) :: dilatation, weight(MAX_NODES, MAX_POINTS)
+    integer :: p, n
+    n = N_NODES(kind)
+    call temperature_weights(kind, weight)
+    dilatation = 0
+    if (IS_MEAN(kind) .and. .not. is_nlgeom) dilatation = mean_divergence(N_POINTS(kind), motion)
+    point%frame = IDENTITY
+    point%time = points%time
+    point%time_increment = points%time_increment
+    do p = 1, N_POINTS(kind)
+      point%H = motion%H(:, :, p)
+      point%strain = pack_voigt(point%H)
+      if (IS_MEAN(kind)) point%strain = point%strain + ((dilatation - sum(point%strain(:3))) / 3) * VOIGT_IDENTITY
+      point%temperature = dot_product(weight(:n, p), points%temperature(:n))
+      point%initial_temperature = dot_product(weight(:n, p), points%initial_temperature(:n))
+      point%past = points%past(:, p)
+      call update_point(material, is_nlgeom, point, status)
+      if (status /= STRESS_OK) exit
+      tau(:, p) = point%stress
+      tangent(:, :, p) = point%tangent
+      points%stress(:, p) = point%stress
+      if (is_nlgeom) points%stress(:, p) = point%stress / (1 + motion%j(p))
+      points%strain(:, p) = point%strain
+      points%energy(p) = point%energy
+      points%history(:, p) = point%history
+      points%volume(p) = motion%reference(p)
+    end do
+    if (status /= STRESS_OK) status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, status == STRESS_INVERTED)
+  end subroutine update_points
+
+
+  !> Weights of the nodal temperatures at the points: one degree below the displacements, so that thermal strains and
+  !! strains match: the mean in linear elements, linear from the corners in quadratic ones.
+  pure subroutine temperature_weights(kind, weight)
+    integer, intent(in) :: kind
+    real(DP), intent(out) :: weight(MAX_NODES, MAX_POINTS)
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
+    integer :: n_rule, p, corner_kind
+    weight = 0
+    corner_kind = 0
+    if (N_NODES(kind) == 10) corner_kind = KIND_C3D4
+    if (N_NODES(kind) == 20) corner_kind = KIND_C3D8
+    if (corner_kind == 0) then
+      weight(:N_NODES(kind), :) = 1.0_DP / real(N_NODES(kind), DP)
+      return
+    end if
+    call quadrature(kind, n_rule, xi, w)
+    do p = 1, n_rule
+      call shape_functions(corner_kind, xi(:, p), N, dN)
+      weight(:N_NODES(corner_kind), p) = N(:N_NODES(corner_kind))
+    end do
+  end subroutine temperature_weights
 
 
   !> Mean of div u over the reference volume.

@@ -1,6 +1,7 @@
 !> Model: everything that the deck says, resolved and frozen before the first step.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_model
+  use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type
   use amontons_materials, only: material_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
@@ -36,6 +37,8 @@ module amontons_model
     type(contact_pair_type), allocatable :: pairs(:)
     type(amplitude_type), allocatable :: amplitudes(:)
     type(equation_type), allocatable :: equations(:)
+    real(DP), allocatable :: initial_temperature(:)   !< (n_nodes) of INITIAL CONDITIONS; not there: 0 [temperature]
+    real(DP), allocatable :: initial_history(:, :)    !< (HISTORY_..., n_points) of INITIAL CONDITIONS; not there: 0
     type(step_type), allocatable :: steps(:)
   end type model_type
 

@@ -3,9 +3,10 @@
 module amontons_state
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type
+  use amontons_model, only: model_type
   implicit none
   private
-  public :: state_type, fields_type, slave_type, create_state, commit_state, restore_state
+  public :: state_type, fields_type, slave_type, create_state, create_material_state, commit_state, restore_state
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
 
   integer, parameter :: STATUS_OPEN = 0, STATUS_STICK = 1, STATUS_SLIP = 2
@@ -41,6 +42,8 @@ module amontons_state
     real(DP), allocatable :: strain(:, :)   !< (6, n_points) small or logarithmic strain, tensor components, same order [-]
     real(DP), allocatable :: energy(:)      !< (n_points) strain energy per reference volume [energy/volume]
     real(DP), allocatable :: volume(:)      !< (n_points) reference volume [length^3]
+    real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 if none needs it
+    real(DP), allocatable :: temperature(:) !< (n_nodes) [temperature]
     type(slave_type), allocatable :: slaves(:)
     real(DP), allocatable :: internal_force(:, :)   !< (3, n_nodes) F_int [force]
     real(DP), allocatable :: applied_force(:, :)    !< (3, n_nodes) F_ext [force]
@@ -71,10 +74,28 @@ contains
         new%reaction_force(3, n), source=0.0_DP)
       allocate (new%stress(6, m), new%strain(6, m), source=0.0_DP)
       allocate (new%energy(m), new%volume(m), source=0.0_DP)
+      allocate (new%history(0, m), new%temperature(n), source=0.0_DP)
       allocate (new%slaves, source=slaves)
     end associate
     state%old = state%new
   end subroutine create_state
+
+
+  !> Room for the history of the materials, and the temperatures and histories that the points start with.
+  subroutine create_material_state(state, model)
+    type(state_type), intent(inout) :: state
+    type(model_type), intent(in) :: model
+    integer :: n_history
+    n_history = 0
+    if (size(model%materials) > 0) n_history = maxval(model%materials%n_history)
+    associate (new => state%new)
+      if (allocated(model%initial_temperature)) new%temperature = model%initial_temperature
+      deallocate (new%history)
+      allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
+      if (allocated(model%initial_history)) new%history(:size(model%initial_history, 1), :) = model%initial_history
+    end associate
+    state%old = state%new
+  end subroutine create_material_state
 
 
   !> The trial fields become the committed ones.

@@ -8,10 +8,13 @@ module amontons_stress
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
-    pack_voigt, unpack_voigt, symmetric_eigen
+    pack_voigt, unpack_voigt
+  use amontons_principal, only: principal_type, find_principal, left_cauchy_green, principal_stress, divided_coth, &
+    logarithm_1p, NEXT_AXIS
   implicit none
   private
-  public :: stress_small, stress_finite, kirchhoff_stress, lame_constants, logarithm_1p
+  public :: stress_small, stress_finite, kirchhoff_stress, lame_constants, logarithm_1p, gradient_status
+  public :: hooke, isotropic_tangent
   public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, LARGEST_GRADIENT
 
   integer, parameter :: STRESS_OK = 0              !< all is well
@@ -19,14 +22,6 @@ module amontons_stress
   integer, parameter :: STRESS_NOT_FINITE = 2      !< NaN or a deformation beyond all bounds
 
   real(DP), parameter :: LARGEST_GRADIENT = 1.0e40_DP   !< larger displacement gradients overflow on the way
-
-  !> The principal logarithmic strains and their directions.
-  type :: principal_type
-    real(DP) :: x(3)                               !< eigenvalues of b - 1 [-]
-    real(DP) :: e(3)                               !< logarithmic strains [-]
-    real(DP) :: m(6, 3)                            !< n_A n_A as Voigt vectors
-    real(DP) :: s(6, 3)                            !< n_A n_B + n_B n_A, (A, B) = (1, 2), (2, 3), (3, 1)
-  end type principal_type
 
 contains
 
@@ -104,16 +99,16 @@ contains
   end subroutine kirchhoff_stress
 
 
-  !> ln(1 + x) for small and large x. Reference: W. Kahan; in D. Goldberg, What every computer scientist should know
-  !! about floating-point arithmetic, ACM Computing Surveys 23 (1991), theorem 4.
-  pure elemental function logarithm_1p(x) result(y)
-    real(DP), intent(in) :: x                      !< more than -1 [-]
-    real(DP) :: y
-    real(DP) :: u
-    u = 1 + x
-    y = x
-    if (abs(u - 1) > 0) y = log(u) * (x / (u - 1))
-  end function logarithm_1p
+  !> Whether a displacement gradient can be worked with.
+  pure function gradient_status(H) result(status)
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    integer :: status                              !< STRESS_...
+    status = STRESS_NOT_FINITE
+    if (.not. all(ieee_is_finite(H))) return
+    if (any(abs(H) > LARGEST_GRADIENT)) return
+    status = STRESS_INVERTED
+    if (determinant_minus_one(H) > -1) status = STRESS_OK
+  end function gradient_status
 
 
   !> Strain, stress and energy of either law.
@@ -124,19 +119,16 @@ contains
     real(DP), intent(out) :: tau(6), log_strain(6), energy
     integer, intent(out) :: status
     real(DP) :: lambda, G, green(6), S(6), F(3, 3)
+    logical :: is_positive
     tau = 0
     log_strain = 0
     energy = 0
-    status = STRESS_NOT_FINITE
-    if (.not. all(ieee_is_finite(H))) return
-    if (any(abs(H) > LARGEST_GRADIENT)) return
-    status = STRESS_INVERTED
-    if (determinant_minus_one(H) <= -1) return
-    call find_principal(H, principal, status)
+    status = gradient_status(H)
     if (status /= STRESS_OK) return
-    associate (e => principal%e, m => principal%m)
-      log_strain = e(1) * m(:, 1) + e(2) * m(:, 2) + e(3) * m(:, 3)
-    end associate
+    call find_principal(left_cauchy_green(H), principal, is_positive)
+    status = merge(STRESS_OK, STRESS_INVERTED, is_positive)
+    if (.not. is_positive) return
+    log_strain = principal_stress(principal, principal%e)
     call lame_constants(material, lambda, G)
     if (material%law == LAW_SAINT_VENANT) then
       green = pack_voigt(H + 0.5_DP * matmul(transpose(H), H))
@@ -151,34 +143,6 @@ contains
   end subroutine deform
 
 
-  !> Principal logarithmic strains from b - 1 = H + H^T + H H^T, formed so that nothing cancels.
-  pure subroutine find_principal(H, principal, status)
-    real(DP), intent(in) :: H(3, 3)
-    type(principal_type), intent(out) :: principal
-    integer, intent(out) :: status
-    real(DP) :: x(6), n(3, 3)
-    integer :: k, i, j
-    do k = 1, 6
-      i = VOIGT_ROW(k)
-      j = VOIGT_COLUMN(k)
-      x(k) = H(i, j) + H(j, i) + H(i, 1) * H(j, 1) + H(i, 2) * H(j, 2) + H(i, 3) * H(j, 3)
-    end do
-    call symmetric_eigen(x, principal%x, n)
-    status = STRESS_INVERTED
-    if (.not. minval(principal%x) > -1) return
-    status = STRESS_OK
-    principal%e = 0.5_DP * logarithm_1p(principal%x)
-    do k = 1, 6
-      i = VOIGT_ROW(k)
-      j = VOIGT_COLUMN(k)
-      principal%m(k, :) = n(i, :) * n(j, :)
-      principal%s(k, 1) = n(i, 1) * n(j, 2) + n(i, 2) * n(j, 1)
-      principal%s(k, 2) = n(i, 2) * n(j, 3) + n(i, 3) * n(j, 2)
-      principal%s(k, 3) = n(i, 3) * n(j, 1) + n(i, 1) * n(j, 3)
-    end do
-  end subroutine find_principal
-
-
   !> The tangent of Hencky's law in its principal axes, turned to the axes of space:
   !! c_AABB = lambda + (2 G - 2 tau_A) delta_AB, c_ABAB = G d coth(d) - (tau_A + tau_B)/2 with d = e_A - e_B.
   !! Reference: C. Miehe, M. Lambrecht, Algorithms for computation of stresses and elasticity moduli in terms of
@@ -187,15 +151,13 @@ contains
     real(DP), intent(in) :: lambda, G              !< [stress]
     type(principal_type), intent(in) :: principal
     real(DP) :: c(6, 6)                            !< [stress]
-    integer, parameter :: NEXT(3) = [2, 3, 1]
     real(DP) :: tau(3), normal(3), shear(3)
     integer :: A, B, j
     tau = lambda * (principal%e(1) + principal%e(2) + principal%e(3)) + 2 * G * principal%e
     do A = 1, 3
-      B = NEXT(A)
+      B = NEXT_AXIS(A)
       normal(A) = 2 * G - 2 * tau(A)
-      shear(A) = G * d_coth_d(principal%e(A) - principal%e(B), (principal%x(A) - principal%x(B)) &
-        / (2 + principal%x(A) + principal%x(B))) - 0.5_DP * (tau(A) + tau(B))
+      shear(A) = G * divided_coth(principal, A, B) - 0.5_DP * (tau(A) + tau(B))
     end do
     associate (m => principal%m, s => principal%s)
       do j = 1, 6
@@ -205,23 +167,6 @@ contains
       end do
     end associate
   end function hencky_tangent
-
-
-  !> d coth(d) with t = tanh(d) given: d / t, and for small t the series of artanh(t) / t.
-  pure function d_coth_d(d, t) result(y)
-    real(DP), intent(in) :: d                      !< e_A - e_B [-]
-    real(DP), intent(in) :: t                      !< (b_A - b_B)/(b_A + b_B) [-]
-    real(DP) :: y
-    real(DP), parameter :: SERIES_LIMIT = 0.1_DP
-    real(DP) :: q
-    if (abs(t) > SERIES_LIMIT) then
-      y = d / t
-    else
-      q = t * t
-      y = 1 + q * (1 / 3.0_DP + q * (1 / 5.0_DP + q * (1 / 7.0_DP + q * (1 / 9.0_DP + q * (1 / 11.0_DP &
-        + q * (1 / 13.0_DP + q / 15))))))
-    end if
-  end function d_coth_d
 
 
   !> The push-forward of Hooke's tangent: c_ijkl = lambda b_ij b_kl + G (b_ik b_jl + b_il b_jk).

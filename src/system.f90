@@ -106,7 +106,7 @@ contains
 
   !> Contact finds its slave nodes; the state is laid out with them.
   subroutine prepare_state(system, model, state, error)
-    use amontons_state, only: slave_type, create_state
+    use amontons_state, only: slave_type, create_state, create_material_state
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(state_type), intent(out) :: state
@@ -115,6 +115,7 @@ contains
     call create_contact(system%contact, model, slaves, error)
     if (allocated(error)) return
     call create_state(state, model%mesh, slaves)
+    call create_material_state(state, model)
   end subroutine prepare_state
 
 
@@ -258,7 +259,7 @@ contains
     integer :: failed
     integer(I64) :: clock
     call start_clock(clock)
-    call assemble_forces(system%assembly, model, step%is_nlgeom, state%new, failed)
+    call assemble_forces(system%assembly, model, step%is_nlgeom, state, failed)
     trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
     system%trouble_item = failed
     if (failed /= 0) return
@@ -335,7 +336,7 @@ contains
     integer :: failed
     integer(I64) :: clock
     call start_clock(clock)
-    call assemble_tangent(system%assembly, model, step%is_nlgeom, state%new, failed)
+    call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
     trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
     if (failed /= 0) return
     call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)

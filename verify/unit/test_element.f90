@@ -167,7 +167,7 @@ contains
     end associate
     call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, again, points, status)
     call suite%near(title(kind, is_nlgeom, 'forces alone'), maxval(abs(again - force)), 0.0_DP, 1e-15_DP * norm2(force))
-    call element_tangent(kind, material, X(:, :n), u(:, :n), is_nlgeom, K_again, status)
+    call element_tangent(kind, material, X(:, :n), u(:, :n), is_nlgeom, K_again, points, status)
     call suite%near(title(kind, is_nlgeom, 'tangent alone'), maxval(abs(K_again(:3 * n, :3 * n) - K(:3 * n, :3 * n))), &
       0.0_DP, 0.0_DP)
   end subroutine check_derivatives
@@ -230,7 +230,7 @@ contains
     call suite%near(title(kind, .true., 'translation: force'), maxval(abs(force)), 0.0_DP, 0.0_DP)
     call element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
     call suite%near(title(kind, .false., 'translation: force'), maxval(abs(force)), 0.0_DP, 0.0_DP)
-    call element_tangent(kind, material, X(:, :n), 0 * u(:, :n), .true., K0, status)
+    call element_tangent(kind, material, X(:, :n), 0 * u(:, :n), .true., K0, points, status)
     u = matmul(Q - IDENTITY, X)
     call element_system(kind, material, X(:, :n), u(:, :n), .true., force, K, points, status)
     call suite%near(title(kind, .true., 'rotation: stress'), maxval(abs(points%stress(:, :entry%n_points))), 0.0_DP, &
@@ -313,12 +313,13 @@ contains
     integer, intent(in) :: kind
     integer, parameter :: EXPECTED(N_SOLID_KINDS) = [6, 7, 6, 6, 6, 6, 12, 6, 6, 6]
     real(DP) :: X(3, MAX_NODES), K(N_DOF, N_DOF), values(N_DOF)
+    type(points_type) :: points
     type(kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
-    call element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .false., K, status)
+    call element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .false., K, points, status)
     call find_eigenvalues(K(:3 * n, :3 * n), values(:3 * n))
     call suite%that(title(kind, .false., 'number of modes without energy'), &
       count(abs(values(:3 * n)) < 1e-10_DP * maxval(values(:3 * n))) == EXPECTED(kind))
@@ -331,18 +332,19 @@ contains
   !! more.
   subroutine check_no_locking()
     real(DP) :: X(3, MAX_NODES), K(N_DOF, N_DOF), values(24)
+    type(points_type) :: points
     type(material_type) :: rubber
     integer :: status
     rubber%youngs_modulus = 3
     rubber%poissons_ratio = 0.5_DP - 1e-7_DP
     call distort(KIND_C3D8, 0.2_DP, X)
-    call element_tangent(KIND_C3D8, rubber, X(:, :8), 0 * X(:, :8), .false., K, status)
+    call element_tangent(KIND_C3D8, rubber, X(:, :8), 0 * X(:, :8), .false., K, points, status)
     call find_eigenvalues(K(:24, :24), values)
     call suite%that('C3D8: one stiff mode', count(values > 1e3_DP) == 1)
-    call element_tangent(KIND_C3D8, rubber, X(:, :8), 0 * X(:, :8), .true., K, status)
+    call element_tangent(KIND_C3D8, rubber, X(:, :8), 0 * X(:, :8), .true., K, points, status)
     call find_eigenvalues(K(:24, :24), values)
     call suite%that('C3D8 large: one stiff mode', count(values > 1e3_DP) == 1)
-    call element_tangent(KIND_C3D8_FULL, rubber, X(:, :8), 0 * X(:, :8), .false., K, status)
+    call element_tangent(KIND_C3D8_FULL, rubber, X(:, :8), 0 * X(:, :8), .false., K, points, status)
     call find_eigenvalues(K(:24, :24), values)
     call suite%that('C3D8 plain: many stiff modes', count(values > 1e3_DP) > 1)
   end subroutine check_no_locking
@@ -506,10 +508,10 @@ contains
     call element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
     call suite%that(title(kind, .false., 'exit: infinite'), status == ELEMENT_NOT_FINITE)
     u(2, n) = 1e200_DP
-    call element_tangent(kind, material, X(:, :n), u(:, :n), .true., K, status)
+    call element_tangent(kind, material, X(:, :n), u(:, :n), .true., K, points, status)
     call suite%that(title(kind, .true., 'exit: beyond all bounds'), status == ELEMENT_NOT_FINITE)
     X(3, :) = -X(3, :)
-    call element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .true., K, status)
+    call element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .true., K, points, status)
     call suite%that(title(kind, .true., 'exit: degenerate'), status == ELEMENT_DEGENERATE)
     call element_volume(kind, X(:, :n), volume, status)
     call suite%that(title(kind, .true., 'exit: negative volume'), status == ELEMENT_DEGENERATE .and. volume < 0)
