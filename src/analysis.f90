@@ -1,14 +1,19 @@
-!> Analysis: the job in three verbs: start, advance by one increment, finish.
+!> Analysis: the job in three verbs: start, advance by one increment, finish; and the smaller verbs that they are made of.
 !! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! `advance_analysis` is `solve_increment` and `commit_analysis`. Between the two the solution can be looked at and thrown
+!! away: `rollback_analysis` makes everything bitwise what it was at the last commit. Only a commit writes fields.
 module amontons_analysis
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, complaints_type, set_error, EXIT_NOT_CONVERGED
+  use amontons_posix, only: is_status_asked, stop_signal
+  use amontons_text, only: text_of
   use amontons_journal, only: journal_type
-  use amontons_model, only: model_type, job_options_type
+  use amontons_model, only: model_type, job_options_type, job_path
   use amontons_steps, only: step_type
-  use amontons_history, only: increment_record_type, PHASE_OUTPUT, PHASE_OTHER, N_PHASES
+  use amontons_history, only: increment_record_type, iteration_record_type, PHASE_OUTPUT, PHASE_OTHER, N_PHASES
   use amontons_factor, only: set_blas_threads
-  use amontons_deck, only: read_deck
+  use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, commit_state, restore_state
   use amontons_contact, only: commit_slip
   use amontons_system, only: system_type, create_system, begin_step, begin_increment
@@ -16,13 +21,21 @@ module amontons_analysis
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
   use amontons_newton, only: newton_type, begin_newton, iterate
   use amontons_stepper, only: stepper_type, open_step, propose_time, accept_increment, reject_increment, &
-    STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
+    STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
   use amontons_failure, only: failure_reason, failure_lines
-  use amontons_results, only: results_type, open_results, write_increment, write_attempt, write_iteration, close_results
-  use amontons_printed, only: printed_type, open_printed, print_iteration, print_increment, print_fields, close_printed
+  use amontons_store, only: mend_store
+  use amontons_results, only: results_type, open_results, resume_results, write_increment, write_attempt, &
+    write_iteration, close_results, take_result_pages, apply_result_pages, drop_results, &
+    is_writing
+  use amontons_printed, only: printed_type, open_printed, resume_printed, print_iteration, print_increment, print_fields, &
+    sync_printed, measure_printed, check_printed, close_printed
+  use amontons_restart, only: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint
   implicit none
   private
   public :: analysis_type, start_analysis, advance_analysis, finish_analysis
+  public :: solve_increment, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
+
+  real(DP), parameter :: GUARD_SHARE = 0.03_DP     !< most of the time that may go into checkpoints [-]
 
   !> One job: nothing of it lives outside.
   type :: analysis_type
@@ -34,17 +47,27 @@ module amontons_analysis
     type(stepper_type) :: stepper
     type(results_type) :: results
     type(printed_type) :: printed
+    type(snapshot_type) :: snapshot                !< the last commit
     type(increment_record_type), allocatable :: records(:)   !< all attempts
     integer :: n_records = 0
-    logical :: is_open = .false.                   !< result files are open
+    integer :: n_committed = 0                     !< records up to the last commit
+    logical :: is_open = .false.                   !< the job has begun and was not finished
+    logical :: has_files = .false.                 !< result files are open
+    type(iteration_record_type), allocatable :: iterations(:)   !< those that are not in the result file
+    integer :: n_iterations = 0
+    logical :: is_trial = .false.                  !< .sta and .cvg get their lines only when they are committed
     logical :: is_step_start = .true.              !< the next increment is the first of its step
     integer(I64) :: clock = 0                      !< when the attempt began
-    real(DP) :: output_seconds = 0                 !< spent on the files since the last record [s]
+    integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat at the last commit [bytes]
+    logical :: is_guarded = .false.                !< the checkpoint is that of the last commit
+    integer(I64) :: guard_clock = 0                !< when the last checkpoint was written
+    real(DP) :: guard_seconds = 0                  !< what it cost [s]
   end type analysis_type
 
 contains
 
-  !> Reads the deck, builds and audits the system, and opens the result files. With --check it stops before the files.
+  !> Reads the deck, builds and audits the system, and opens the result files; or goes on after the checkpoint
+  !! (options%is_resumed). With options%is_check it stops before the files.
   !!
   !! Errors: EXIT_DECK, EXIT_SETUP (nothing has been written), EXIT_IO, EXIT_SOLVER.
   subroutine start_analysis(analysis, options, journal, error)
@@ -54,34 +77,87 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(complaints_type) :: complaints
     analysis%options = options
-    allocate (analysis%records(64))
+    allocate (analysis%records(64), analysis%iterations(64))
     call set_blas_threads(options%n_threads)
-    !$ call omp_set_num_threads_of(options%n_threads)
-    call read_deck(options, analysis%model, complaints, error)
+    call use_threads(options%n_threads)
+    if (allocated(options%deck_text)) then
+      call read_deck_text(options%deck_text, options, analysis%model, complaints, error)
+    else
+      call read_deck(options, analysis%model, complaints, error)
+    end if
     call journal%complain(complaints)
     if (allocated(error)) return
     call create_system(analysis%system, analysis%model, analysis%state, error)
     if (allocated(error)) return
-    call audit(analysis, journal, error)
+    if (.not. options%is_resumed) call audit(analysis, journal, error)
     if (allocated(error) .or. options%is_check) return
-    call open_results(analysis%results, analysis%model, options, error)
-    if (allocated(error)) return
-    call open_printed(analysis%printed, analysis%model, options, error)
-    if (allocated(error)) return
-    analysis%is_open = .true.
-    call write_increment(analysis%results, analysis%model, analysis%state%old, increment_record_type(reason=''), error)
+    call note_commit(analysis)
+    if (options%is_resumed) then
+      call resume(analysis, journal, error)
+    else if (options%has_files) then
+      !$omp critical (result_files)
+      call open_files(analysis, error)
+      !$omp end critical (result_files)
+    end if
+    analysis%is_open = .not. allocated(error)
   end subroutine start_analysis
 
 
-  !> Threads of the element loop; without OpenMP nothing happens.
-  subroutine omp_set_num_threads_of(n_threads)
-    !$ use omp_lib, only: omp_set_num_threads
+  !> Opens new result files, and writes the state before the first increment.
+  subroutine open_files(analysis, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(error_type), allocatable, intent(out) :: error
+    call open_results(analysis%results, analysis%model, analysis%options, error)
+    if (allocated(error)) return
+    call open_printed(analysis%printed, analysis%model, analysis%options, error)
+    if (allocated(error)) return
+    call write_increment(analysis%results, analysis%model, analysis%state%old, increment_record_type(reason=''), error)
+    if (allocated(error)) return
+    analysis%has_files = .true.
+    call measure_printed(analysis%printed, analysis%lengths)
+    call guard(analysis, .false., error)
+  end subroutine open_files
+
+
+  !> Goes back to the checkpoint: the result files are made what they were then.
+  subroutine resume(analysis, journal, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(journal_type), intent(inout) :: journal
+    type(error_type), allocatable, intent(out) :: error
+    type(files_type) :: files
+    associate (options => analysis%options, model => analysis%model)
+      call read_checkpoint(job_path(options, '.restart'), model, analysis%snapshot, files, error)
+      if (allocated(error)) return
+      call mend_store(job_path(options, '.vtkhdf'), files%pages, error)
+      if (allocated(error)) return
+      call resume_results(analysis%results, model, size(analysis%state%old%slaves), options, error)
+      if (allocated(error)) return
+      call resume_printed(analysis%printed, model, options, files%lengths, error)
+      if (allocated(error)) return
+      analysis%has_files = .true.
+      analysis%is_guarded = .true.
+      analysis%lengths = files%lengths
+      call rollback_analysis(analysis, error)
+      if (allocated(error)) return
+      if (analysis%stepper%step == 0) then
+        call journal%say('The job goes on from its start.')
+      else
+        call journal%say('The job goes on after the checkpoint at time ' // text_of(analysis%stepper%total_time) // &
+          ' in step ' // text_of(analysis%stepper%step) // '.')
+      end if
+    end associate
+  end subroutine resume
+
+
+  !> Threads of the element loop of this job; without OpenMP nothing happens. The number belongs to the calling thread.
+  subroutine use_threads(n_threads)
+!$  use omp_lib, only: omp_set_num_threads
     integer, intent(in) :: n_threads
     integer :: n
     n = n_threads
-    !$ call omp_set_num_threads(n)
+!$  call omp_set_num_threads(n)
     if (n < 1) return
-  end subroutine omp_set_num_threads_of
+  end subroutine use_threads
 
 
   !> The model's audit on the contact as it stands before the first increment.
@@ -104,7 +180,7 @@ contains
   end subroutine audit
 
 
-  !> One increment, with as many attempts as it takes.
+  !> One increment, with as many attempts as it takes, committed and written.
   !!
   !! Errors: EXIT_NOT_CONVERGED after the last cut-back, EXIT_SETUP for a step whose constraints contradict each other,
   !! EXIT_SOLVER, EXIT_IO. Every converged increment is on disk.
@@ -113,52 +189,274 @@ contains
     type(journal_type), intent(inout) :: journal
     logical, intent(out) :: is_done                !< .true.: all steps are done
     type(error_type), allocatable, intent(out) :: error
-    integer :: verdict, outcome
-    real(DP) :: dt
-    is_done = analysis%options%is_check .or. size(analysis%model%steps) == 0
+    integer :: signal
+    is_done = is_at_end(analysis)
     if (is_done) return
-    if (analysis%is_step_start .and. analysis%stepper%step < size(analysis%model%steps)) then
-      call open_step(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
-      call begin_step(analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), analysis%state, error)
-      if (allocated(error)) return
-    end if
+    analysis%is_trial = .false.
+    call solve_increment(analysis, journal, huge(1.0_DP), error)
+    if (allocated(error)) return
+    call commit_analysis(analysis, journal, error)
+    if (allocated(error)) return
+    is_done = is_at_end(analysis)
+    if (is_done) return
+    signal = stop_signal()
+    associate (stepper => analysis%stepper)
+      if (analysis%options%heeds_signals .and. signal /= 0) then
+        call set_error(error, EXIT_NOT_CONVERGED, stop_sentence(analysis))
+      else if (.not. analysis%is_step_start .and. &
+          stepper%increment > analysis%model%steps(stepper%step)%max_increments) then
+        call set_error(error, EXIT_NOT_CONVERGED, 'The step needs more increments than INC on its *STEP card allows. ' // &
+          'All converged increments are on disk.')
+      end if
+    end associate
+  end subroutine advance_analysis
+
+
+  !> Whether all steps are done.
+  pure logical function is_at_end(analysis)
+    type(analysis_type), intent(in) :: analysis
+    is_at_end = analysis%options%is_check .or. &
+      (analysis%is_step_start .and. analysis%stepper%step >= size(analysis%model%steps))
+  end function is_at_end
+
+
+  !> One increment, with as many attempts as it takes; it ends at `until` at the latest. Nothing is committed.
+  !!
+  !! After: without an error the stepper and the committed fields of the state stand at the end of the increment; what
+  !! was there at the last commit is in the snapshot. With an error they stand where they stood.
+  subroutine solve_increment(analysis, journal, until, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(journal_type), intent(inout) :: journal
+    real(DP), intent(in) :: until                  !< step time [time]
+    type(error_type), allocatable, intent(out) :: error
+    integer :: verdict
+    real(DP) :: dt
+    call enter_step(analysis, error)
+    if (allocated(error)) return
     associate (step => analysis%model%steps(analysis%stepper%step))
       do
-        dt = propose_time(analysis%stepper, step)
-        call attempt(analysis, step, dt, journal, verdict, error)
-        if (allocated(error)) return
+        dt = min(propose_time(analysis%stepper, step), until - analysis%stepper%step_time)
+        call begin_trial(analysis, dt, error)
+        do
+          call iterate_trial(analysis, journal, verdict, error)
+          if (allocated(error)) return
+          if (analysis%options%heeds_signals) call heed_signals(analysis, journal, verdict, error)
+          if (allocated(error)) return
+          if (verdict /= VERDICT_GO_ON) exit
+        end do
         if (verdict == VERDICT_CONVERGED) exit
         call give_back(analysis, step, dt, verdict, journal, error)
         if (allocated(error)) return
       end do
-      call keep(analysis, step, dt, journal, outcome, error)
     end associate
-    if (allocated(error)) return
-    analysis%is_step_start = outcome == STEP_DONE
-    is_done = outcome == STEP_DONE .and. analysis%stepper%step == size(analysis%model%steps)
-    if (outcome == STEP_OUT_OF_INCREMENTS) call set_error(error, EXIT_NOT_CONVERGED, 'The step needs more increments ' // &
-      'than INC on its *STEP card allows. All converged increments are on disk.')
-  end subroutine advance_analysis
+  end subroutine solve_increment
 
 
-  !> One attempt at an increment of length dt: Newton until a verdict.
-  subroutine attempt(analysis, step, dt, journal, verdict, error)
+  !> The next step begins if the last one is done.
+  subroutine enter_step(analysis, error)
     type(analysis_type), intent(inout) :: analysis
-    type(step_type), intent(in) :: step
+    type(error_type), allocatable, intent(out) :: error
+    if (.not. analysis%is_step_start) return
+    if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has begun
+    call open_step(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
+    call begin_step(analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), analysis%state, error)
+  end subroutine enter_step
+
+
+  !> An attempt at an increment of length dt begins, from the last converged one.
+  subroutine begin_trial(analysis, dt, error)
+    type(analysis_type), intent(inout) :: analysis
     real(DP), intent(in) :: dt                     !< [time]
+    type(error_type), allocatable, intent(out) :: error
+    call enter_step(analysis, error)
+    if (allocated(error)) return
+    call start_attempt(analysis, dt)
+    call begin_newton(analysis%newton, analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), &
+      analysis%is_step_start, analysis%state)
+  end subroutine begin_trial
+
+
+  !> One Newton iteration of the attempt. A converged one is accepted: stepper and state stand at its end.
+  subroutine iterate_trial(analysis, journal, verdict, error)
+    type(analysis_type), intent(inout) :: analysis
     type(journal_type), intent(inout) :: journal
     integer, intent(out) :: verdict                !< VERDICT_...
     type(error_type), allocatable, intent(out) :: error
-    call start_attempt(analysis, dt)
-    call begin_newton(analysis%newton, analysis%system, analysis%model, step, analysis%is_step_start, analysis%state)
-    do
+    associate (step => analysis%model%steps(analysis%stepper%step))
       call iterate(analysis%newton, analysis%system, analysis%model, step, analysis%state, verdict, error)
       if (allocated(error)) return
-      call tell_iteration(analysis, journal, error)
+      call tell_iteration(analysis, journal)
+      if (verdict == VERDICT_CONVERGED) call accept(analysis, step)
+    end associate
+  end subroutine iterate_trial
+
+
+  !> A converged attempt: its forces and works are added up, and the trial fields become the ones to go on from.
+  subroutine accept(analysis, step)
+    type(analysis_type), intent(inout) :: analysis
+    type(step_type), intent(in) :: step
+    integer :: outcome
+    associate (record => analysis%records(analysis%n_records))
+      record%is_converged = .true.
+      call close_ledger(analysis%state, record)
+      call close_record(analysis, record)
+      call commit_state(analysis%state)
+      call accept_increment(analysis%stepper, step, record%dt, record%n_iterations, outcome)
+      analysis%is_step_start = outcome == STEP_DONE
+    end associate
+  end subroutine accept
+
+
+  !> Commits what was solved since the last commit: the increments go to the files, the fields of the last of them too.
+  subroutine commit_analysis(analysis, journal, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(journal_type), intent(inout) :: journal
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64) :: start, now, rate
+    integer :: first
+    call system_clock(start)
+    first = analysis%n_committed + 1
+    if (analysis%n_records < first) return
+    call note_commit(analysis)
+    if (analysis%has_files) then
+      !$omp critical (result_files)
+      call write_committed(analysis, first, error)
+      !$omp end critical (result_files)
+    end if
+    if (allocated(error)) return
+    associate (record => analysis%records(analysis%n_records))
+      call system_clock(now, rate)
+      record%seconds(PHASE_OUTPUT) = record%seconds(PHASE_OUTPUT) + real(now - start, DP) / real(rate, DP)
+      call journal%show_increment(record, done_fraction(analysis))
+    end associate
+  end subroutine commit_analysis
+
+
+  !> Notes the state as the last commit.
+  subroutine note_commit(analysis)
+    type(analysis_type), intent(inout) :: analysis
+    analysis%n_committed = analysis%n_records
+    call take_snapshot(analysis%snapshot, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
+      analysis%is_step_start)
+  end subroutine note_commit
+
+
+  !> Everything is as at the last commit, bitwise; what was solved since then is forgotten.
+  subroutine rollback_analysis(analysis, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(error_type), allocatable, intent(out) :: error
+    analysis%n_records = analysis%n_committed
+    analysis%n_iterations = 0
+    call put_back(analysis%snapshot, analysis%model, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
+      analysis%is_step_start, error)
+  end subroutine rollback_analysis
+
+
+  !> Writes the iterations and attempts since the last commit, and the fields of the last increment.
+  subroutine write_committed(analysis, first, error)
+    type(analysis_type), intent(inout) :: analysis
+    integer, intent(in) :: first                   !< record
+    type(error_type), allocatable, intent(out) :: error
+    call write_attempts(analysis, first, analysis%n_records - 1, error)
+    if (allocated(error)) return
+    associate (record => analysis%records(analysis%n_records))
+      call write_increment(analysis%results, analysis%model, analysis%state%old, record, error)
       if (allocated(error)) return
-      if (verdict /= VERDICT_GO_ON) exit
+      call print_increment(analysis%printed, record)
+      call print_fields(analysis%printed, analysis%model, analysis%state%old, record, error)
+      if (.not. allocated(error)) call check_printed(analysis%printed, error)
+    end associate
+    if (allocated(error)) return
+    call measure_printed(analysis%printed, analysis%lengths)
+    analysis%is_guarded = .false.
+    if (is_guard_due(analysis)) call guard(analysis, .false., error)
+  end subroutine write_committed
+
+
+  !> Writes the iterations that are not in the file, and some attempts without their fields.
+  subroutine write_attempts(analysis, first, last, error)
+    type(analysis_type), intent(inout) :: analysis
+    integer, intent(in) :: first, last             !< records
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    do i = 1, analysis%n_iterations
+      if (analysis%is_trial) call print_iteration(analysis%printed, analysis%iterations(i))
+      call write_iteration(analysis%results, analysis%iterations(i), error)
+      if (allocated(error)) return
     end do
-  end subroutine attempt
+    analysis%n_iterations = 0
+    do i = first, last
+      if (analysis%is_trial .or. analysis%records(i)%is_converged) &
+        call print_increment(analysis%printed, analysis%records(i))   ! the others were told when they failed
+      call write_attempt(analysis%results, analysis%records(i), error)
+      if (allocated(error)) return
+    end do
+  end subroutine write_attempts
+
+
+  !> Whether it is time for a checkpoint: at each commit, unless it would take more than its share of the time. At the end
+  !! of a step it is always time.
+  logical function is_guard_due(analysis)
+    type(analysis_type), intent(in) :: analysis
+    integer(I64) :: now, rate
+    call system_clock(now, rate)
+    is_guard_due = analysis%is_step_start .or. &
+      GUARD_SHARE * real(now - analysis%guard_clock, DP) / real(rate, DP) >= analysis%guard_seconds
+  end function is_guard_due
+
+
+  !> Writes the checkpoint, then lets the result file follow: at any moment either the last checkpoint and its result file
+  !! are there, or the pages that lead to them are in the checkpoint.
+  subroutine guard(analysis, is_old, error)
+    type(analysis_type), intent(inout) :: analysis
+    logical, intent(in) :: is_old                  !< .true.: the pages lead back to the last commit
+    type(error_type), allocatable, intent(out) :: error
+    type(files_type) :: files
+    integer(I64) :: start, rate
+    if (.not. analysis%options%is_guarded) return
+    call system_clock(start)
+    call take_result_pages(analysis%results, is_old, files%pages, error)
+    if (.not. (allocated(error) .or. is_old)) call sync_printed(analysis%printed, error)
+    files%lengths = analysis%lengths
+    if (.not. allocated(error)) call write_checkpoint(job_path(analysis%options, '.restart'), analysis%model, &
+      analysis%snapshot, files, error)
+    if (.not. allocated(error)) call apply_result_pages(analysis%results, error)
+    if (allocated(error)) call drop_results(analysis%results)
+    analysis%is_guarded = .not. allocated(error)
+    call system_clock(analysis%guard_clock, rate)
+    analysis%guard_seconds = real(analysis%guard_clock - start, DP) / real(rate, DP)
+  end subroutine guard
+
+
+  !> SIGUSR1: a line that tells where the job is. SIGINT and SIGTERM: the attempt ends here, and with it the job.
+  subroutine heed_signals(analysis, journal, verdict, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(journal_type), intent(inout) :: journal
+    integer, intent(in) :: verdict                 !< VERDICT_...
+    type(error_type), allocatable, intent(out) :: error
+    associate (record => analysis%records(analysis%n_records), newton => analysis%newton%record)
+      if (is_status_asked()) call journal%say('Status: step ' // text_of(record%step) // ', increment ' // &
+        text_of(record%increment) // ', attempt ' // text_of(record%attempt) // ', iteration ' // &
+        text_of(newton%iteration) // ': imbalance ' // text_of(newton%residual) // ' of the largest force, time ' // &
+        text_of(record%total_time) // ', ' // text_of(nint(100.0_DP * done_fraction(analysis))) // ' % done.')
+      if (stop_signal() == 0 .or. verdict == VERDICT_CONVERGED) return
+      record%reason = 'The job was stopped by a signal.'
+      call close_record(analysis, record)
+      call tell_attempt(analysis, journal)
+      call set_error(error, EXIT_NOT_CONVERGED, stop_sentence(analysis))
+    end associate
+  end subroutine heed_signals
+
+
+  !> What is told when a signal has stopped the job.
+  function stop_sentence(analysis) result(sentence)
+    type(analysis_type), intent(in) :: analysis
+    character(:), allocatable :: sentence
+    integer, parameter :: SIGINT = 2               ! POSIX
+    sentence = 'The job was stopped by ' // trim(merge('SIGINT ', 'SIGTERM', stop_signal() == SIGINT)) // &
+      ' at time ' // text_of(analysis%stepper%total_time) // '. All converged increments are on disk; amontons ' // &
+      '--resume ' // analysis%options%job // ' goes on after them.'
+  end function stop_sentence
 
 
   !> The trial state starts from the committed one, at the time of the end of the increment; counters start from zero.
@@ -190,11 +488,10 @@ contains
   end subroutine double
 
 
-  !> Iteration to the screen, .cvg and the iteration table; its counts into the record of the attempt.
-  subroutine tell_iteration(analysis, journal, error)
+  !> Iteration to the screen, to .cvg and to the list for the iteration table; its counts into the record of the attempt.
+  subroutine tell_iteration(analysis, journal)
     type(analysis_type), intent(inout) :: analysis
     type(journal_type), intent(inout) :: journal
-    type(error_type), allocatable, intent(out) :: error
     associate (record => analysis%newton%record, total => analysis%records(analysis%n_records))
       if (record%iteration == 0) return            ! no iteration was completed
       record%step = total%step
@@ -207,49 +504,13 @@ contains
       total%residual = record%residual
       total%correction = record%correction
       call journal%show_iteration(record)
-      call print_iteration(analysis%printed, record)
-      call write_iteration(analysis%results, record, error)
+      analysis%n_iterations = analysis%n_iterations + 1
+      if (analysis%n_iterations > size(analysis%iterations)) &
+        analysis%iterations = [analysis%iterations, analysis%iterations]
+      analysis%iterations(analysis%n_iterations) = record
+      if (analysis%has_files .and. .not. analysis%is_trial) call print_iteration(analysis%printed, record)
     end associate
   end subroutine tell_iteration
-
-
-  !> A converged attempt is committed and written.
-  subroutine keep(analysis, step, dt, journal, outcome, error)
-    type(analysis_type), intent(inout) :: analysis
-    type(step_type), intent(in) :: step
-    real(DP), intent(in) :: dt                     !< [time]
-    type(journal_type), intent(inout) :: journal
-    integer, intent(out) :: outcome                !< STEP_...
-    type(error_type), allocatable, intent(out) :: error
-    logical :: is_due
-    associate (record => analysis%records(analysis%n_records), stepper => analysis%stepper, state => analysis%state)
-      record%is_converged = .true.
-      call close_ledger(state, record)
-      call close_record(analysis, record)
-      call commit_state(state)
-      call accept_increment(stepper, step, dt, record%n_iterations, outcome)
-      is_due = outcome /= 0 .or. is_multiple(record%increment, step%file_frequency)
-      if (is_due) then
-        call write_increment(analysis%results, analysis%model, state%old, record, error)
-      else
-        call write_attempt(analysis%results, record, error)
-      end if
-      if (allocated(error)) return
-      call print_increment(analysis%printed, record)
-      if (outcome /= 0 .or. is_multiple(record%increment, step%print_frequency)) &
-        call print_fields(analysis%printed, analysis%model, state%old, record, error)
-      if (allocated(error)) return
-      call journal%show_increment(record, done_fraction(analysis))
-    end associate
-  end subroutine keep
-
-
-  !> Whether an increment is due by a FREQUENCY; 0 means never.
-  pure logical function is_multiple(increment, frequency)
-    integer, intent(in) :: increment, frequency
-    is_multiple = .false.
-    if (frequency > 0) is_multiple = mod(increment, frequency) == 0
-  end function is_multiple
 
 
   !> A failed attempt: tell it, go back to the committed state, cut back or give up.
@@ -265,10 +526,7 @@ contains
     associate (record => analysis%records(analysis%n_records))
       record%reason = failure_reason(analysis%model, analysis%system, analysis%newton, verdict)
       call close_record(analysis, record)
-      call write_attempt(analysis%results, record, error)
-      if (allocated(error)) return
-      call print_increment(analysis%printed, record)
-      call journal%show_increment(record, done_fraction(analysis))
+      call tell_attempt(analysis, journal)
       call reject_increment(analysis%stepper, step, dt, verdict, outcome)
       if (outcome /= CUT_BACK) then
         write (place, '(a,i0,a,i0,a,i0,a,i0,a)') 'Step ', record%step, ', increment ', record%increment, ', attempt ', &
@@ -281,6 +539,17 @@ contains
     end associate
     call restore_state(analysis%state)
   end subroutine give_back
+
+
+  !> A failed attempt to the screen and to .sta.
+  subroutine tell_attempt(analysis, journal)
+    type(analysis_type), intent(inout) :: analysis
+    type(journal_type), intent(inout) :: journal
+    associate (record => analysis%records(analysis%n_records))
+      call journal%show_increment(record, done_fraction(analysis))
+      if (analysis%has_files .and. .not. analysis%is_trial) call print_increment(analysis%printed, record)
+    end associate
+  end subroutine tell_attempt
 
 
   !> Slip, work and the sums of the forces of a converged increment.
@@ -334,8 +603,40 @@ contains
     if (.not. analysis%is_open) return
     analysis%is_open = .false.
     call journal%show_summary(analysis%records(:analysis%n_records))
-    call close_printed(analysis%printed)
-    call close_results(analysis%results, error)
+    if (.not. analysis%has_files) return
+    analysis%has_files = .false.
+    !$omp critical (result_files)
+    call close_files(analysis, error)
+    !$omp end critical (result_files)
   end subroutine finish_analysis
+
+
+  !> Writes what failed since the last commit and closes the files. The checkpoint then holds the way back to the last
+  !! commit; a job that is done needs none.
+  subroutine close_files(analysis, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(error_type), allocatable, intent(out) :: error
+    integer :: unit, status
+    call check_printed(analysis%printed, error)
+    if (is_writing(analysis%results) .and. .not. allocated(error)) call close_result_file(analysis, error)
+    call close_printed(analysis%printed)
+    if (allocated(error) .or. .not. analysis%options%is_guarded) return
+    if (.not. is_at_end(analysis) .or. analysis%model%keeps_restart) return
+    open (newunit=unit, file=job_path(analysis%options, '.restart'), status='old', iostat=status)
+    if (status == 0) close (unit, status='delete', iostat=status)
+  end subroutine close_files
+
+
+  !> The result file: checkpoint of the last commit, what failed since then, end, and the way back.
+  subroutine close_result_file(analysis, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(error_type), allocatable, intent(out) :: error
+    if (.not. analysis%is_guarded) call guard(analysis, .false., error)
+    if (allocated(error)) return
+    call write_attempts(analysis, analysis%n_committed + 1, analysis%n_records, error)
+    if (.not. allocated(error)) call close_results(analysis%results, error)
+    if (.not. allocated(error)) call guard(analysis, .true., error)
+    call drop_results(analysis%results)
+  end subroutine close_result_file
 
 end module amontons_analysis

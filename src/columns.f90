@@ -8,11 +8,11 @@ module amontons_columns
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_INTERNAL
   use amontons_history, only: N_PHASES
-  use amontons_store, only: append_rows, create_group, create_table, form_type, store_type, table_type, write_data, &
-    STORE_I32, STORE_REAL
+  use amontons_store, only: append_rows, create_group, create_table, form_type, open_table, store_type, table_type, &
+    write_data, STORE_I32, STORE_REAL
   implicit none
   private
-  public :: column_type, create_columns, append_columns, write_columns, check_finite
+  public :: column_type, create_columns, open_columns, append_columns, write_columns, check_finite
   public :: POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN, INTEGRATION_COLUMNS, N_INTEGRATION_REALS
   public :: CONTACT_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, HISTORY_COLUMNS, N_HISTORY_INTEGERS, N_HISTORY_REALS
   public :: ITERATION_COLUMNS, N_ITERATION_INTEGERS, N_ITERATION_REALS, STEP_COLUMNS, CONTROL_COLUMNS
@@ -161,18 +161,42 @@ contains
     integer, intent(in) :: n_rows_hint              !< rows added at a time
     type(table_type), allocatable, intent(out) :: tables(:)
     type(error_type), allocatable, intent(out) :: error
-    type(form_type) :: form
     integer :: i
     call create_group(store, folder, error)
     allocate (tables(size(columns)))
     do i = 1, size(columns)
       if (allocated(error)) return
-      form = form_type(storage=merge(STORE_I32, STORE_REAL, columns(i)%is_integer), width=columns(i)%width, &
-        n_rows_hint=n_rows_hint)
-      call create_table(store, tables(i), folder // '/' // trim(columns(i)%name), form, columns(i)%unit, &
-        columns(i)%description, error)
+      call create_table(store, tables(i), folder // '/' // trim(columns(i)%name), form_of(columns(i), n_rows_hint), &
+        columns(i)%unit, columns(i)%description, error)
     end do
   end subroutine create_columns
+
+
+  !> Opens the tables of a group that is there, to go on after their last rows.
+  subroutine open_columns(store, folder, columns, n_rows_hint, tables, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: folder              !< full path of the group
+    type(column_type), intent(in) :: columns(:)
+    integer, intent(in) :: n_rows_hint              !< rows added at a time
+    type(table_type), allocatable, intent(out) :: tables(:)
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    allocate (tables(size(columns)))
+    do i = 1, size(columns)
+      call open_table(store, tables(i), folder // '/' // trim(columns(i)%name), form_of(columns(i), n_rows_hint), error)
+      if (allocated(error)) return
+    end do
+  end subroutine open_columns
+
+
+  !> What the table of a column looks like.
+  pure function form_of(column, n_rows_hint) result(form)
+    type(column_type), intent(in) :: column
+    integer, intent(in) :: n_rows_hint
+    type(form_type) :: form
+    form = form_type(storage=merge(STORE_I32, STORE_REAL, column%is_integer), width=column%width, &
+      n_rows_hint=n_rows_hint)
+  end function form_of
 
 
   !> Adds rows to all tables of a group of columns. (The brackets say that a copy is meant: rows of a matrix are apart.)

@@ -11,6 +11,7 @@ uses_lookup = kinds text
 uses_tensor = kinds
 uses_history = kinds
 uses_journal = kinds errors text history
+uses_posix = kinds errors
 
 # 1 tools: one outer library each
 uses_sparse = kinds errors
@@ -18,7 +19,7 @@ uses_dense = kinds
 uses_partition = errors sparse
 uses_factor = kinds errors sparse
 uses_krylov = kinds errors sparse factor
-uses_store = kinds errors
+uses_store = kinds errors posix
 
 # 2 model: what the user said, frozen after its check
 uses_topology =
@@ -68,16 +69,17 @@ uses_audit = kinds errors text lookup topology loads steps model element state c
 # 6 solution: the increment, the steps, the results
 uses_converge = kinds steps
 uses_line_search = kinds steps model slip state contact system
-uses_newton = kinds errors history steps model state system converge line_search
+uses_newton = kinds errors history steps model state contact system converge line_search
 uses_stepper = kinds steps converge
 uses_nodal = kinds tensor topology mesh shapes
 uses_columns = kinds errors history store
 uses_columns = kinds errors history store
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state nodal columns
-uses_printed = kinds errors text tensor history topology mesh steps model state nodal
+uses_printed = kinds errors text tensor history posix topology mesh steps model state nodal
 
 # 7 roof: the job
+uses_restart = kinds errors posix store model state system newton stepper
 uses_failure = kinds model state system converge newton
-uses_analysis = kinds errors history journal factor steps model deck state contact system audit converge newton stepper results printed failure
+uses_analysis = kinds errors text history journal posix factor store steps model deck state contact system audit converge newton stepper results printed restart failure
 uses_capi = kinds errors journal model analysis
-uses_main = errors version journal model card_table analysis
+uses_main = errors version journal posix model card_table analysis

@@ -3,6 +3,7 @@
 program amontons
   use omp_lib, only: omp_get_max_threads
   use amontons_errors, only: error_type, set_error, EXIT_DONE, EXIT_USAGE, EXIT_IO
+  use amontons_posix, only: watch_end, watch_signals
   use amontons_version, only: VERSION, DESCRIPTION
   use amontons_journal, only: journal_type, open_journal, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
   use amontons_model, only: job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
@@ -32,6 +33,7 @@ contains
     type(journal_type) :: journal
     type(error_type), allocatable :: error
     character(:), allocatable :: cards
+    call watch_end(.true.)
     call open_journal(journal, .false., PROGRESS_NONE)
     call read_command(command, error)
     if (.not. allocated(error)) then
@@ -48,6 +50,7 @@ contains
         call run_job(command%job, journal, error)
       end select
     end if
+    call watch_end(.false.)
     if (.not. allocated(error)) stop EXIT_DONE, quiet=.true.
     call journal%fail(error%message)
     stop error%code, quiet=.true.
@@ -62,6 +65,7 @@ contains
     type(analysis_type) :: analysis
     type(error_type), allocatable :: last_error
     logical :: is_done
+    call watch_signals()
     call start_analysis(analysis, options, journal, error)
     if (allocated(error) .or. options%is_check) return
     is_done = .false.
@@ -79,6 +83,8 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: i
     command%job%n_threads = omp_get_max_threads()
+    command%job%is_guarded = .true.
+    command%job%heeds_signals = .true.
     i = 1
     do while (i <= command_argument_count() .and. command%action == ACTION_RUN)
       call read_option(command, i, error)
@@ -138,6 +144,10 @@ contains
       command%action = ACTION_CARDS
     case ('--check')
       command%job%is_check = .true.
+    case ('--resume')
+      command%job%is_resumed = .true.
+    case ('--no-checkpoint')
+      command%job%is_guarded = .false.
     case ('--quiet')
       command%is_quiet = .true.
     case ('--threads')
@@ -297,6 +307,8 @@ contains
       'The deck job.inp is written with the cards of Abaqus or CalculiX; amontons --cards lists those known.', &
       '', &
       '  --check                      read the deck, check and audit the model, then stop', &
+      '  --resume                     go on with a job that was stopped, from its checkpoint job.restart', &
+      '  --no-checkpoint              write no checkpoint', &
       '  --threads N                  work with N threads (default: OMP_NUM_THREADS, else all processors)', &
       '  --outdir DIR                 folder of the result files (default: the folder of the deck)', &
       '  --dialect=abaqus|calculix    what a card means where the two differ (default: abaqus, or what a line', &
@@ -308,7 +320,8 @@ contains
       '  --help                       print this text', &
       '', &
       'Results: job.vtkhdf (for ParaView), job.dat (PRINT cards), job.sta and job.cvg (what each increment and each', &
-      'iteration cost).', &
+      'iteration cost), and until the job is done job.restart, the checkpoint of the last converged increment.', &
+      'SIGINT and SIGTERM end a job after the iteration that runs (exit code 5); SIGUSR1 asks for a line of status.', &
       '', &
       'Exit codes: 0 done, 2 wrong usage, 3 errors in the deck, 4 the model cannot stand, 5 not converged (all', &
       'converged increments are on disk), 6 linear solver or memory, 7 reading or writing a file, 8 a mistake of', &

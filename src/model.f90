@@ -23,6 +23,11 @@ module amontons_model
     integer :: dialect = DIALECT_FROM_DECK
     integer :: n_threads = 1
     logical :: is_check = .false.               !< read, check, audit, stop
+    character(:), allocatable :: deck_text      !< the deck itself; then `deck` only names it in messages
+    logical :: has_files = .true.               !< write result files
+    logical :: is_guarded = .false.             !< a checkpoint after each converged increment
+    logical :: is_resumed = .false.             !< go on after the checkpoint
+    logical :: heeds_signals = .false.          !< SIGINT and SIGTERM stop the job, SIGUSR1 asks for its status
   end type job_options_type
 
   !> The model.
@@ -40,6 +45,7 @@ module amontons_model
     real(DP), allocatable :: initial_temperature(:)   !< (n_nodes) of INITIAL CONDITIONS; not there: 0 [temperature]
     real(DP), allocatable :: initial_history(:, :)    !< (HISTORY_..., n_points) of INITIAL CONDITIONS; not there: 0
     type(step_type), allocatable :: steps(:)
+    logical :: keeps_restart = .false.          !< RESTART, WRITE: the checkpoint stays when the job is done
   end type model_type
 
 contains

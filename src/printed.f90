@@ -7,8 +7,9 @@
 !! Where the two parents of the deck language mean different things by RF, the dialect decides: under calculix the block
 !! `forces` shows all forces from outside on a node (supports, loads), under abaqus the reactions of supports alone.
 module amontons_printed
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
+  use amontons_posix, only: cut_file, sync_file
   use amontons_text, only: upper_case
   use amontons_tensor, only: cross_product
   use amontons_topology, only: MAX_POINTS
@@ -20,7 +21,8 @@ module amontons_printed
   use amontons_nodal, only: point_volumes
   implicit none
   private
-  public :: printed_type, open_printed, print_iteration, print_increment, print_fields, close_printed
+  public :: printed_type, open_printed, resume_printed, sync_printed, measure_printed, check_printed, print_iteration, &
+    print_increment, print_fields, close_printed
 
   !> The text files of a job that are being written. Units are 0 if not open.
   type :: printed_type
@@ -28,7 +30,8 @@ module amontons_printed
     integer :: sta = 0
     integer :: cvg = 0
     integer :: dat = 0
-    character(:), allocatable :: dat_path
+    character(:), allocatable :: sta_path, cvg_path, dat_path
+    integer :: status = 0                    !< of the first line that could not be written
   end type printed_type
 
   character(*), parameter :: NODE_FORM = '(i10,1p,3(1x,e13.6))'
@@ -44,31 +47,129 @@ contains
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    integer :: i
-    call open_text(job_path(options, '.sta'), printed%sta, error)
+    printed%sta_path = job_path(options, '.sta')
+    call open_text(printed%sta_path, printed%sta, error)
     if (allocated(error)) return
-    write (printed%sta, '(a)') 'SUMMARY OF JOB INFORMATION', &
+    write (printed%sta, '(a)', iostat=printed%status) 'SUMMARY OF JOB INFORMATION', &
       '  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME' // &
       '    OPEN  STICK   SLIP      S-I     S-II    S-III     S-IV  CUT  FACT  KRYLOV   RESIDUAL  CORRECTION'
-    flush (printed%sta)
-    call open_text(job_path(options, '.cvg'), printed%cvg, error)
+    call bring_out(printed, printed%sta)
+    printed%cvg_path = job_path(options, '.cvg')
+    call open_text(printed%cvg_path, printed%cvg, error)
     if (allocated(error)) return
-    write (printed%cvg, '(a)') 'SUMMARY OF C0NVERGENCE INFORMATION', &
+    write (printed%cvg, '(a)', iostat=printed%status) 'SUMMARY OF C0NVERGENCE INFORMATION', &
       '  STEP   INC  ATT   ITER     CONT.   RESID.        CORR.      RESID.      CORR.' // &
       '    OPEN  STICK   SLIP    S-I   S-II  S-III   S-IV OPENED CLOSED KRYLOV       STEP        WORST', &
       '                              EL.    FORCE         DISP       FLUX        TEMP.' // &
       '                                                                      LENGTH          GAP', &
       '                              (#)     (%)           (%)        (%)         (%)' // &
       '     (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)         (-)     (LENGTH)'
-    flush (printed%cvg)
-    do i = 1, size(model%steps)
-      if (.not. allocated(model%steps(i)%prints)) cycle
-      if (size(model%steps(i)%prints) == 0 .or. printed%dat /= 0) cycle
-      printed%dat_path = job_path(options, '.dat')
-      call open_text(printed%dat_path, printed%dat, error)
-      if (allocated(error)) return
-    end do
+    call bring_out(printed, printed%cvg)
+    if (.not. has_prints(model)) return
+    printed%dat_path = job_path(options, '.dat')
+    call open_text(printed%dat_path, printed%dat, error)
   end subroutine open_printed
+
+
+  !> Opens the files of a job that goes on after a checkpoint: each is cut off where it was then.
+  subroutine resume_printed(printed, model, options, lengths, error)
+    type(printed_type), intent(out) :: printed
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    integer(I64), intent(in) :: lengths(3)         !< of .sta, .cvg, .dat [bytes]
+    type(error_type), allocatable, intent(out) :: error
+    printed%sta_path = job_path(options, '.sta')
+    call reopen_text(printed%sta_path, lengths(1), printed%sta, error)
+    if (allocated(error)) return
+    printed%cvg_path = job_path(options, '.cvg')
+    call reopen_text(printed%cvg_path, lengths(2), printed%cvg, error)
+    if (allocated(error) .or. .not. has_prints(model)) return
+    printed%dat_path = job_path(options, '.dat')
+    call reopen_text(printed%dat_path, lengths(3), printed%dat, error)
+  end subroutine resume_printed
+
+
+  !> Brings the files to the medium.
+  subroutine sync_printed(printed, error)
+    type(printed_type), intent(in) :: printed
+    type(error_type), allocatable, intent(out) :: error
+    call check_printed(printed, error)
+    if (.not. allocated(error) .and. printed%sta /= 0) call sync_file(printed%sta_path, error)
+    if (.not. allocated(error) .and. printed%cvg /= 0) call sync_file(printed%cvg_path, error)
+    if (.not. allocated(error) .and. printed%dat /= 0) call sync_file(printed%dat_path, error)
+  end subroutine sync_printed
+
+
+  !> How long the files are now.
+  subroutine measure_printed(printed, lengths)
+    type(printed_type), intent(inout) :: printed
+    integer(I64), intent(out) :: lengths(3)        !< of .sta, .cvg, .dat; 0 if not open [bytes]
+    lengths = 0
+    call measure(printed%sta, lengths(1))
+    call measure(printed%cvg, lengths(2))
+    call measure(printed%dat, lengths(3))
+
+  contains
+
+    !> One of them.
+    subroutine measure(unit, length)
+      integer, intent(in) :: unit
+      integer(I64), intent(inout) :: length
+      if (unit == 0) return
+      call bring_out(printed, unit)
+      inquire (unit=unit, size=length)
+    end subroutine measure
+
+  end subroutine measure_printed
+
+
+  !> An error if a line could not be written since the files were opened: a full disk.
+  subroutine check_printed(printed, error)
+    type(printed_type), intent(in) :: printed
+    type(error_type), allocatable, intent(out) :: error
+    if (printed%status /= 0) call set_error(error, EXIT_IO, 'Cannot write the file ' // printed%sta_path // ' or ' // &
+      'the .cvg or .dat beside it (is the disk full?).')
+  end subroutine check_printed
+
+
+  !> Whether a step has PRINT cards.
+  pure logical function has_prints(model)
+    type(model_type), intent(in) :: model
+    integer :: i
+    has_prints = .false.
+    do i = 1, size(model%steps)
+      if (allocated(model%steps(i)%prints)) has_prints = has_prints .or. size(model%steps(i)%prints) > 0
+    end do
+  end function has_prints
+
+
+  !> Flushes a file; the first trouble is kept.
+  subroutine bring_out(printed, unit)
+    type(printed_type), intent(inout) :: printed
+    integer, intent(in) :: unit
+    integer :: status
+    flush (unit, iostat=status)
+    if (printed%status == 0) printed%status = status
+  end subroutine bring_out
+
+
+  !> Opens a text file to go on behind a length that it has.
+  subroutine reopen_text(path, length, unit, error)
+    character(*), intent(in) :: path
+    integer(I64), intent(in) :: length             !< [bytes]
+    integer, intent(out) :: unit
+    type(error_type), allocatable, intent(out) :: error
+    character(200) :: reason
+    integer :: status
+    unit = 0
+    call cut_file(path, length, error)
+    if (allocated(error)) return
+    open (newunit=unit, file=path, status='old', action='write', form='formatted', position='append', iostat=status, &
+      iomsg=reason)
+    if (status == 0) return
+    unit = 0
+    call set_error(error, EXIT_IO, 'Cannot open the file ' // path // ': ' // trim(reason) // '.')
+  end subroutine reopen_text
 
 
   !> Creates a text file, or empties it if it exists.
@@ -87,23 +188,27 @@ contains
 
   !> Writes a line of .cvg. Residual and correction are in per cent, as in CalculiX.
   subroutine print_iteration(printed, record)
-    type(printed_type), intent(in) :: printed
+    type(printed_type), intent(inout) :: printed
     type(iteration_record_type), intent(in) :: record
+    integer :: status
     if (printed%cvg == 0) return
-    write (printed%cvg, '(2x,i4,2x,i4,2x,i4,2x,i4,2x,i7,4(1x,e11.4),3(1x,i6),4(1x,i6),3(1x,i6),2(1x,e12.5))') &
+    write (printed%cvg, '(2x,i4,2x,i4,2x,i4,2x,i4,2x,i7,4(1x,e11.4),3(1x,i6),4(1x,i6),3(1x,i6),2(1x,e12.5))', &
+      iostat=status) &
       record%step, record%increment, record%attempt, record%iteration, record%n_closed, 100 * record%residual, &
       100 * record%correction, 0.0_DP, 0.0_DP, record%n_status, record%n_scenario, record%n_opened, &
       record%n_closed_now, record%n_krylov, record%step_length, record%worst_gap
-    flush (printed%cvg)
+    if (printed%status == 0) printed%status = status
+    call bring_out(printed, printed%cvg)
   end subroutine print_iteration
 
 
   !> Writes a line of .sta; an attempt that failed has a U behind its number and the times at which it began.
   subroutine print_increment(printed, record)
-    type(printed_type), intent(in) :: printed
+    type(printed_type), intent(inout) :: printed
     type(increment_record_type), intent(in) :: record
     character(*), parameter :: OURS = '3(1x,i6),4(1x,i8),1x,i4,1x,i5,1x,i7,2(1x,e11.4))'
     real(DP) :: back
+    integer :: status
     character(:), allocatable :: form
     if (printed%sta == 0) return
     if (record%is_converged) then
@@ -113,10 +218,11 @@ contains
       form = '(1x,i5,1x,i10,1x,i5,''U'',1x,i4,3(1x,e13.6),' // OURS
       back = record%dt
     end if
-    write (printed%sta, form) record%step, record%increment, record%attempt, record%n_iterations, &
+    write (printed%sta, form, iostat=status) record%step, record%increment, record%attempt, record%n_iterations, &
       record%total_time - back, record%step_time - back, record%dt, record%n_status, record%n_scenario, &
       record%n_cutbacks, record%n_factorisations, record%n_krylov, record%residual, record%correction
-    flush (printed%sta)
+    if (printed%status == 0) printed%status = status
+    call bring_out(printed, printed%sta)
   end subroutine print_increment
 
 
@@ -149,9 +255,10 @@ contains
   !> Closes the files that are open.
   subroutine close_printed(printed)
     type(printed_type), intent(inout) :: printed
-    if (printed%sta /= 0) close (printed%sta)
-    if (printed%cvg /= 0) close (printed%cvg)
-    if (printed%dat /= 0) close (printed%dat)
+    integer :: unused
+    if (printed%sta /= 0) close (printed%sta, iostat=unused)
+    if (printed%cvg /= 0) close (printed%cvg, iostat=unused)
+    if (printed%dat /= 0) close (printed%dat, iostat=unused)
     printed = printed_type()
   end subroutine close_printed
 

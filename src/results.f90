@@ -35,16 +35,18 @@ module amontons_results
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type, PHASE_NAMES
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN
-  use amontons_store, only: append_rows, close_store, create_group, create_store, create_table, flush_store, &
-    form_type, store_type, table_type, write_attribute, write_data, STORE_I64, STORE_TEXT, STORE_U8
-  use amontons_columns, only: append_columns, check_finite, column_type, create_columns, write_columns, &
+  use amontons_store, only: append_rows, apply_pages, close_store, create_group, create_store, create_table, drop_store, &
+    flush_store, form_type, open_store, open_table, pages_type, store_type, table_type, take_pages, write_attribute, &
+    write_data, STORE_I64, STORE_TEXT, STORE_U8
+  use amontons_columns, only: append_columns, check_finite, column_type, create_columns, open_columns, write_columns, &
     CONTACT_COLUMNS, CONTROL_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, &
     N_CONTACT_REALS, N_HISTORY_INTEGERS, N_HISTORY_REALS, N_INTEGRATION_REALS, N_ITERATION_INTEGERS, &
     N_ITERATION_REALS, N_POINT_INTEGERS, N_POINT_REALS, POINT_COLUMNS, STEP_COLUMNS, STRAIN_COLUMN
   use amontons_nodal, only: average_at_nodes
   implicit none
   private
-  public :: results_type, open_results, write_increment, write_attempt, write_iteration, close_results
+  public :: results_type, open_results, resume_results, write_increment, write_attempt, write_iteration, close_results
+  public :: take_result_pages, apply_result_pages, drop_results, is_writing, point_fields, model_size
 
   !> A result file that is being written.
   type :: results_type
@@ -91,7 +93,7 @@ contains
     results%far = model_size(model%mesh)
     results%point_columns = POINT_COLUMNS
     if (any(model%steps%is_nlgeom)) results%point_columns(STRAIN_COLUMN)%name = 'LE'
-    call create_store(results%store, job_path(options, '.vtkhdf'), error)
+    call create_store(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
     if (.not. allocated(error)) call write_grid(results%store, model%mesh, error)
     if (.not. allocated(error)) call create_frames(results, error)
     if (.not. allocated(error)) call write_texts(results%store, model, error)
@@ -102,6 +104,91 @@ contains
     if (.not. allocated(error)) call create_histories(results, error)
     if (allocated(error)) call abandon(results)
   end subroutine open_results
+
+
+  !> Opens the file of a job that goes on after a checkpoint; the file has been made what it was then.
+  subroutine resume_results(results, model, n_slaves, options, error)
+    type(results_type), intent(out) :: results
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: n_slaves
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    results%n_nodes = model%mesh%n_nodes
+    results%n_points = model%mesh%n_points
+    results%n_slaves = n_slaves
+    results%far = model_size(model%mesh)
+    results%point_columns = POINT_COLUMNS
+    if (any(model%steps%is_nlgeom)) results%point_columns(STRAIN_COLUMN)%name = 'LE'
+    call open_store(results%store, job_path(options, '.vtkhdf'), error)
+    if (.not. allocated(error)) call open_frames(results, error)
+    if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, &
+      results%history, error)
+    if (.not. allocated(error)) call open_table(results%store, results%reason, '/AMONTONS/history/reason', &
+      form_type(storage=STORE_TEXT, width=REASON_LENGTH), error)
+    if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, &
+      results%iterations, error)
+    if (allocated(error)) call drop_store(results%store)
+  end subroutine resume_results
+
+
+  !> Opens the tables that grow by a frame.
+  subroutine open_frames(results, error)
+    type(results_type), intent(inout) :: results
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    associate (store => results%store)
+      call open_table(store, results%time, '/VTKHDF/Steps/Values', form_type(), error)
+      results%n_frames = int(results%time%n_rows)
+      allocate (results%constant(size(STEP_TABLES)))
+      do i = 1, size(STEP_TABLES)
+        if (.not. allocated(error)) call open_table(store, results%constant(i), '/VTKHDF/Steps/' // &
+          trim(STEP_TABLES(i)), form_type(storage=STORE_I64, is_matrix=STEP_IS_MATRIX(i)), error)
+      end do
+      if (.not. allocated(error)) call open_columns(store, '/VTKHDF/PointData', results%point_columns, &
+        results%n_nodes, results%point, error)
+      allocate (results%point_offset(size(results%point_columns)))
+      do i = 1, size(results%point_columns)
+        if (.not. allocated(error)) call open_table(store, results%point_offset(i), &
+          '/VTKHDF/Steps/PointDataOffsets/' // trim(results%point_columns(i)%name), form_type(storage=STORE_I64), error)
+      end do
+      if (.not. allocated(error)) call open_columns(store, '/AMONTONS/integration_points', INTEGRATION_COLUMNS, &
+        results%n_points, results%integration, error)
+      if (.not. allocated(error)) call open_columns(store, '/AMONTONS/contact', CONTACT_COLUMNS, &
+        max(1, results%n_slaves), results%contact, error)
+    end associate
+  end subroutine open_frames
+
+
+  !> The pages of a guarded file that are still in memory, for the checkpoint (store.f90).
+  subroutine take_result_pages(results, is_old, pages, error)
+    type(results_type), intent(in) :: results
+    logical, intent(in) :: is_old                            !< .true.: as they are on disk
+    type(pages_type), intent(out) :: pages
+    type(error_type), allocatable, intent(out) :: error
+    call take_pages(results%store, is_old, pages, error)
+  end subroutine take_result_pages
+
+
+  !> Writes the pages of a guarded file.
+  subroutine apply_result_pages(results, error)
+    type(results_type), intent(in) :: results
+    type(error_type), allocatable, intent(out) :: error
+    call apply_pages(results%store, error)
+  end subroutine apply_result_pages
+
+
+  !> Whether the file is open and no error has ended it.
+  pure logical function is_writing(results)
+    type(results_type), intent(in) :: results
+    is_writing = results%store%is_open
+  end function is_writing
+
+
+  !> Ends with the file. Pages that were not applied are lost.
+  subroutine drop_results(results)
+    type(results_type), intent(inout) :: results
+    call drop_store(results%store)
+  end subroutine drop_results
 
 
   !> Writes a converged increment (or the initial state, increment 0): its history row and, if its step wants it
@@ -152,7 +239,7 @@ contains
   end subroutine write_iteration
 
 
-  !> Closes the file; a file that is not open is left alone.
+  !> Closes the file; a file that is not open is left alone. Of a guarded file the last pages still wait.
   subroutine close_results(results, error)
     type(results_type), intent(inout) :: results
     type(error_type), allocatable, intent(out) :: error
@@ -160,11 +247,10 @@ contains
   end subroutine close_results
 
 
-  !> Closes the file after an error; the first error is the one to tell.
+  !> Ends with the file after an error: what is on disk is the last whole state.
   subroutine abandon(results)
     type(results_type), intent(inout) :: results
-    type(error_type), allocatable :: second
-    call close_store(results%store, second)
+    call drop_store(results%store)
   end subroutine abandon
 
 
@@ -477,8 +563,7 @@ contains
     at_points(13, :) = fields%energy
     call check_finite('integration point', INTEGRATION_COLUMNS, at_points, error)
     if (allocated(error)) return
-    call pack_solid(mesh, fields, reals)
-    call pack_contact(fields%slaves, results%far, reals, integers)
+    call point_fields(mesh, fields, results%far, reals, integers)
     call check_finite('node', results%point_columns, reals, error)
     if (allocated(error)) return
     call pack_slaves(fields%slaves, contact_integers, contact_reals)
@@ -529,6 +614,18 @@ contains
     end associate
     if (.not. allocated(error)) results%n_frames = results%n_frames + 1
   end subroutine write_step
+
+
+  !> The fields at the nodes as they stand in the file, one below the other.
+  subroutine point_fields(mesh, fields, far, reals, integers)
+    type(mesh_type), intent(in) :: mesh
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(in) :: far                     !< COPEN without a facet [length]
+    real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
+    integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes) likewise
+    call pack_solid(mesh, fields, reals)
+    call pack_contact(fields%slaves, far, reals, integers)
+  end subroutine point_fields
 
 
   !> Displacement, reaction, stress, strain, Mises stress of all nodes.

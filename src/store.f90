@@ -4,22 +4,29 @@
 !! The only file of the program that knows HDF5. A store is opened without a file lock, so that a viewer may read it
 !! while the job runs: after `flush_store` what is on disk is whole, and it stays where it is while the next rows come.
 !! Closing a store closes all that is open in it.
+!!
+!! What is on disk goes from one whole state to the next (overlay_shim.c): writes into the old state wait in memory as
+!! pages. `flush_store` writes them at once. A guarded store lets them wait: its owner takes them into a checkpoint
+!! (`take_pages`) and then calls `apply_pages`; after a crash `mend_store` makes the file what it was then.
 module amontons_store
-  use, intrinsic :: iso_c_binding, only: c_bool, c_int, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr
-  use amontons_kinds, only: DP, I64
+  use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_int, c_int64_t, c_int8_t, c_loc, &
+    c_null_char, c_null_ptr, c_ptr
+  use amontons_kinds, only: DP, I8, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use hdf5, only: HID_T, HSIZE_T, SIZE_T, H5F_ACC_TRUNC_F, H5F_CLOSE_STRONG_F, H5F_SCOPE_GLOBAL_F, &
+  use amontons_posix, only: reason_of
+  use hdf5, only: HID_T, HSIZE_T, SIZE_T, H5F_ACC_RDWR_F, H5F_ACC_TRUNC_F, H5F_CLOSE_STRONG_F, H5F_SCOPE_GLOBAL_F, &
     H5P_DATASET_CREATE_F, H5P_FILE_ACCESS_F, H5S_SCALAR_F, H5S_SELECT_SET_F, H5S_UNLIMITED_F, H5T_CSET_UTF8_F, &
     H5T_FORTRAN_S1, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, H5T_NATIVE_INTEGER, H5T_STD_I32LE, H5T_STD_I64LE, &
     H5T_STD_U8LE, H5T_STR_NULLPAD_F, H5_INTEGER_KIND, h5aclose_f, h5acreate_f, h5aexists_f, h5aopen_f, h5awrite_f, &
-    h5dclose_f, h5dcreate_f, h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5eset_auto_f, h5fclose_f, h5fcreate_f, &
-    h5fflush_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, h5kind_to_type, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, &
-    h5pcreate_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_fclose_degree_f, h5pset_shuffle_f, h5sclose_f, &
-    h5screate_f, h5screate_simple_f, h5sselect_hyperslab_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, &
-    h5tset_strpad_f
+    h5dclose_f, h5dcreate_f, h5dget_space_f, h5dopen_f, h5dset_extent_f, h5dwrite_f, h5eset_auto_f, h5fclose_f, &
+    h5fcreate_f, h5fflush_f, h5fopen_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, h5kind_to_type, h5oclose_f, &
+    h5oopen_f, h5open_f, h5pclose_f, h5pcreate_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_fclose_degree_f, &
+    h5pset_shuffle_f, h5sclose_f, h5screate_f, h5screate_simple_f, h5sget_simple_extent_dims_f, &
+    h5sselect_hyperslab_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, h5tset_strpad_f
   implicit none
   private
   public :: store_type, table_type, form_type, STORE_REAL, STORE_I32, STORE_I64, STORE_U8, STORE_TEXT
+  public :: open_store, open_table, take_pages, apply_pages, mend_store, drop_store, pages_type
   public :: create_store, flush_store, close_store, create_group, write_attribute, write_data, create_table, append_rows
 
   ! How values are kept in the file (little endian, whatever the machine).
@@ -40,9 +47,18 @@ module amontons_store
   type :: store_type
     private
     integer(HID_T) :: file = -1
+    type(c_ptr) :: overlay = c_null_ptr
     logical, public :: is_open = .false.
+    logical, public :: is_guarded = .false.       !< the owner calls apply_pages; else flush_store and close_store do
     character(:), allocatable, public :: path
   end type store_type
+
+  !> The pages that lead from one whole state of a file to the next, or back.
+  type :: pages_type
+    integer(I64) :: end = 0                       !< of that state [bytes]
+    integer(I64), allocatable :: index(:)         !< page numbers, from 0
+    integer(I8), allocatable :: bytes(:, :)       !< (page size, pages)
+  end type pages_type
 
   !> What a table looks like.
   type :: form_type
@@ -94,20 +110,114 @@ module amontons_store
       logical(c_bool), value :: use_locks, ignore_when_disabled
       integer(c_int) :: status
     end function h5pset_file_locking
+
+    function overlay_new() bind(C, name='amontons_overlay_new') result(overlay)
+      import :: c_ptr
+      type(c_ptr) :: overlay
+    end function overlay_new
+
+    function overlay_attach(overlay, list) bind(C, name='amontons_overlay_attach') result(status)
+      import :: c_int, c_int64_t, c_ptr
+      type(c_ptr), value :: overlay
+      integer(c_int64_t), value :: list
+      integer(c_int) :: status
+    end function overlay_attach
+
+    function overlay_pages(overlay) bind(C, name='amontons_overlay_pages') result(n_pages)
+      import :: c_int64_t, c_ptr
+      type(c_ptr), value :: overlay
+      integer(c_int64_t) :: n_pages
+    end function overlay_pages
+
+    function overlay_page_size() bind(C, name='amontons_overlay_page_size') result(n_bytes)
+      import :: c_int
+      integer(c_int) :: n_bytes
+    end function overlay_page_size
+
+    function overlay_trouble(overlay) bind(C, name='amontons_overlay_trouble') result(status)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: overlay
+      integer(c_int) :: status
+    end function overlay_trouble
+
+    subroutine overlay_ends(overlay, frozen, end) bind(C, name='amontons_overlay_ends')
+      import :: c_int64_t, c_ptr
+      type(c_ptr), value :: overlay
+      integer(c_int64_t), intent(out) :: frozen, end
+    end subroutine overlay_ends
+
+    function overlay_take(overlay, is_old, index, bytes) bind(C, name='amontons_overlay_take') result(status)
+      import :: c_int, c_int64_t, c_int8_t, c_ptr
+      type(c_ptr), value :: overlay
+      integer(c_int), value :: is_old
+      integer(c_int64_t), intent(out) :: index(*)
+      integer(c_int8_t), intent(out) :: bytes(*)
+      integer(c_int) :: status
+    end function overlay_take
+
+    function overlay_sync(overlay) bind(C, name='amontons_overlay_sync') result(status)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: overlay
+      integer(c_int) :: status
+    end function overlay_sync
+
+    function overlay_apply(overlay) bind(C, name='amontons_overlay_apply') result(status)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: overlay
+      integer(c_int) :: status
+    end function overlay_apply
+
+    subroutine overlay_free(overlay) bind(C, name='amontons_overlay_free')
+      import :: c_ptr
+      type(c_ptr), value :: overlay
+    end subroutine overlay_free
+
+    function overlay_mend(path, n_pages, index, bytes, end) bind(C, name='amontons_overlay_mend') result(status)
+      import :: c_char, c_int, c_int64_t, c_int8_t
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int64_t), value :: n_pages, end
+      integer(c_int64_t), intent(in) :: index(*)
+      integer(c_int8_t), intent(in) :: bytes(*)
+      integer(c_int) :: status
+    end function overlay_mend
   end interface
 
 contains
 
   !> Creates a file, or empties it if it exists.
-  subroutine create_store(store, path, error)
+  subroutine create_store(store, path, error, is_guarded)
     type(store_type), intent(out) :: store
     character(*), intent(in) :: path              !< with folder and extension
     type(error_type), allocatable, intent(out) :: error
+    logical, intent(in), optional :: is_guarded   !< default .false.
+    if (present(is_guarded)) store%is_guarded = is_guarded
+    call start_file(store, path, .true., 'create it (does the folder exist, may it be written, is the disk full?)', error)
+  end subroutine create_store
+
+
+  !> Opens a file to go on writing it, guarded.
+  subroutine open_store(store, path, error)
+    type(store_type), intent(out) :: store
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(out) :: error
+    store%is_guarded = .true.
+    call start_file(store, path, .false., 'open it (is it there, and a result file?)', error)
+  end subroutine open_store
+
+
+  !> Creates or opens the file of a store.
+  subroutine start_file(store, path, is_new, doing, error)
+    type(store_type), intent(inout) :: store
+    character(*), intent(in) :: path, doing
+    logical, intent(in) :: is_new
+    type(error_type), allocatable, intent(out) :: error
     integer(HID_T) :: access
-    integer :: s(6)
+    integer :: s(7), unused
     logical :: is_ready
     s = 0
     store%path = path
+    store%overlay = overlay_new()
+    if (.not. c_associated(store%overlay)) s(7) = -1
     ! Until h5open_f the module's type numbers are not set. It is called once per process and never undone: other stores
     ! may be open.
     call h5iis_valid_f(H5T_NATIVE_DOUBLE, is_ready, s(1))
@@ -116,24 +226,76 @@ contains
     call h5pcreate_f(H5P_FILE_ACCESS_F, access, s(3))
     call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, s(4))
     s(5) = h5pset_file_locking(access, .false._c_bool, .true._c_bool)
-    if (all(s(:5) >= 0)) call h5fcreate_f(path, H5F_ACC_TRUNC_F, store%file, s(6), access_prp=access)
+    if (all(s >= 0)) s(6) = overlay_attach(store%overlay, access)
+    if (all(s >= 0)) then
+      if (is_new) call h5fcreate_f(path, H5F_ACC_TRUNC_F, store%file, s(7), access_prp=access)
+      if (.not. is_new) call h5fopen_f(path, H5F_ACC_RDWR_F, store%file, s(7), access)
+    end if
     store%is_open = all(s >= 0)
-    call judge(store, s, 'create it (does the folder exist, may it be written, is the disk full?)', error)
-    call h5pclose_f(access, s(1))
-  end subroutine create_store
+    call judge(store, s, doing, error)
+    call h5pclose_f(access, unused)
+    if (.not. store%is_open) call free_overlay(store)
+  end subroutine start_file
 
 
-  !> Brings everything written so far to disk.
+  !> Brings everything written so far to disk; of a guarded store, to memory.
   subroutine flush_store(store, error)
     type(store_type), intent(in) :: store
     type(error_type), allocatable, intent(out) :: error
     integer :: s(1)
     call h5fflush_f(store%file, H5F_SCOPE_GLOBAL_F, s(1))
     call judge(store, s, 'write it to disk (is the disk full?)', error)
+    if (.not. allocated(error)) call judge_errno(store%path, overlay_trouble(store%overlay), 'write it', error)
+    if (.not. (allocated(error) .or. store%is_guarded)) call apply_pages(store, error)
   end subroutine flush_store
 
 
-  !> Closes the file and all that is open in it. A store that is not open is left alone.
+  !> The pages between what is on disk and what was flushed or closed last. All else is brought to the medium first.
+  subroutine take_pages(store, is_old, pages, error)
+    type(store_type), intent(in) :: store
+    logical, intent(in) :: is_old                 !< .true.: as they are on disk; .false.: as they will be
+    type(pages_type), intent(out) :: pages
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64) :: frozen, end, n_pages
+    integer :: status
+    n_pages = overlay_pages(store%overlay)
+    allocate (pages%index(n_pages), pages%bytes(overlay_page_size(), n_pages))
+    call overlay_ends(store%overlay, frozen, end)
+    pages%end = merge(frozen, end, is_old)
+    status = overlay_take(store%overlay, merge(1, 0, is_old), pages%index, pages%bytes)
+    if (status == 0) status = overlay_sync(store%overlay)
+    call judge_errno(store%path, status, 'bring it to disk', error)
+  end subroutine take_pages
+
+
+  !> Writes the pages: the file on disk is now what was flushed or closed last.
+  subroutine apply_pages(store, error)
+    type(store_type), intent(in) :: store
+    type(error_type), allocatable, intent(out) :: error
+    call judge_errno(store%path, overlay_apply(store%overlay), 'write it', error)
+  end subroutine apply_pages
+
+
+  !> Makes a file what it was when the pages were taken.
+  subroutine mend_store(path, pages, error)
+    character(*), intent(in) :: path
+    type(pages_type), intent(in) :: pages
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64) :: length
+    inquire (file=path, size=length)
+    if (length < 0) then
+      call set_error(error, EXIT_IO, 'Result file ' // path // ': it is not there, but its checkpoint is.')
+    else if (length < pages%end) then
+      call set_error(error, EXIT_IO, 'Result file ' // path // ': it is shorter than its checkpoint says.')
+    else
+      call judge_errno(path, overlay_mend(path // c_null_char, size(pages%index, kind=I64), pages%index, pages%bytes, &
+        pages%end), 'mend it', error)
+    end if
+  end subroutine mend_store
+
+
+  !> Closes the file and all that is open in it. A store that is not open is left alone. Of a guarded store the last
+  !! pages still wait for apply_pages; drop_store ends it.
   subroutine close_store(store, error)
     type(store_type), intent(inout) :: store
     type(error_type), allocatable, intent(out) :: error
@@ -143,7 +305,30 @@ contains
     store%is_open = .false.
     store%file = -1
     call judge(store, s, 'close it (is the disk full?)', error)
+    if (.not. allocated(error)) call judge_errno(store%path, overlay_trouble(store%overlay), 'write it', error)
+    if (store%is_guarded) return
+    if (.not. allocated(error)) call apply_pages(store, error)
+    call free_overlay(store)
   end subroutine close_store
+
+
+  !> Closes the file and forgets the pages that were not applied: what is on disk is the last whole state.
+  subroutine drop_store(store)
+    type(store_type), intent(inout) :: store
+    integer :: unused
+    call free_overlay(store)
+    if (store%is_open) call h5fclose_f(store%file, unused)
+    store%is_open = .false.
+    store%file = -1
+  end subroutine drop_store
+
+
+  !> Gives the pages back and closes their file.
+  subroutine free_overlay(store)
+    type(store_type), intent(inout) :: store
+    call overlay_free(store%overlay)
+    store%overlay = c_null_ptr
+  end subroutine free_overlay
 
 
   !> Creates a group; its parent must exist.
@@ -421,6 +606,30 @@ contains
   end subroutine create_table
 
 
+  !> Opens a table of a file that is open, to go on after its last row.
+  subroutine open_table(store, table, name, form, error)
+    type(store_type), intent(in) :: store
+    type(table_type), intent(out) :: table
+    character(*), intent(in) :: name              !< full path in the file
+    type(form_type), intent(in) :: form           !< as when it was created
+    type(error_type), allocatable, intent(out) :: error
+    integer(HID_T) :: space
+    integer(HSIZE_T) :: extent(2), limit(2)
+    integer :: s(3), unused
+    s = 0
+    table%form = form
+    table%name = name
+    call h5dopen_f(store%file, name, table%id, s(1))
+    if (s(1) >= 0) then
+      call h5dget_space_f(table%id, space, s(2))
+      call h5sget_simple_extent_dims_f(space, extent(:rank_of(form)), limit(:rank_of(form)), s(3))
+      call h5sclose_f(space, unused)
+      table%n_rows = int(extent(rank_of(form)), I64)
+    end if
+    call judge(store, s, 'open the table ' // name, error)
+  end subroutine open_table
+
+
   !> Adds rows of integers.
   subroutine append_integers(store, table, values, error)
     type(store_type), intent(in) :: store
@@ -627,5 +836,16 @@ contains
     type(error_type), allocatable, intent(out) :: error
     if (any(statuses < 0)) call set_error(error, EXIT_IO, 'Result file ' // store%path // ': cannot ' // doing // '.')
   end subroutine judge
+
+
+  !> Makes an error of an error number of the operating system.
+  subroutine judge_errno(path, status, doing, error)
+    character(*), intent(in) :: path
+    integer, intent(in) :: status                 !< errno; 0: all is well
+    character(*), intent(in) :: doing             !< to follow 'cannot'
+    type(error_type), allocatable, intent(out) :: error
+    if (status /= 0) call set_error(error, EXIT_IO, 'Result file ' // path // ': cannot ' // doing // ': ' // &
+      reason_of(status) // '.')
+  end subroutine judge_errno
 
 end module amontons_store

@@ -1,0 +1,155 @@
+!> Posix: what only the operating system can do: files that survive a power cut, signals, and the end of the process.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_posix
+  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_null_char
+  use amontons_kinds, only: I64
+  use amontons_errors, only: error_type, set_error, EXIT_IO
+  implicit none
+  private
+  public :: write_whole_file, sync_file, cut_file, checksum_of_words, checksum_of_text, reason_of
+  public :: watch_signals, stop_signal, is_status_asked, watch_end
+
+  interface
+    function write_whole_c(path, temporary, bytes, n_bytes) bind(C, name='amontons_write_whole') result(status)
+      import :: c_char, c_int, c_int64_t
+      character(kind=c_char), intent(in) :: path(*), temporary(*)
+      integer(c_int64_t), intent(in) :: bytes(*)
+      integer(c_int64_t), value :: n_bytes
+      integer(c_int) :: status
+    end function write_whole_c
+
+    function sync_file_c(path) bind(C, name='amontons_sync_file') result(status)
+      import :: c_char, c_int
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int) :: status
+    end function sync_file_c
+
+    function cut_file_c(path, length) bind(C, name='amontons_cut_file') result(status)
+      import :: c_char, c_int, c_int64_t
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int64_t), value :: length
+      integer(c_int) :: status
+    end function cut_file_c
+
+    subroutine reason_c(number, text, room) bind(C, name='amontons_reason')
+      import :: c_char, c_int
+      integer(c_int), value :: number, room
+      character(kind=c_char), intent(out) :: text(*)
+    end subroutine reason_c
+
+    pure function checksum_words_c(words, n_bytes) bind(C, name='amontons_checksum') result(sum)
+      import :: c_int64_t
+      integer(c_int64_t), intent(in) :: words(*)
+      integer(c_int64_t), value :: n_bytes
+      integer(c_int64_t) :: sum
+    end function checksum_words_c
+
+    !> SIGINT, SIGTERM and SIGUSR1 are noted from now on. For the main program only.
+    subroutine watch_signals() bind(C, name='amontons_watch_signals')
+    end subroutine watch_signals
+
+    !> The number of the signal that asked for a stop; 0: none, or nobody watches.
+    function stop_signal() bind(C, name='amontons_stop_signal') result(number)
+      import :: c_int
+      integer(c_int) :: number
+    end function stop_signal
+
+    function status_asked_c() bind(C, name='amontons_status_asked') result(asked)
+      import :: c_int
+      integer(c_int) :: asked
+    end function status_asked_c
+
+    subroutine watch_end_c(is_on) bind(C, name='amontons_watch_end')
+      import :: c_int
+      integer(c_int), value :: is_on
+    end subroutine watch_end_c
+  end interface
+
+contains
+
+  !> Writes a file under a temporary name, brings it to the medium and renames it: at any moment the old file or the new
+  !! one is there, whole.
+  subroutine write_whole_file(path, words, error)
+    character(*), intent(in) :: path
+    integer(I64), intent(in) :: words(:)             !< contents
+    type(error_type), allocatable, intent(out) :: error
+    call judge('write', path, write_whole_c(path // c_null_char, path // '.new' // c_null_char, words, &
+      8_I64 * size(words, kind=I64)), error)
+  end subroutine write_whole_file
+
+
+  !> Brings a file that is being written to the medium.
+  subroutine sync_file(path, error)
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(out) :: error
+    call judge('bring to disk', path, sync_file_c(path // c_null_char), error)
+  end subroutine sync_file
+
+
+  !> Cuts a file off at a length. Errors: it is not there, or shorter.
+  subroutine cut_file(path, length, error)
+    character(*), intent(in) :: path
+    integer(I64), intent(in) :: length               !< [bytes]
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: TOO_SHORT = 22             ! EINVAL
+    integer :: status
+    status = cut_file_c(path // c_null_char, length)
+    if (status == TOO_SHORT) then
+      call set_error(error, EXIT_IO, 'The file ' // path // ' is shorter than it was when the checkpoint was written.')
+    else
+      call judge('cut off', path, status, error)
+    end if
+  end subroutine cut_file
+
+
+  !> A number that changes if any of the words changes or moves.
+  pure function checksum_of_words(words) result(sum)
+    integer(I64), intent(in) :: words(:)
+    integer(I64) :: sum
+    sum = checksum_words_c(words, 8_I64 * size(words, kind=I64))
+  end function checksum_of_words
+
+
+  !> The same of a text.
+  pure function checksum_of_text(text) result(sum)
+    character(*), intent(in) :: text
+    integer(I64) :: sum
+    sum = checksum_words_c([transfer(text, [0_I64]), 0_I64], int(len(text), I64))
+  end function checksum_of_text
+
+
+  !> What the operating system says of an error number, e.g. 'No space left on device'.
+  function reason_of(number) result(text)
+    integer, intent(in) :: number                    !< errno
+    character(:), allocatable :: text
+    character(256) :: buffer
+    call reason_c(number, buffer, len(buffer))
+    text = buffer(:index(buffer, c_null_char) - 1)
+  end function reason_of
+
+
+  !> Whether SIGUSR1 has come since the last call.
+  logical function is_status_asked()
+    is_status_asked = status_asked_c() /= 0
+  end function is_status_asked
+
+
+  !> From now on an end of the process that is not ours gives an exit code of ours and a line that starts with *ERROR;
+  !! .false. says that the end that comes is ours. For the main program only.
+  subroutine watch_end(is_on)
+    logical, intent(in) :: is_on
+    call watch_end_c(merge(1_c_int, 0_c_int, is_on))
+  end subroutine watch_end
+
+
+  !> Makes an error of an error number.
+  subroutine judge(doing, path, status, error)
+    character(*), intent(in) :: doing                !< e.g. 'write'
+    character(*), intent(in) :: path
+    integer, intent(in) :: status                    !< errno; 0: all is well
+    type(error_type), allocatable, intent(out) :: error
+    if (status /= 0) call set_error(error, EXIT_IO, 'Cannot ' // doing // ' the file ' // path // ': ' // &
+      reason_of(status) // '.')
+  end subroutine judge
+
+end module amontons_posix

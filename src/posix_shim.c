@@ -1,0 +1,170 @@
+/* POSIX shim: files that survive a power cut, signals, and the exit of a program that ended itself, for posix.f90.
+ * SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * The flags below are the only variables of the whole program that outlive a call: a signal handler has no argument
+ * by which it could be told whose flag to set, and signals belong to the process, not to a job
+ * (doc/developer/decisions/0008). They stay 0 unless the main program asks for them; the library never does. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static volatile sig_atomic_t stop_signal = 0;  /* SIGINT or SIGTERM has come */
+static volatile sig_atomic_t n_status_asked = 0; /* SIGUSR1 has come and was not answered */
+static volatile sig_atomic_t is_watching_end = 0;
+
+/* A second SIGINT or SIGTERM kills as if nobody listened. */
+static void note_stop(int number)
+{
+  if (stop_signal) {
+    signal(number, SIG_DFL);
+    raise(number);
+  }
+  stop_signal = number;
+}
+
+static void note_status(int number)
+{
+  (void)number;
+  n_status_asked = 1;
+}
+
+/* From now on SIGINT, SIGTERM and SIGUSR1 are noted. A signal that the caller ignores (nohup, a shell's &) stays so. */
+void amontons_watch_signals(void)
+{
+  const int stops[] = {SIGINT, SIGTERM};
+  struct sigaction action = {.sa_handler = note_stop, .sa_flags = SA_RESTART}, before;
+  sigemptyset(&action.sa_mask);
+  for (int i = 0; i < 2; i++)
+    if (sigaction(stops[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(stops[i], &action, NULL);
+  action.sa_handler = note_status;
+  sigaction(SIGUSR1, &action, NULL);
+  signal(SIGXFSZ, SIG_IGN); /* a file at its limit is an error of the write, not a kill */
+}
+
+/* The number of the signal that asked for a stop; 0: none. */
+int amontons_stop_signal(void)
+{
+  return stop_signal;
+}
+
+/* 1 if a status was asked for since the last call. */
+int amontons_status_asked(void)
+{
+  int asked = n_status_asked;
+  n_status_asked = 0;
+  return asked;
+}
+
+/* Runs when the process ends. If our main program did not say so before, a run-time library has ended it after a
+ * message of its own, with an exit code that is not ours: most often memory is at its end. */
+static void give_exit_code(void)
+{
+  const char no_memory[] = "*ERROR: There is not enough memory for this job.\n";
+  const char no_room[] = "*ERROR: A file could not be written: is the disk full?\n";
+  const char other[] = "*ERROR: Amontons was ended by the run-time library, which tells why above.\n";
+  if (!is_watching_end) return;
+  const int reason = errno, is_memory = reason == ENOMEM;
+  const int is_room = reason == ENOSPC || reason == EDQUOT || reason == EFBIG || reason == EIO;
+  const char *line = is_memory ? no_memory : is_room ? no_room : other;
+  ssize_t unused = write(STDOUT_FILENO, line, strlen(line));
+  (void)unused;
+  _exit(is_memory ? 6 : is_room ? 7 : 8);
+}
+
+/* Begins to watch over the end of the process (is_on = 1), or says that the end that comes is ours (0). */
+void amontons_watch_end(int is_on)
+{
+  if (is_on && !is_watching_end) atexit(give_exit_code);
+  is_watching_end = is_on;
+}
+
+/* Brings the entry of a file in its folder to the medium. */
+static void sync_folder(const char *path)
+{
+  char *folder = strdup(path);
+  if (!folder) return;
+  char *slash = strrchr(folder, '/');
+  if (slash == folder) slash[1] = 0;
+  else if (slash) *slash = 0;
+  int descriptor = open(slash ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor >= 0) {
+    fsync(descriptor);
+    close(descriptor);
+  }
+  free(folder);
+}
+
+static int write_all(int descriptor, const char *from, size_t size)
+{
+  while (size > 0) {
+    ssize_t n = write(descriptor, from, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return n < 0 ? errno : ENOSPC;
+    from += n;
+    size -= (size_t)n;
+  }
+  return 0;
+}
+
+/* Writes a file under a temporary name, syncs it, and renames it: at any moment the old file or the new one is there,
+ * whole. 0: done, else errno. */
+int amontons_write_whole(const char *path, const char *temporary, const void *bytes, int64_t n_bytes)
+{
+  int descriptor = open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0) return errno;
+  int status = write_all(descriptor, bytes, (size_t)n_bytes);
+  if (!status && fdatasync(descriptor) < 0) status = errno;
+  if (close(descriptor) < 0 && !status) status = errno;
+  if (!status && rename(temporary, path) < 0) status = errno;
+  if (status) unlink(temporary);
+  else sync_folder(path);
+  return status;
+}
+
+/* Brings a file to the medium. 0: done, else errno. */
+int amontons_sync_file(const char *path)
+{
+  int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return errno;
+  int status = fdatasync(descriptor) < 0 ? errno : 0;
+  close(descriptor);
+  return status;
+}
+
+/* Cuts a file off at a length that it has. 0: done, else errno; EINVAL if it is shorter. */
+int amontons_cut_file(const char *path, int64_t length)
+{
+  struct stat status;
+  if (stat(path, &status) < 0) return errno;
+  if (status.st_size < (off_t)length) return EINVAL;
+  return truncate(path, (off_t)length) < 0 ? errno : 0;
+}
+
+/* The sentence of an errno, cut off to the room there is. */
+void amontons_reason(int number, char *text, int room)
+{
+  char buffer[256];
+  const char *reason = strerror_r(number, buffer, sizeof buffer);
+  snprintf(text, (size_t)room, "%s", reason);
+}
+
+/* A 64-bit checksum: each word is mixed into a running sum, so that order counts (after MurmurHash3's finalizer). */
+uint64_t amontons_checksum(const void *bytes, int64_t n_bytes)
+{
+  const unsigned char *from = bytes;
+  uint64_t sum = 0x9E3779B97F4A7C15ull ^ (uint64_t)n_bytes;
+  for (int64_t k = 0; k < n_bytes; k += 8) {
+    uint64_t word = 0;
+    memcpy(&word, from + k, n_bytes - k < 8 ? (size_t)(n_bytes - k) : 8);
+    sum = (sum ^ word) * 0xFF51AFD7ED558CCDull;
+    sum ^= sum >> 32;
+  }
+  return sum;
+}

@@ -1,0 +1,408 @@
+!> Restart: a snapshot of all that the next increment depends on, in memory for a rollback and on disk for a restart.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! What goes on from a snapshot gives bitwise what went on without it. Everything that is kept from increment to
+!! increment is therefore in the snapshot, made again at the start of each increment, or made again from the snapshot in
+!! the same way: doc/developer/reliability.md has the list and the reasons.
+!!
+!! The checkpoint, job.restart, is one block of 64-bit words in the machine's own order: magic, version, length, checksum,
+!! then the words of `carry_all`. It is written under a temporary name, synced and renamed, so the one there is whole.
+module amontons_restart
+  use amontons_kinds, only: DP, I8, I64
+  use amontons_errors, only: error_type, set_error, EXIT_IO
+  use amontons_posix, only: checksum_of_text, checksum_of_words, write_whole_file
+  use amontons_model, only: model_type
+  use amontons_store, only: pages_type
+  use amontons_state, only: state_type, fields_type, slave_type
+  use amontons_system, only: system_type, begin_step
+  use amontons_newton, only: newton_type
+  use amontons_stepper, only: stepper_type
+  implicit none
+  private
+  public :: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint
+
+  integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it tells the byte order too
+  integer(I64), parameter :: FORMAT_VERSION = 1
+  integer, parameter :: N_HEAD = 4                 !< words before those of carry_all
+
+  !> All that the next increment depends on.
+  type :: snapshot_type
+    type(fields_type) :: fields                    !< committed
+    type(stepper_type) :: stepper
+    logical :: is_step_start = .true.
+    real(DP) :: force_scale = 0                    !< newton%force_scale [force]
+    real(DP) :: best_entries = 0                   !< system%best_entries
+    integer, allocatable :: node_order(:)          !< system%node_order
+    real(DP), allocatable :: u_start(:, :)         !< system%u_start [length]
+  end type snapshot_type
+
+  !> What the result files were at a snapshot.
+  type :: files_type
+    integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat [bytes]
+    type(pages_type) :: pages                      !< of .vtkhdf
+  end type files_type
+
+  !> Words on their way into a file or out of it.
+  type :: parcel_type
+    logical :: is_packing = .true.
+    logical :: is_sound = .true.                   !< .false.: it does not hold what was asked for
+    integer(I64), allocatable :: words(:)
+    integer(I64) :: n = 0                          !< words packed or taken out
+  contains
+    generic :: carry => carry_integer, carry_long, carry_real, carry_logical, carry_vector, carry_matrix
+    procedure, private :: carry_integer, carry_long, carry_real, carry_logical, carry_vector, carry_matrix
+  end type parcel_type
+
+contains
+
+  !> Notes what the next increment depends on.
+  subroutine take_snapshot(snapshot, state, system, newton, stepper, is_step_start)
+    type(snapshot_type), intent(inout) :: snapshot
+    type(state_type), intent(in) :: state          !< its committed fields are noted
+    type(system_type), intent(in) :: system
+    type(newton_type), intent(in) :: newton
+    type(stepper_type), intent(in) :: stepper
+    logical, intent(in) :: is_step_start
+    snapshot%fields = state%old
+    snapshot%stepper = stepper
+    snapshot%is_step_start = is_step_start
+    snapshot%force_scale = newton%force_scale
+    snapshot%best_entries = system%best_entries
+    if (allocated(snapshot%node_order)) deallocate (snapshot%node_order)
+    if (allocated(system%node_order)) snapshot%node_order = system%node_order
+    snapshot%u_start = system%u_start
+  end subroutine take_snapshot
+
+
+  !> Goes back to a snapshot. Errors: those of begin_step.
+  subroutine put_back(snapshot, model, state, system, newton, stepper, is_step_start, error)
+    type(snapshot_type), intent(in) :: snapshot
+    type(model_type), intent(in) :: model
+    type(state_type), intent(inout) :: state
+    type(system_type), intent(inout) :: system
+    type(newton_type), intent(inout) :: newton
+    type(stepper_type), intent(inout) :: stepper
+    logical, intent(out) :: is_step_start
+    type(error_type), allocatable, intent(out) :: error
+    state%old = snapshot%fields
+    state%new = snapshot%fields
+    stepper = snapshot%stepper
+    is_step_start = snapshot%is_step_start
+    newton%force_scale = snapshot%force_scale
+    call put_order_back(snapshot, system)
+    if (.not. is_step_start) call begin_step(system, model, model%steps(stepper%step), state, error)
+    system%u_start = snapshot%u_start
+  end subroutine put_back
+
+
+  !> The order of the nodes decides the rounding of the factor: a factor analysed in another one is forgotten.
+  subroutine put_order_back(snapshot, system)
+    type(snapshot_type), intent(in) :: snapshot
+    type(system_type), intent(inout) :: system
+    logical :: is_same
+    is_same = allocated(snapshot%node_order) .and. allocated(system%node_order)
+    if (is_same) is_same = all(snapshot%node_order == system%node_order)
+    if (is_same) return
+    if (allocated(system%analysed_map%first)) deallocate (system%analysed_map%first)
+    if (allocated(system%node_order)) deallocate (system%node_order)
+    if (allocated(snapshot%node_order)) system%node_order = snapshot%node_order
+    system%best_entries = snapshot%best_entries
+  end subroutine put_order_back
+
+
+  !> Writes a checkpoint in place of the one before.
+  subroutine write_checkpoint(path, model, snapshot, files, error)
+    character(*), intent(in) :: path
+    type(model_type), intent(in) :: model
+    type(snapshot_type), intent(inout) :: snapshot   !< not changed
+    type(files_type), intent(inout) :: files         !< not changed
+    type(error_type), allocatable, intent(out) :: error
+    type(parcel_type) :: parcel
+    allocate (parcel%words(4096 + size(files%pages%bytes, kind=I64) / 8 + 2 * size(snapshot%fields%stress, kind=I64)))
+    parcel%n = N_HEAD
+    call carry_all(parcel, model, snapshot, files)
+    parcel%words(:3) = [MAGIC, FORMAT_VERSION, parcel%n]
+    parcel%words(4) = checksum_of_words(parcel%words(N_HEAD + 1:parcel%n))
+    call write_whole_file(path, parcel%words(:parcel%n), error)
+  end subroutine write_checkpoint
+
+
+  !> Reads a checkpoint. Before: the arrays of the snapshot have the shapes of the model.
+  !!
+  !! Errors (EXIT_IO): it is not there, damaged, from another version of the program, or of another deck.
+  subroutine read_checkpoint(path, model, snapshot, files, error)
+    character(*), intent(in) :: path
+    type(model_type), intent(in) :: model
+    type(snapshot_type), intent(inout) :: snapshot
+    type(files_type), intent(inout) :: files
+    type(error_type), allocatable, intent(out) :: error
+    type(parcel_type) :: parcel
+    integer(I64) :: deck
+    parcel%is_packing = .false.
+    call read_words(path, parcel, error)
+    if (allocated(error)) return
+    call parcel%carry(deck)
+    if (deck /= checksum_of_text(model%deck_text)) then
+      call set_error(error, EXIT_IO, 'The deck is not the one of the checkpoint ' // path // ': it has been changed ' // &
+        'since the job was begun. Run the job from its start, without --resume.')
+      return
+    end if
+    parcel%n = N_HEAD
+    call carry_all(parcel, model, snapshot, files)
+    if (parcel%n /= size(parcel%words, kind=I64)) parcel%is_sound = .false.
+    if (.not. parcel%is_sound) call damaged(path, 'it does not fit the model', error)
+  end subroutine read_checkpoint
+
+
+  !> Reads the words of a file and checks that they are whole.
+  subroutine read_words(path, parcel, error)
+    character(*), intent(in) :: path
+    type(parcel_type), intent(inout) :: parcel
+    type(error_type), allocatable, intent(out) :: error
+    integer :: unit, status
+    integer(I64) :: n_bytes
+    inquire (file=path, size=n_bytes)
+    if (n_bytes < 0) then
+      call set_error(error, EXIT_IO, 'There is no checkpoint ' // path // ': the job was never begun, or has ended well.')
+      return
+    end if
+    allocate (parcel%words(max(n_bytes / 8_I64, int(N_HEAD, I64))), source=0_I64)
+    open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
+    if (status == 0) read (unit, iostat=status) parcel%words
+    if (status /= 0) then
+      call set_error(error, EXIT_IO, 'Cannot read the checkpoint ' // path // '.')
+      return
+    end if
+    close (unit)
+    associate (words => parcel%words)
+      if (words(1) /= MAGIC) then
+        call damaged(path, 'it does not begin as one', error)
+      else if (words(2) /= FORMAT_VERSION) then
+        call set_error(error, EXIT_IO, 'The checkpoint ' // path // ' is of another version of Amontons.')
+      else if (words(3) /= size(words, kind=I64) .or. 8_I64 * words(3) /= n_bytes) then
+        call damaged(path, 'its length is not the one it was written with', error)
+      else if (words(4) /= checksum_of_words(words(N_HEAD + 1:))) then
+        call damaged(path, 'its checksum is wrong', error)
+      end if
+    end associate
+    parcel%n = N_HEAD
+  end subroutine read_words
+
+
+  !> The error of a checkpoint that cannot be used.
+  subroutine damaged(path, reason, error)
+    character(*), intent(in) :: path, reason
+    type(error_type), allocatable, intent(out) :: error
+    call set_error(error, EXIT_IO, 'The checkpoint ' // path // ' is damaged: ' // reason // '. The result files are ' // &
+      'as they were; run the job from its start, without --resume.')
+  end subroutine damaged
+
+
+  !> The contents of a checkpoint, in the order of the file: into the parcel or out of it.
+  subroutine carry_all(parcel, model, snapshot, files)
+    type(parcel_type), intent(inout) :: parcel
+    type(model_type), intent(in) :: model
+    type(snapshot_type), intent(inout) :: snapshot
+    type(files_type), intent(inout) :: files
+    integer(I64) :: deck
+    deck = checksum_of_text(model%deck_text)
+    call parcel%carry(deck)
+    call carry_stepper(parcel, snapshot%stepper)
+    call parcel%carry(snapshot%is_step_start)
+    call parcel%carry(snapshot%force_scale)
+    call parcel%carry(snapshot%best_entries)
+    call carry_order(parcel, model%mesh%n_nodes, snapshot%node_order)
+    call parcel%carry(snapshot%u_start)
+    call carry_fields(parcel, snapshot%fields)
+    call carry_files(parcel, files)
+  end subroutine carry_all
+
+
+  !> Where the job is in time.
+  subroutine carry_stepper(parcel, stepper)
+    type(parcel_type), intent(inout) :: parcel
+    type(stepper_type), intent(inout) :: stepper
+    call parcel%carry(stepper%step)
+    call parcel%carry(stepper%increment)
+    call parcel%carry(stepper%attempt)
+    call parcel%carry(stepper%step_time)
+    call parcel%carry(stepper%total_time)
+    call parcel%carry(stepper%dt)
+    call parcel%carry(stepper%n_fast)
+  end subroutine carry_stepper
+
+
+  !> The order of the nodes, if there is one.
+  subroutine carry_order(parcel, n_nodes, order)
+    type(parcel_type), intent(inout) :: parcel
+    integer, intent(in) :: n_nodes
+    integer, allocatable, intent(inout) :: order(:)
+    logical :: is_there
+    integer :: i
+    is_there = allocated(order)
+    call parcel%carry(is_there)
+    if (.not. is_there .or. .not. parcel%is_sound) return
+    if (.not. allocated(order)) allocate (order(n_nodes), source=0)
+    do i = 1, n_nodes
+      call parcel%carry(order(i))
+    end do
+    parcel%is_sound = parcel%is_sound .and. all(order >= 1 .and. order <= n_nodes)
+  end subroutine carry_order
+
+
+  !> The committed fields.
+  subroutine carry_fields(parcel, fields)
+    type(parcel_type), intent(inout) :: parcel
+    type(fields_type), intent(inout) :: fields
+    call parcel%carry(fields%step_time)
+    call parcel%carry(fields%total_time)
+    call parcel%carry(fields%external_work)
+    call parcel%carry(fields%friction_work)
+    call parcel%carry(fields%u)
+    call parcel%carry(fields%v)
+    call parcel%carry(fields%stress)
+    call parcel%carry(fields%strain)
+    call parcel%carry(fields%energy)
+    call parcel%carry(fields%volume)
+    call parcel%carry(fields%internal_force)
+    call parcel%carry(fields%applied_force)
+    call parcel%carry(fields%contact_force)
+    call parcel%carry(fields%reaction_force)
+    call carry_slaves(parcel, fields%slaves)
+  end subroutine carry_fields
+
+
+  !> The memory of the slave nodes as it lies in the machine: a component that is added later is carried too.
+  subroutine carry_slaves(parcel, slaves)
+    type(parcel_type), intent(inout) :: parcel
+    type(slave_type), intent(inout) :: slaves(:)
+    integer(I64), allocatable :: words(:)
+    integer :: n_words
+    n_words = size(transfer(slaves, [0_I64]))
+    allocate (words(n_words))
+    if (parcel%is_packing) words = transfer(slaves, [0_I64])
+    call carry_words(parcel, words)
+    if (.not. parcel%is_packing .and. parcel%is_sound .and. n_words > 0) slaves = transfer(words, slaves)
+  end subroutine carry_slaves
+
+
+  !> What the result files were.
+  subroutine carry_files(parcel, files)
+    type(parcel_type), intent(inout) :: parcel
+    type(files_type), intent(inout) :: files
+    integer(I64) :: shape_of(2)
+    integer(I64), allocatable :: words(:)
+    integer :: i
+    do i = 1, 3
+      call parcel%carry(files%lengths(i))
+    end do
+    associate (pages => files%pages)
+      call parcel%carry(pages%end)
+      shape_of = 0
+      if (parcel%is_packing) shape_of = shape(pages%bytes, kind=I64)
+      call parcel%carry(shape_of(1))
+      call parcel%carry(shape_of(2))
+      if (.not. parcel%is_packing) then
+        if (any(shape_of < 0) .or. shape_of(2) > size(parcel%words, kind=I64)) parcel%is_sound = .false.
+        if (shape_of(1) > huge(1) .or. .not. parcel%is_sound) return
+        allocate (pages%index(shape_of(2)), pages%bytes(shape_of(1), shape_of(2)))
+      end if
+      allocate (words(shape_of(1) * shape_of(2) / 8_I64))
+      if (parcel%is_packing) words = transfer(pages%bytes, words, size(words))
+      call carry_words(parcel, pages%index)
+      call carry_words(parcel, words)
+      if (.not. parcel%is_packing .and. parcel%is_sound) pages%bytes = reshape(transfer(words, pages%bytes), &
+        shape(pages%bytes))
+    end associate
+  end subroutine carry_files
+
+
+  !> Words into the parcel or out of it. A parcel that is too short is not sound, and gives nothing.
+  subroutine carry_words(parcel, words)
+    type(parcel_type), intent(inout) :: parcel
+    integer(I64), intent(inout) :: words(:)
+    integer(I64), allocatable :: larger(:)
+    integer(I64) :: n
+    n = size(words, kind=I64)
+    if (parcel%is_packing) then
+      if (parcel%n + n > size(parcel%words, kind=I64)) then
+        allocate (larger(2 * (parcel%n + n)))
+        larger(:parcel%n) = parcel%words(:parcel%n)
+        call move_alloc(larger, parcel%words)
+      end if
+      parcel%words(parcel%n + 1:parcel%n + n) = words
+    else
+      if (parcel%n + n > size(parcel%words, kind=I64)) parcel%is_sound = .false.
+      if (.not. parcel%is_sound) return
+      words = parcel%words(parcel%n + 1:parcel%n + n)
+    end if
+    parcel%n = parcel%n + n
+  end subroutine carry_words
+
+
+  !> One long integer.
+  subroutine carry_long(self, value)
+    class(parcel_type), intent(inout) :: self
+    integer(I64), intent(inout) :: value
+    integer(I64) :: word(1)
+    word = value
+    call carry_words(self, word)
+    value = word(1)
+  end subroutine carry_long
+
+
+  !> One integer.
+  subroutine carry_integer(self, value)
+    class(parcel_type), intent(inout) :: self
+    integer, intent(inout) :: value
+    integer(I64) :: word(1)
+    word = int(value, I64)
+    call carry_words(self, word)
+    value = int(word(1))
+  end subroutine carry_integer
+
+
+  !> One logical.
+  subroutine carry_logical(self, value)
+    class(parcel_type), intent(inout) :: self
+    logical, intent(inout) :: value
+    integer(I64) :: word(1)
+    word = merge(1_I64, 0_I64, value)
+    call carry_words(self, word)
+    value = word(1) /= 0
+  end subroutine carry_logical
+
+
+  !> One real.
+  subroutine carry_real(self, value)
+    class(parcel_type), intent(inout) :: self
+    real(DP), intent(inout) :: value
+    integer(I64) :: word(1)
+    word = transfer(value, word)
+    call carry_words(self, word)
+    value = transfer(word(1), value)
+  end subroutine carry_real
+
+
+  !> A list of reals, whose length is known.
+  subroutine carry_vector(self, values)
+    class(parcel_type), intent(inout) :: self
+    real(DP), intent(inout) :: values(:)
+    integer(I64), allocatable :: words(:)
+    words = transfer(values, [0_I64])
+    call carry_words(self, words)
+    if (.not. self%is_packing) values = transfer(words, values)
+  end subroutine carry_vector
+
+
+  !> A matrix of reals, whose shape is known.
+  subroutine carry_matrix(self, values)
+    class(parcel_type), intent(inout) :: self
+    real(DP), intent(inout) :: values(:, :)
+    integer(I64), allocatable :: words(:)
+    words = transfer(values, [0_I64])
+    call carry_words(self, words)
+    if (.not. self%is_packing) values = reshape(transfer(words, [0.0_DP]), shape(values))
+  end subroutine carry_matrix
+
+end module amontons_restart
