@@ -8,7 +8,7 @@
 module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: element_kind, kind_type, MAX_NODES, MAX_FACE_NODES
+  use amontons_topology, only: element_kind, kind_type, KIND_MASS, FAMILY_SOLID, MAX_NODES, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, element_nodes
   use amontons_model, only: model_type
   use amontons_loads, only: load_value, DISTRIBUTED_PRESSURE
@@ -16,7 +16,8 @@ module amontons_assembly
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
   use amontons_partition, only: partition_mesh
-  use amontons_element, only: element_forces, element_tangent, element_body_force, facet_pressure, points_type, ELEMENT_OK
+  use amontons_element, only: element_forces, element_tangent, element_body_force, facet_pressure, edge_pressure, &
+    points_type, ELEMENT_OK
   implicit none
   private
   public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
@@ -364,8 +365,8 @@ contains
     real(DP) :: force(3, MAX_NODES)
     integer :: n, status, a, nodes(MAX_NODES)
     call element_nodes(model%mesh, e, n, nodes)
-    associate (material => model%materials(model%mesh%material(e)), fields => state%new)
-      if (.not. material%is_plain) call bring_past(model, state, e, points)
+    associate (material => model%materials(material_of(model%mesh, e)), fields => state%new)
+      call bring_along(model, state, e, points)
       call element_forces(model%mesh%kind(e), material, model%mesh%coordinates(:, nodes(:n)), fields%u(:, nodes(:n)), &
         is_nlgeom, force, points, status)
       if (status /= ELEMENT_OK) then
@@ -380,17 +381,28 @@ contains
   end subroutine add_element_forces
 
 
-  !> What an element whose material is not plain brings along: committed history, temperatures, time.
-  pure subroutine bring_past(model, state, e, points)
+  !> The material of an element. Springs and masses have none: the first stands in, which they do not look at.
+  pure integer function material_of(mesh, e)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    material_of = max(1, mesh%material(e))
+  end function material_of
+
+
+  !> What an element brings along: its section; if its material is not plain, committed history, temperatures, time.
+  pure subroutine bring_along(model, state, e, points)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
     integer, intent(in) :: e
     type(points_type), intent(inout) :: points
     integer :: n, m, p, k, nodes(MAX_NODES)
+    points%section = model%mesh%section(e)
+    points%directions = model%mesh%directions(:, e)
+    if (model%materials(material_of(model%mesh, e))%is_plain) return
     call element_nodes(model%mesh, e, n, nodes)
     p = model%mesh%point_first(e)
     m = model%mesh%point_first(e + 1) - p
-    k = model%materials(model%mesh%material(e))%n_history
+    k = model%materials(material_of(model%mesh, e))%n_history
     points%past = 0.0_DP
     points%past(:k, :m) = state%old%history(:k, p:p + m - 1)
     points%temperature(:n) = state%new%temperature(nodes(:n))
@@ -398,7 +410,7 @@ contains
     if (allocated(model%initial_temperature)) points%initial_temperature(:n) = model%initial_temperature(nodes(:n))
     points%time = state%new%total_time
     points%time_increment = state%new%total_time - state%old%total_time
-  end subroutine bring_past
+  end subroutine bring_along
 
 
   !> The point values of an element into the fields.
@@ -459,8 +471,8 @@ contains
     real(DP) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
     integer :: n, a, b, k, status, nodes(MAX_NODES)
     call element_nodes(model%mesh, e, n, nodes)
-    if (.not. model%materials(model%mesh%material(e))%is_plain) call bring_past(model, state, e, points)
-    call element_tangent(model%mesh%kind(e), model%materials(model%mesh%material(e)), &
+    call bring_along(model, state, e, points)
+    call element_tangent(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), &
       model%mesh%coordinates(:, nodes(:n)), state%new%u(:, nodes(:n)), is_nlgeom, stiffness, points, status)
     if (status /= ELEMENT_OK) then
       failed = min(failed, e)
@@ -549,7 +561,11 @@ contains
     n = count(local > 0)
     x(:, :n) = mesh%coordinates(:, nodes(local(:n)))
     if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(local(:n)))
-    call facet_pressure(kind%face_kind(face), x, pressure, force, stiffness)
+    if (kind%family == FAMILY_SOLID) then
+      call facet_pressure(kind%face_kind(face), x, pressure, force, stiffness)
+    else
+      call edge_pressure(kind%family, kind%face_kind(face), x(:, :n), mesh%section(e), pressure, force, stiffness)
+    end if
     do a = 1, n
       fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
     end do
@@ -587,10 +603,13 @@ contains
     real(DP), intent(in) :: acceleration(3)
     type(fields_type), intent(inout) :: fields
     real(DP) :: force(3, MAX_NODES)
+    real(DP) :: density
     integer :: n, a, nodes(MAX_NODES)
     call element_nodes(model%mesh, e, n, nodes)
-    call element_body_force(model%mesh%kind(e), model%mesh%coordinates(:, nodes(:n)), &
-      model%materials(model%mesh%material(e))%density * acceleration, force)
+    density = 1                                    ! the section of a mass is its mass
+    if (model%mesh%kind(e) /= KIND_MASS) density = model%materials(material_of(model%mesh, e))%density
+    call element_body_force(model%mesh%kind(e), model%mesh%coordinates(:, nodes(:n)), model%mesh%section(e), &
+      density * acceleration, force)
     do a = 1, n
       fields%applied_force(:, nodes(a)) = fields%applied_force(:, nodes(a)) + force(:, a)
     end do

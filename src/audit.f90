@@ -7,7 +7,7 @@ module amontons_audit
   use amontons_errors, only: error_type, complaints_type, set_error, EXIT_SETUP
   use amontons_text, only: text_of, plural, NEWLINE
   use amontons_lookup, only: integer_list_type
-  use amontons_topology, only: element_kind, kind_type, N_KINDS
+  use amontons_topology, only: element_kind, kind_type, KIND_SPRINGA, N_KINDS
   use amontons_element, only: element_volume, ELEMENT_OK
   use amontons_loads, only: load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY
   use amontons_steps, only: step_type
@@ -56,12 +56,14 @@ contains
     type(integer_list_type) :: bad
     real(DP) :: volume
     integer :: e, status
+    logical :: has_volume
     associate (mesh => model%mesh)
       do e = 1, mesh%n_elements
         associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
-          call element_volume(mesh%kind(e), mesh%coordinates(:, nodes), volume, status)
+          call element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section(e), volume, status)
         end associate
-        if (status /= ELEMENT_OK .or. .not. volume > 0.0_DP) call bad%add(mesh%element_label(e))
+        has_volume = mesh%point_first(e + 1) > mesh%point_first(e)
+        if (status /= ELEMENT_OK .or. (has_volume .and. .not. volume > 0.0_DP)) call bad%add(mesh%element_label(e))
       end do
     end associate
     if (bad%n > 0) call complain(report, 'The volume of ' // number_of('element', bad%trimmed(), 'is', 'is') // &
@@ -79,6 +81,7 @@ contains
     integer :: e, i, k, m
     allocate (is_used(size(model%materials)), is_heavy(size(model%materials)), source=.false.)
     do e = 1, model%mesh%n_elements
+      if (model%mesh%kind(e) >= KIND_SPRINGA) cycle      ! springs and masses have none
       if (model%mesh%material(e) == 0) then
         call none%add(model%mesh%element_label(e))
       else

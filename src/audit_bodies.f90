@@ -5,6 +5,7 @@ module amontons_audit_bodies
   use amontons_text, only: text_of, plural
   use amontons_element, only: element_volume
   use amontons_model, only: model_type
+  use amontons_topology, only: KIND_MASS
   implicit none
   private
   public :: body_type, bodies_type, find_bodies, body_name, find_root, unite
@@ -119,9 +120,10 @@ contains
         if (body%n_elements == 0) body%element = e
         body%n_elements = body%n_elements + 1
         associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
-          call element_volume(mesh%kind(e), mesh%coordinates(:, nodes), volume, status)
+          call element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section(e), volume, status)
         end associate
         body%volume = body%volume + volume
+        if (mesh%kind(e) == KIND_MASS) body%mass = body%mass + mesh%section(e)
         if (mesh%material(e) > 0) body%mass = body%mass + model%materials(mesh%material(e))%density * volume
       end associate
     end do

@@ -1,14 +1,22 @@
-!> Element: internal forces, tangent, body force and pressure of one element or facet; plain, B-bar or F-bar.
+!> Element: internal forces, tangent, body force and pressure of one element or facet, of every kind.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory and symbols: doc/theory/elements.md. Force and tangent are the first and second derivative of the element's
 !! strain energy, so the tangent is symmetric, at finite strain and with mean dilatation too. Inside, arrays run over
-!! the nodes first: that is the loop the compiler turns into vector instructions.
+!! the nodes first: that is the loop the compiler turns into vector instructions. Solids in space are computed here
+!! (plain, B-bar or F-bar, incompatible modes, one point); the other kinds have their own rooms below.
 module amontons_element
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
-  use amontons_materials, only: material_type, MAX_HISTORY
+  use amontons_condition, only: tangent_at_rest, CONDITION_NONE
+  use amontons_discrete, only: truss_element, truss_volumes, truss_body_force, spring_element
+  use amontons_enhanced, only: incompatible_gradients, correct_modes, condense_modes, N_MODES
+  use amontons_hourglass, only: hourglass_type, prepare_hourglass, add_hourglass
+  use amontons_materials, only: material_type
   use amontons_material_point, only: point_type, update_point
+  use amontons_plane, only: plane_element, plane_volumes, plane_body_force, edge_pressure
+  use amontons_points, only: points_type, begin_point, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, &
+    ELEMENT_DEGENERATE
   use amontons_principal, only: logarithm_1p
   use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, STRESS_OK, STRESS_INVERTED, &
@@ -16,42 +24,24 @@ module amontons_element
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, cross_product, determinant_minus_one, invert, &
     pack_voigt
   use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_NODES, MAX_POINTS, &
-    MAX_FACE_NODES, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R, &
+    MAX_FACE_NODES, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_C3D10, KIND_C3D15, &
+    KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CAX8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING2, KIND_MASS, &
     N_SOLID_KINDS
   implicit none
   private
   public :: points_type, element_system, element_forces, element_tangent
-  public :: element_volume, element_body_force, facet_pressure
+  public :: element_volume, element_point_volumes, element_body_force, facet_pressure, edge_pressure
   public :: ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
-
-  integer, parameter :: ELEMENT_OK = 0             !< all is well
-  integer, parameter :: ELEMENT_INVERTED = 1       !< det F is not positive at an integration point
-  integer, parameter :: ELEMENT_NOT_FINITE = 2     !< a displacement is NaN, infinite or beyond all bounds
-  integer, parameter :: ELEMENT_DEGENERATE = 3     !< the undeformed volume of a point is not positive
 
   ! The table of module topology once more, as constants: so the loops have known lengths. The unit test notices if
   ! they differ.
   integer, parameter :: N_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15]
   integer, parameter :: N_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9]
+  integer, parameter :: MOST_CORRECTIONS = 30      !< of the amplitudes of the incompatible modes
+  real(DP), parameter :: EXACT = 1.0e-14_DP        !< their force of the stresses: converged [-]
+  real(DP), parameter :: ACCEPTABLE = 1.0e-9_DP    !< where rounding stops the corrections [-]
   logical, parameter :: IS_MEAN(N_SOLID_KINDS) = [.false., .false., .true., .false., .false., .false., .false., .false., &
     .false., .false.]
-
-  !> What is known at the integration points of one element; entries past its points are undefined. What comes in is
-  !! read only where the material is not plain; a plain one leaves the history alone.
-  type :: points_type
-    ! comes in: the past, committed, and the temperature
-    real(DP) :: past(MAX_HISTORY, MAX_POINTS)      !< committed history
-    real(DP) :: temperature(MAX_NODES)             !< of the nodes, at the end of the increment [temperature]
-    real(DP) :: initial_temperature(MAX_NODES)     !< of the nodes [temperature]
-    real(DP) :: time                               !< at the end of the increment [time]
-    real(DP) :: time_increment                     !< [time]
-    ! goes out
-    real(DP) :: history(MAX_HISTORY, MAX_POINTS)   !< at the end of the increment
-    real(DP) :: stress(6, MAX_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]
-    real(DP) :: strain(6, MAX_POINTS)              !< small or logarithmic strain, tensor components [-]
-    real(DP) :: energy(MAX_POINTS)                 !< strain energy per reference volume [stress]
-    real(DP) :: volume(MAX_POINTS)                 !< reference volume of the point: weight times determinant [length^3]
-  end type points_type
 
   !> How an element has moved: what its forces and its tangent need.
   type :: motion_type
@@ -88,9 +78,40 @@ contains
     case (KIND_C3D10)
       call evaluate(KIND_C3D10, material, X, u, is_nlgeom, force, points, status, stiffness)
     case default
-      call evaluate(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+      call evaluate_any(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     end select
   end subroutine element_system
+
+
+  !> The one place where each kind finds its kernel.
+  pure subroutine evaluate_any(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+    integer, intent(in) :: kind                    !< KIND_...
+    type(material_type), intent(in) :: material    !< springs and masses: not looked at
+    real(DP), intent(in) :: X(:, :), u(:, :)       !< (3, nodes) [length]
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: force(3, MAX_NODES)   !< [force]
+    type(points_type), intent(inout) :: points
+    integer, intent(out) :: status                 !< ELEMENT_...
+    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    select case (kind)
+    case (KIND_C3D8I)
+      call evaluate_enhanced(material, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_C3D8R)
+      call evaluate_one_point(material, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_CPS3:KIND_CAX8R)
+      call plane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_T3D2, KIND_T3D3)
+      call truss_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_SPRINGA:KIND_SPRING2)
+      call spring_element(kind, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_MASS)
+      force = 0
+      status = ELEMENT_OK
+      if (present(stiffness)) stiffness(:3, :3) = 0
+    case default
+      call evaluate(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+    end select
+  end subroutine evaluate_any
 
 
   !> Internal force and point values of an element: the way of a residual.
@@ -106,7 +127,7 @@ contains
     if (kind == KIND_C3D8) then
       call evaluate(KIND_C3D8, material, X, u, is_nlgeom, force, points, status)
     else
-      call evaluate(kind, material, X, u, is_nlgeom, force, points, status)
+      call evaluate_any(kind, material, X, u, is_nlgeom, force, points, status)
     end if
   end subroutine element_forces
 
@@ -126,37 +147,96 @@ contains
   end subroutine element_tangent
 
 
-  !> Volume of an element in the coordinates given, and whether it is positive everywhere.
-  pure subroutine element_volume(kind, X, volume, status)
+  !> Volume of an element in the coordinates given, and whether it is positive everywhere. Springs and masses have none.
+  pure subroutine element_volume(kind, X, section, volume, status)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
+    real(DP), intent(in) :: section                !< thickness [length] or cross-section [length^2]
     real(DP), intent(out) :: volume                !< [length^3]
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
-    type(motion_type) :: motion
-    call set_reference(kind, X, motion, status)
-    volume = sum(motion%reference(:N_POINTS(kind)))
+    real(DP) :: volumes(MAX_POINTS)
+    integer :: n
+    call element_point_volumes(kind, X, section, n, volumes, status)
+    volume = sum(volumes(:n))
   end subroutine element_volume
 
 
+  !> The volume that each integration point of an element stands for.
+  pure subroutine element_point_volumes(kind, X, section, n, volumes, status)
+    integer, intent(in) :: kind                    !< KIND_...
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
+    real(DP), intent(in) :: section                !< thickness [length] or cross-section [length^2]
+    integer, intent(out) :: n                      !< integration points
+    real(DP), intent(out) :: volumes(:)            !< (MAX_POINTS) zero past n [length^3]
+    integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
+    type(motion_type) :: motion
+    volumes = 0
+    select case (kind)
+    case (KIND_CPS3:KIND_CAX8R)
+      call plane_volumes(kind, X, section, n, volumes, status)
+    case (KIND_T3D2, KIND_T3D3)
+      call truss_volumes(kind, X, section, n, volumes, status)
+    case (KIND_SPRINGA)
+      n = 0
+      status = merge(ELEMENT_OK, ELEMENT_DEGENERATE, norm2(X(:, 2) - X(:, 1)) > 0)
+    case (KIND_SPRINGA + 1:)
+      n = 0
+      status = ELEMENT_OK
+    case default
+      call set_reference(full_rule(kind), X, motion, status)
+      n = N_POINTS(kind)
+      volumes(:n) = motion%reference(:n)
+      if (kind == KIND_C3D8R) volumes(1) = sum(motion%reference(:8))
+    end select
+  end subroutine element_point_volumes
+
+
+  !> The kind whose points see the whole of an element: C3D8R has the mean of eight.
+  pure integer function full_rule(kind)
+    integer, intent(in) :: kind                    !< a solid in space
+    full_rule = merge(KIND_C3D8_FULL, kind, kind == KIND_C3D8R)
+  end function full_rule
+
+
   !> Consistent nodal forces of a body force: force_a = sum over points of N_a b w.
-  pure subroutine element_body_force(kind, X, b, force)
+  pure subroutine element_body_force(kind, X, section, b, force)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
-    real(DP), intent(in) :: b(3)                   !< force per reference volume [force/length^3]
+    real(DP), intent(in) :: section                !< thickness [length], cross-section [length^2] or mass [mass]
+    real(DP), intent(in) :: b(3)                   !< force per reference volume [force/length^3], or per mass [force/mass]
     real(DP), intent(out) :: force(3, MAX_NODES)   !< zero past the nodes [force]
+    force = 0
+    select case (kind)
+    case (KIND_CPS3:KIND_CAX8R)
+      call plane_body_force(kind, X, section, b, force)
+    case (KIND_T3D2, KIND_T3D3)
+      call truss_body_force(kind, X, section, b, force)
+    case (KIND_MASS)
+      force(:, 1) = section * b
+    case (:N_SOLID_KINDS)
+      call solid_body_force(full_rule(kind), X, b, force)
+    case default                                   ! a spring has no weight
+    end select
+  end subroutine element_body_force
+
+
+  !> The same for solids in space.
+  pure subroutine solid_body_force(kind, X, b, force)
+    integer, intent(in) :: kind
+    real(DP), intent(in) :: X(:, :), b(3)
+    real(DP), intent(inout) :: force(3, MAX_NODES)
     type(motion_type) :: motion
     real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
     integer :: n_rule, p, a, status
     call set_reference(kind, X, motion, status)
     call quadrature(kind, n_rule, xi, w)
-    force = 0
     do p = 1, n_rule
       call shape_functions(kind, xi(:, p), N, dN)
       do a = 1, N_NODES(kind)
         force(:, a) = force(:, a) + (N(a) * motion%reference(p)) * b
       end do
     end do
-  end subroutine element_body_force
+  end subroutine solid_body_force
 
 
   !> Consistent nodal forces of a pressure on a facet in its current place, and their derivative, the load stiffness:
@@ -225,17 +305,151 @@ contains
     call set_reference(kind, X, motion, status)
     if (status == ELEMENT_OK) call move(kind, u, is_nlgeom, motion, status)
     if (status /= ELEMENT_OK) return
-    if (material%is_plain) then
-      call set_stresses(kind, material, is_nlgeom, present(stiffness), motion, tau, tangent, points, status)
-    else
-      call update_points(kind, material, is_nlgeom, motion, tau, tangent, points, status)
-    end if
+    call respond(kind, material, is_nlgeom, present(stiffness), motion, tau, tangent, points, status)
     if (status /= ELEMENT_OK) return
     call add_forces(N_NODES(kind), N_POINTS(kind), IS_MEAN(kind), motion, tau, force)
     if (.not. present(stiffness)) return
     if (.not. is_nlgeom) tau = 0
     call set_stiffness(N_NODES(kind), N_POINTS(kind), IS_MEAN(kind), motion, tau, tangent, stiffness)
   end subroutine evaluate
+
+
+  !> C3D8I: the amplitudes of the incompatible modes are found anew each time, so that their forces are zero; then they
+  !! leave force and tangent by condensation. So force and tangent are derivatives of the least energy, and nothing is
+  !! to be remembered. Cost: one correction where stress and strain are proportional, else two to five.
+  pure subroutine evaluate_enhanced(material, X, u, is_nlgeom, force, points, status, stiffness)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: X(:, :), u(:, :)
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: force(3, MAX_NODES)
+    type(points_type), intent(inout) :: points
+    integer, intent(out) :: status
+    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    type(motion_type) :: at_rest
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), K(3 * MAX_NODES, 3 * MAX_NODES), whole(3, 8 + N_MODES), &
+      correction(3, N_MODES), imbalance
+    integer :: n_rule, step
+    logical :: is_regular
+    call set_reference(KIND_C3D8I, X, at_rest, status)
+    if (status /= ELEMENT_OK) return
+    call quadrature(KIND_C3D8I, n_rule, xi, w)
+    call incompatible_gradients(X, xi(:, :8), at_rest%reference(:8), at_rest%gradient(9:8 + N_MODES, :, :8))
+    whole(:, :8) = u(:, :8)
+    whole(:, 9:) = 0                                 ! the amplitudes
+    do step = 0, MOST_CORRECTIONS
+      call evaluate_modes(material, at_rest, whole, is_nlgeom, force, points, status, K, imbalance)
+      if (status /= ELEMENT_OK) return
+      if (imbalance <= EXACT) exit
+      call correct_modes(8, force, K, correction, is_regular)
+      if (.not. is_regular) exit
+      if (maxval(abs(correction)) <= epsilon(1.0_DP) * maxval(abs(whole(:, 9:)))) exit
+      whole(:, 9:) = whole(:, 9:) + correction
+    end do
+    if (.not. imbalance <= ACCEPTABLE) status = ELEMENT_NOT_FINITE
+    if (present(stiffness)) then
+      stiffness = K
+      call condense_modes(8, force, stiffness, is_regular)
+    end if
+    force(:, 9:) = 0
+  end subroutine evaluate_enhanced
+
+
+  !> Forces and tangent of the eight nodes and of the amplitudes, as if these were three more nodes.
+  pure subroutine evaluate_modes(material, at_rest, u, is_nlgeom, force, points, status, stiffness, imbalance)
+    type(material_type), intent(in) :: material
+    type(motion_type), intent(in) :: at_rest       !< gradients of nodes and modes
+    real(DP), intent(in) :: u(3, 8 + N_MODES)      !< displacements, then amplitudes [length]
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: force(3, MAX_NODES)
+    type(points_type), intent(inout) :: points
+    integer, intent(out) :: status
+    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP), intent(out) :: imbalance             !< of the modes, over the stresses times their gradients [-]
+    type(motion_type) :: motion
+    real(DP) :: tau(6, MAX_POINTS), tangent(6, 6, MAX_POINTS), scale
+    integer :: p, m, j
+    integer, parameter :: N = 8 + N_MODES
+    force = 0
+    motion = at_rest
+    call move(KIND_C3D8I, u, .false., motion, status)
+    if (status /= ELEMENT_OK) return
+    do p = 1, 8
+      do m = 1, N_MODES
+        do j = 1, 3
+          motion%H(:, j, p) = motion%H(:, j, p) + u(:, 8 + m) * motion%gradient(8 + m, j, p)
+        end do
+      end do
+    end do
+    if (is_nlgeom) call push_forward(N, 8, motion, status)
+    if (status == ELEMENT_OK) call respond(KIND_C3D8I, material, is_nlgeom, .true., motion, tau, tangent, points, status)
+    if (status /= ELEMENT_OK) return
+    call add_forces(N, 8, .false., motion, tau, force)
+    scale = tiny(1.0_DP)
+    do p = 1, 8
+      scale = scale + motion%reference(p) * norm2(tau(:, p)) * norm2(motion%gradient(9:N, :, p))
+    end do
+    imbalance = norm2(force(:, 9:N)) / scale
+    if (.not. is_nlgeom) tau = 0
+    call set_stiffness(N, 8, .false., motion, tau, tangent, stiffness)
+  end subroutine evaluate_modes
+
+
+  !> C3D8R: the mean of the gradients stands for all points; the hourglass modes have an energy of their own, which is
+  !! written with that of the point.
+  pure subroutine evaluate_one_point(material, X, u, is_nlgeom, force, points, status, stiffness)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: X(:, :), u(:, :)
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: force(3, MAX_NODES)
+    type(points_type), intent(inout) :: points
+    integer, intent(out) :: status
+    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    type(motion_type) :: motion
+    type(hourglass_type) :: hourglass
+    real(DP) :: mean(MAX_NODES, 3), volume, tau(6, MAX_POINTS), tangent(6, 6, MAX_POINTS), c(6, 6), energy
+    integer :: p
+    force = 0
+    call set_reference(KIND_C3D8_FULL, X, motion, status)
+    if (status /= ELEMENT_OK) return
+    volume = sum(motion%reference(:8))
+    mean = 0
+    do p = 1, 8
+      mean(:8, :) = mean(:8, :) + (motion%reference(p) / volume) * motion%gradient(:8, :, p)
+    end do
+    motion%gradient(:8, :, 1) = mean(:8, :)
+    motion%reference(1) = volume
+    motion%current(1) = volume
+    call move(KIND_C3D8R, u, is_nlgeom, motion, status)
+    if (status == ELEMENT_OK) call respond(KIND_C3D8R, material, is_nlgeom, present(stiffness), motion, tau, tangent, &
+      points, status)
+    if (status /= ELEMENT_OK) return
+    call add_forces(8, 1, .false., motion, tau, force)
+    if (present(stiffness)) then
+      if (.not. is_nlgeom) tau = 0
+      call set_stiffness(8, 1, .false., motion, tau, tangent, stiffness)
+    end if
+    call tangent_at_rest(CONDITION_NONE, material, is_nlgeom, 8, points, c)
+    call prepare_hourglass(3, X, mean(:8, :), volume, c, hourglass)
+    call add_hourglass(hourglass, u, is_nlgeom, energy, force, stiffness)
+    points%energy(1) = points%energy(1) + energy / volume
+  end subroutine evaluate_one_point
+
+
+  !> Stress, tangent and point values at all points, by the law of the material.
+  pure subroutine respond(kind, material, is_nlgeom, is_tangent, motion, tau, tangent, points, status)
+    integer, intent(in) :: kind
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom, is_tangent
+    type(motion_type), intent(in) :: motion
+    real(DP), intent(out) :: tau(6, MAX_POINTS), tangent(6, 6, MAX_POINTS)
+    type(points_type), intent(inout) :: points
+    integer, intent(out) :: status
+    if (material%is_plain) then
+      call set_stresses(kind, material, is_nlgeom, is_tangent, motion, tau, tangent, points, status)
+    else
+      call update_points(kind, material, is_nlgeom, motion, tau, tangent, points, status)
+    end if
+  end subroutine respond
 
 
   !> Derivatives of the shape functions by the coordinates given, and the volumes of the points.
@@ -405,16 +619,11 @@ contains
     call temperature_weights(kind, weight)
     dilatation = 0
     if (IS_MEAN(kind) .and. .not. is_nlgeom) dilatation = mean_divergence(N_POINTS(kind), motion)
-    point%frame = IDENTITY
-    point%time = points%time
-    point%time_increment = points%time_increment
     do p = 1, N_POINTS(kind)
+      call begin_point(material, points, p, weight(:n, p), point)
       point%H = motion%H(:, :, p)
       point%strain = pack_voigt(point%H)
       if (IS_MEAN(kind)) point%strain = point%strain + ((dilatation - sum(point%strain(:3))) / 3) * VOIGT_IDENTITY
-      point%temperature = dot_product(weight(:n, p), points%temperature(:n))
-      point%initial_temperature = dot_product(weight(:n, p), points%initial_temperature(:n))
-      point%past = points%past(:, p)
       call update_point(material, is_nlgeom, point, status)
       if (status /= STRESS_OK) exit
       tau(:, p) = point%stress
@@ -440,6 +649,7 @@ contains
     weight = 0
     corner_kind = 0
     if (N_NODES(kind) == 10) corner_kind = KIND_C3D4
+    if (N_NODES(kind) == 15) corner_kind = KIND_C3D6
     if (N_NODES(kind) == 20) corner_kind = KIND_C3D8
     if (corner_kind == 0) then
       weight(:N_NODES(kind), :) = 1.0_DP / real(N_NODES(kind), DP)

@@ -10,7 +10,7 @@
 module amontons_facets
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, kind_type, FACET_TRI3, FACET_TRI6, &
+  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, kind_type, FAMILY_SOLID, FACET_TRI3, FACET_TRI6, &
     MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_tensor, only: cross_product
@@ -160,7 +160,7 @@ contains
     integer, intent(in) :: element, face
     type(error_type), allocatable, intent(out) :: error
     type(kind_type) :: solid
-    character(120) :: text
+    character(160) :: text
     if (element < 1 .or. element > mesh%n_elements) then
       write (text, '(a,i0,a,i0,a)') 'A surface names element index ', element, ', but the mesh has 1 to ', &
         mesh%n_elements, '.'
@@ -168,7 +168,13 @@ contains
       return
     end if
     solid = element_kind(mesh%kind(element))
-    if (face >= 1 .and. face <= solid%n_faces) return
+    if (face >= 1 .and. face <= solid%n_faces .and. solid%family == FAMILY_SOLID) return
+    if (solid%family /= FAMILY_SOLID) then
+      write (text, '(a,i0,3a)') 'Contact needs faces of solids in space; element ', mesh%element_label(element), &
+        ' of type ', trim(solid%name), ' has edges only. Use one layer of solids.'
+      call set_error(error, EXIT_SETUP, trim(text))
+      return
+    end if
     write (text, '(a,i0,3a,i0,a,i0,a)') 'Element ', mesh%element_label(element), ' of type ', trim(solid%name), &
       ' has faces S1 to S', solid%n_faces, ', not S', face, '.'
     call set_error(error, EXIT_SETUP, trim(text))

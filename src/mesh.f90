@@ -63,24 +63,19 @@ contains
   !! spring of one direction, those of a lone mass. A node without elements has none.
   subroutine find_idle(mesh)
     type(mesh_type), intent(inout) :: mesh
+    logical, allocatable :: is_used(:)
     type(kind_type) :: entry
-    logical :: resists(3)
-    integer :: e, i, pass
-    do pass = 1, 2                                 ! first all are idle, then those that an element resists are not
-      do e = 1, mesh%n_elements
-        entry = element_kind(mesh%kind(e))
-        if (pass == 2 .and. entry%family == FAMILY_MASS) cycle
-        do i = mesh%first(e), mesh%first(e + 1) - 1
-          if (mesh%nodes(i) == 0) cycle            ! the deck names a node that is not there: an error is on its way
-          associate (is_idle => mesh%is_idle(:, mesh%nodes(i)))
-            if (pass == 1) then
-              is_idle = .true.
-            else
-              resists = resisted(mesh, e, i - mesh%first(e) + 1, entry%family)
-              is_idle = is_idle .and. .not. resists
-            end if
-          end associate
-        end do
+    integer :: e, i
+    allocate (is_used(0:mesh%n_nodes), source=.false.)   ! 0: a node that the deck has not; its error is on its way
+    is_used(mesh%nodes) = .true.
+    mesh%is_idle = spread(is_used(1:), 1, 3)
+    do e = 1, mesh%n_elements
+      entry = element_kind(mesh%kind(e))
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        if (mesh%nodes(i) == 0) cycle
+        associate (is_idle => mesh%is_idle(:, mesh%nodes(i)))
+          is_idle = is_idle .and. .not. resisted(mesh, e, i - mesh%first(e) + 1, entry%family)
+        end associate
       end do
     end do
   end subroutine find_idle
@@ -95,6 +90,8 @@ contains
     select case (family)
     case (FAMILY_SOLID, FAMILY_TRUSS)
       resists = .true.
+    case (FAMILY_MASS)
+      resists = .false.
     case (FAMILY_SPRING)
       resists = .true.
       if (mesh%kind(e) /= KIND_SPRING1 .and. mesh%kind(e) /= KIND_SPRING2) return

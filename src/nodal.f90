@@ -2,10 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_nodal
   use amontons_kinds, only: DP
-  use amontons_tensor, only: determinant
   use amontons_topology, only: element_kind, kind_type, MAX_NODES, MAX_POINTS, N_KINDS
   use amontons_mesh, only: mesh_type, element_nodes
-  use amontons_shapes, only: extrapolation_matrix, quadrature, shape_functions
+  use amontons_shapes, only: extrapolation_matrix
+  use amontons_element, only: element_point_volumes
   implicit none
   private
   public :: average_at_nodes, point_volumes
@@ -53,16 +53,9 @@ contains
     integer, intent(in) :: e                       !< element index
     integer, intent(out) :: n                      !< number of its points
     real(DP), intent(out) :: volumes(MAX_POINTS)   !< (MAX_POINTS) the first n are set, 0 past n [length^3]
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), shapes(MAX_NODES), slopes(3, MAX_NODES), jacobian(3, 3)
-    integer :: p, n_nodes, nodes(MAX_NODES)
+    integer :: n_nodes, status, nodes(MAX_NODES)
     call element_nodes(mesh, e, n_nodes, nodes)
-    call quadrature(mesh%kind(e), n, xi, w)
-    volumes = 0
-    do p = 1, n
-      call shape_functions(mesh%kind(e), xi(:, p), shapes, slopes)
-      jacobian = matmul(mesh%coordinates(:, nodes(:n_nodes)), transpose(slopes(:, :n_nodes)))
-      volumes(p) = w(p) * determinant(jacobian)
-    end do
+    call element_point_volumes(mesh%kind(e), mesh%coordinates(:, nodes(:n_nodes)), mesh%section(e), n, volumes, status)
   end subroutine point_volumes
 
 end module amontons_nodal

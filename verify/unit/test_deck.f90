@@ -275,8 +275,8 @@ contains
     call expect_error(suite, MODEL_PART // T // '3,1,2,x,4,5,6,7,8;' // STEP_PART, 'number of a node')
     call expect_error(suite, MODEL_PART // '*ELEMENT, TYPE=C3D8, ELSET=F;3,1,2,3,4,5,6,7,8;' // STEP_PART, &
       'have no section', '*ELEMENT, TYPE=C3D8, ELSET=F')
-    call expect_error(suite, MODEL_PART // '*ELEMENT, TYPE=C3D8R, ELSET=E;3,1,2,3,4,5,6,7,8;' // STEP_PART, &
-      'C3D8R is not supported. Use C3D8')
+    call expect_error(suite, MODEL_PART // '*ELEMENT, TYPE=C3D8P, ELSET=E;3,1,2,3,4,5,6,7,8;' // STEP_PART, &
+      'C3D8P is not supported. Use C3D8')
     call expect_error(suite, MODEL_PART // '*ELEMENT, TYPE=SPRINGA;3,1,2;' // STEP_PART, 'SPRINGA is not')
     call expect_error(suite, NODES // '*ELEMENT, ELSET=E;' // CUBES // STEEL // SETS // STEP_PART, 'TYPE=text')
   end subroutine test_elements

@@ -1,0 +1,283 @@
+!> Hourglass: the stiffness that one integration point leaves out, for hexahedra and plane squares.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! A hexahedron with one point feels the mean of its strain alone; its hourglass modes (four in space, one in the plane,
+!! in each direction) would be free. They are held by an energy of their own ("physical stabilisation"),
+!!
+!!     W = 1/2 sum M_(i alpha)(j beta) p_i alpha p_j beta,   p_alpha = F^T q_alpha,   q_alpha = sum_a gamma_a alpha u_a
+!!
+!! with the vectors gamma of Flanagan and Belytschko, which are orthogonal to all linear fields, so that the patch test
+!! is passed; with F the mean deformation gradient, so that a rotation costs nothing; and with M the elastic energy of
+!! the strains that vary linearly over the element, those that make hexahedra lock left out, as assumed strain and
+!! incompatible modes do. Force and tangent are the exact derivatives of W. No parameter is to be chosen.
+!!
+!! References: D. P. Flanagan, T. Belytschko, A uniform strain hexahedron and quadrilateral with orthogonal hourglass
+!! control, Int. J. Numer. Meth. Engng 17 (1981) 679-706; T. Belytschko, L. P. Bindeman, Assumed strain stabilization of
+!! the eight node hexahedral element, Comput. Meth. Appl. Mech. Engng 105 (1993) 225-260; M. A. Puso, A highly efficient
+!! enhanced assumed strain physically stabilized hexahedral element, Int. J. Numer. Meth. Engng 49 (2000) 1029-1064.
+!! Theory: doc/theory/elements.md, section "One point and hourglass stiffness".
+module amontons_hourglass
+  use amontons_kinds, only: DP
+  use amontons_tensor, only: IDENTITY, invert, VOIGT_ROW, VOIGT_COLUMN
+  use amontons_topology, only: MAX_NODES
+  implicit none
+  private
+  public :: hourglass_type, prepare_hourglass, add_hourglass
+
+  integer, parameter :: MAX_CORNERS = 8, MAX_MODES = 4
+
+  ! Signs of the corners: xi, eta, zeta.
+  real(DP), parameter :: CORNER(3, 8) = reshape([real(DP) :: &
+    -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
+
+  !> What the hourglass energy of one element needs.
+  type :: hourglass_type
+    integer :: d = 3                                    !< 3 in space, 2 in the plane
+    integer :: n = 8                                    !< corners
+    integer :: m = 4                                    !< modes of each component: 4 or 1
+    real(DP) :: gamma(MAX_CORNERS, MAX_MODES) = 0       !< [-]
+    real(DP) :: gradient(MAX_CORNERS, 3) = 0            !< mean dN_a/dX_j [1/length]
+    real(DP) :: matrix(3 * MAX_MODES, 3 * MAX_MODES) = 0   !< M; (i, alpha) is i + d (alpha - 1) [force/length]
+  end type hourglass_type
+
+contains
+
+  !> The hourglass vectors and the matrix M of an element.
+  pure subroutine prepare_hourglass(d, X, gradient, volume, c, hourglass)
+    integer, intent(in) :: d                       !< 3: hexahedron of 8 nodes, 2: square of 4
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
+    real(DP), intent(in) :: gradient(:, :)         !< (nodes, d) mean dN_a/dX_j [1/length]
+    real(DP), intent(in) :: volume                 !< [length^3]
+    real(DP), intent(in) :: c(6, 6)                !< elastic tangent at rest, engineering shears [stress]
+    type(hourglass_type), intent(out) :: hourglass
+    real(DP) :: base(MAX_CORNERS, MAX_MODES), J(3, 3)
+    integer :: n, m, i, alpha
+    hourglass%d = d
+    n = 2**d
+    m = merge(4, 1, d == 3)
+    hourglass%n = n
+    hourglass%m = m
+    hourglass%gradient(:n, :d) = gradient(:n, :d)
+    base(:, 1) = CORNER(1, :) * CORNER(2, :)
+    if (d == 3) then
+      base(:, 3) = base(:, 1)
+      base(:, 1) = CORNER(2, :) * CORNER(3, :)
+      base(:, 2) = CORNER(3, :) * CORNER(1, :)
+      base(:, 4) = base(:, 1) * CORNER(1, :)
+    end if
+    J = 0
+    J(3, 3) = 1
+    do i = 1, d
+      J(:d, i) = matmul(X(:d, :n), CORNER(i, :n)) / real(n, DP)
+    end do
+    do alpha = 1, m
+      hourglass%gamma(:n, alpha) = base(:n, alpha)
+      do i = 1, d
+        hourglass%gamma(:n, alpha) = hourglass%gamma(:n, alpha) - dot_product(base(:n, alpha), X(i, :n)) * gradient(:n, i)
+      end do
+      hourglass%gamma(:n, alpha) = hourglass%gamma(:n, alpha) / real(n, DP)
+    end do
+    if (d == 3) call set_solid_matrix(J, volume, c, hourglass%matrix)
+    if (d == 2) call set_plane_matrix(J, volume, c, hourglass%matrix)
+  end subroutine prepare_hourglass
+
+
+  !> M of the hexahedron. With P_alpha = J^T p_alpha the strains in natural components are
+  !!
+  !! | varies with | normal strains               | shear                        | free to follow (enhanced) |
+  !! |-------------|------------------------------|------------------------------|---------------------------|
+  !! | xi          | 22: P_3(2), 33: P_2(3)       | 2 * 23: P_3(3) + P_2(2)      | 11                        |
+  !! | eta         | 33: P_1(3), 11: P_3(1)       | 2 * 31: P_1(1) + P_3(3)      | 22                        |
+  !! | zeta        | 11: P_2(1), 22: P_1(2)       | 2 * 12: P_2(2) + P_1(1)      | 33                        |
+  !! | eta zeta    | 11: P_4(1)                   |                              | 22, 33                    |
+  !!
+  !! and so on round for the last; the mean squares of these functions are 1/3 and 1/9.
+  pure subroutine set_solid_matrix(J, volume, c, matrix)
+    real(DP), intent(in) :: J(3, 3)                !< dX_k/dxi_i at the centre, column i [length]
+    real(DP), intent(in) :: volume                 !< [length^3]
+    real(DP), intent(in) :: c(6, 6)                !< [stress]
+    real(DP), intent(out) :: matrix(12, 12)
+    integer, parameter :: NEXT(3) = [2, 3, 1], SHEAR(3) = [5, 6, 4]   ! Voigt place of 23, 31, 12
+    real(DP) :: natural(6, 6), block(3, 3), map(3, 12), jacobians(12, 12)
+    integer :: i, k, l, alpha
+    natural = natural_tangent(J, c)
+    matrix = 0
+    do i = 1, 3
+      k = NEXT(i)
+      l = NEXT(k)
+      block = condensed(natural, i, [k, l, SHEAR(i)])
+      map = 0                                      ! columns: component + 3 (mode - 1)
+      map(1, k + 3 * (l - 1)) = 1
+      map(2, l + 3 * (k - 1)) = 1
+      map(3, l + 3 * (l - 1)) = 1
+      map(3, k + 3 * (k - 1)) = 1
+      matrix = matrix + (volume / 3) * matmul(transpose(map), matmul(block, map))
+      matrix(9 + i, 9 + i) = (volume / 9) * uniaxial_modulus(natural, i, k, l)
+    end do
+    jacobians = 0
+    do alpha = 1, 4
+      jacobians(3 * alpha - 2:3 * alpha, 3 * alpha - 2:3 * alpha) = transpose(J)
+    end do
+    matrix = matmul(transpose(jacobians), matmul(matrix, jacobians))
+    matrix = 0.5_DP * (matrix + transpose(matrix))
+  end subroutine set_solid_matrix
+
+
+  !> M of the plane square: strain 11 varies as eta P(1), strain 22 as xi P(2), the other one free to follow.
+  pure subroutine set_plane_matrix(J, volume, c, matrix)
+    real(DP), intent(in) :: J(3, 3)                !< dX_k/dxi_i at the centre, column i; third axis of length one
+    real(DP), intent(in) :: volume                 !< [length^3]
+    real(DP), intent(in) :: c(6, 6)                !< [stress]
+    real(DP), intent(out) :: matrix(12, 12)
+    real(DP) :: natural(6, 6), diagonal(2, 2)
+    natural = natural_tangent(J, c)
+    diagonal = 0
+    diagonal(1, 1) = natural(1, 1) - natural(1, 2)**2 / natural(2, 2)
+    diagonal(2, 2) = natural(2, 2) - natural(1, 2)**2 / natural(1, 1)
+    matrix = 0
+    matrix(:2, :2) = (volume / 3) * matmul(J(:2, :2), matmul(diagonal, transpose(J(:2, :2))))
+    matrix(1, 2) = matrix(2, 1)
+  end subroutine set_plane_matrix
+
+
+  !> The tangent for strains in natural (covariant) components: T^T c T, E = J^-T E_natural J^-1.
+  pure function natural_tangent(J, c) result(natural)
+    real(DP), intent(in) :: J(3, 3), c(6, 6)
+    real(DP) :: natural(6, 6)
+    real(DP) :: inverse(3, 3), det, T(6, 6)
+    integer :: p, q
+    call invert(J, inverse, det)
+    do q = 1, 6
+      do p = 1, 6
+        associate (k => VOIGT_ROW(p), l => VOIGT_COLUMN(p), i => VOIGT_ROW(q), m => VOIGT_COLUMN(q))
+          T(p, q) = 0.5_DP * (inverse(i, k) * inverse(m, l) + inverse(m, k) * inverse(i, l))
+          if (p > 3) T(p, q) = 2 * T(p, q)         ! engineering shears on both sides
+        end associate
+      end do
+    end do
+    natural = matmul(transpose(T), matmul(c, T))
+  end function natural_tangent
+
+
+  !> The part of a tangent for three strains when a fourth makes its own stress zero and the rest are zero.
+  pure function condensed(c, free, kept) result(block)
+    real(DP), intent(in) :: c(6, 6)
+    integer, intent(in) :: free, kept(3)
+    real(DP) :: block(3, 3)
+    integer :: i, j
+    do j = 1, 3
+      do i = 1, 3
+        block(i, j) = c(kept(i), kept(j)) - c(kept(i), free) * c(free, kept(j)) / c(free, free)
+      end do
+    end do
+  end function condensed
+
+
+  !> The modulus of one normal strain when the other two make their own stresses zero.
+  pure real(DP) function uniaxial_modulus(c, i, k, l) result(modulus)
+    real(DP), intent(in) :: c(6, 6)
+    integer, intent(in) :: i, k, l
+    real(DP) :: det
+    det = c(k, k) * c(l, l) - c(k, l)**2
+    modulus = c(i, i) - (c(i, k)**2 * c(l, l) - 2 * c(i, k) * c(i, l) * c(k, l) + c(i, l)**2 * c(k, k)) / det
+  end function uniaxial_modulus
+
+
+  !> Adds force and, if wanted, stiffness of the hourglass energy.
+  pure subroutine add_hourglass(hourglass, u, is_nlgeom, energy, force, stiffness)
+    type(hourglass_type), intent(in) :: hourglass
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: energy                !< W [energy]
+    real(DP), intent(inout) :: force(3, MAX_NODES) !< [force]
+    real(DP), intent(inout), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP) :: F(3, 3), q(3, MAX_MODES), p(3 * MAX_MODES), s(3 * MAX_MODES), slope(3 * MAX_MODES, 3 * MAX_CORNERS)
+    integer :: a, i, k, alpha, rows
+    associate (d => hourglass%d, gamma => hourglass%gamma)
+      rows = d * hourglass%m
+      F = IDENTITY
+      q = 0
+      do a = 2, hourglass%n
+        do alpha = 1, hourglass%m
+          q(:d, alpha) = q(:d, alpha) + gamma(a, alpha) * (u(:d, a) - u(:d, 1))
+        end do
+        if (.not. is_nlgeom) cycle
+        do i = 1, d
+          F(:d, i) = F(:d, i) + hourglass%gradient(a, i) * (u(:d, a) - u(:d, 1))
+        end do
+      end do
+      do alpha = 1, hourglass%m
+        do i = 1, d
+          p(i + d * (alpha - 1)) = dot_product(F(:d, i), q(:d, alpha))
+        end do
+      end do
+      s(:rows) = matmul(hourglass%matrix(:rows, :rows), p(:rows))
+      energy = 0.5_DP * dot_product(p(:rows), s(:rows))
+      call set_slope(hourglass, F, q, is_nlgeom, slope)
+      do a = 1, hourglass%n
+        do k = 1, d
+          force(k, a) = force(k, a) + dot_product(s(:rows), slope(:rows, d * (a - 1) + k))
+        end do
+      end do
+    end associate
+    if (present(stiffness)) call add_stiffness(hourglass, slope, s, is_nlgeom, stiffness)
+  end subroutine add_hourglass
+
+
+  !> The derivative of p by the displacements: gamma F^T, and under NLGEOM the change of F times q.
+  pure subroutine set_slope(hourglass, F, q, is_nlgeom, slope)
+    type(hourglass_type), intent(in) :: hourglass
+    real(DP), intent(in) :: F(3, 3), q(3, MAX_MODES)
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: slope(3 * MAX_MODES, 3 * MAX_CORNERS)
+    integer :: a, i, k, alpha
+    associate (d => hourglass%d)
+      do a = 1, hourglass%n
+        do k = 1, d
+          do concurrent(i=1:d, alpha=1:hourglass%m)
+            slope(i + d * (alpha - 1), d * (a - 1) + k) = hourglass%gamma(a, alpha) * F(k, i) &
+              + merge(hourglass%gradient(a, i) * q(k, alpha), 0.0_DP, is_nlgeom)
+          end do
+        end do
+      end do
+    end associate
+  end subroutine set_slope
+
+
+  !> The second derivative of W: slope^T M slope, and under NLGEOM the change of the slope times s. Written to both
+  !! sides of the diagonal: symmetric to the last bit.
+  pure subroutine add_stiffness(hourglass, slope, s, is_nlgeom, stiffness)
+    type(hourglass_type), intent(in) :: hourglass
+    real(DP), intent(in) :: slope(3 * MAX_MODES, 3 * MAX_CORNERS), s(3 * MAX_MODES)
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP) :: product(3 * MAX_MODES, 3 * MAX_CORNERS), sb(MAX_CORNERS, MAX_MODES), term
+    integer :: a, b, i, j, r, c, alpha, rows
+    associate (d => hourglass%d, n => hourglass%n, m => hourglass%m)
+      rows = d * m
+      product(:rows, :d * n) = matmul(hourglass%matrix(:rows, :rows), slope(:rows, :d * n))
+      sb = 0
+      do alpha = 1, m
+        do i = 1, d
+          sb(:n, alpha) = sb(:n, alpha) + s(i + d * (alpha - 1)) * hourglass%gradient(:n, i)
+        end do
+      end do
+      do c = 1, d * n
+        b = (c - 1) / d + 1
+        j = c - d * (b - 1)
+        do r = c, d * n
+          a = (r - 1) / d + 1
+          i = r - d * (a - 1)
+          term = dot_product(slope(:rows, r), product(:rows, c))
+          if (is_nlgeom .and. i == j) term = term + dot_product(sb(a, :m), hourglass%gamma(b, :m)) &
+            + dot_product(sb(b, :m), hourglass%gamma(a, :m))
+          associate (row => 3 * (a - 1) + i, column => 3 * (b - 1) + j)
+            stiffness(row, column) = stiffness(row, column) + term
+            if (row /= column) stiffness(column, row) = stiffness(column, row) + term
+          end associate
+        end do
+      end do
+    end associate
+  end subroutine add_stiffness
+
+end module amontons_hourglass
