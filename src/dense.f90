@@ -10,6 +10,7 @@ module amontons_dense
   implicit none
   private
   public :: solve_small, symmetric_eigen, singular_values, rank_of, null_space, least_squares
+  public :: factorise_dense, solve_dense, triangle_times, square_of_triangle
   public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
 
   integer, parameter :: DENSE_OK = 0
@@ -28,6 +29,38 @@ module amontons_dense
       real(DP), intent(inout) :: a(lda, *), b(ldb, *)
       integer, intent(out) :: ipiv(*), info
     end subroutine dgesv
+
+    subroutine dgetrf(m, n, a, lda, ipiv, info)
+      import :: DP
+      integer, intent(in) :: m, n, lda
+      real(DP), intent(inout) :: a(lda, *)
+      integer, intent(out) :: ipiv(*), info
+    end subroutine dgetrf
+
+    subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
+      import :: DP
+      character(1), intent(in) :: trans
+      integer, intent(in) :: n, nrhs, lda, ldb, ipiv(*)
+      real(DP), intent(in) :: a(lda, *)
+      real(DP), intent(inout) :: b(ldb, *)
+      integer, intent(out) :: info
+    end subroutine dgetrs
+
+    subroutine dtrmv(uplo, trans, diag, n, a, lda, x, incx)
+      import :: DP
+      character(1), intent(in) :: uplo, trans, diag
+      integer, intent(in) :: n, lda, incx
+      real(DP), intent(in) :: a(lda, *)
+      real(DP), intent(inout) :: x(*)
+    end subroutine dtrmv
+
+    subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
+      import :: DP
+      character(1), intent(in) :: uplo, trans
+      integer, intent(in) :: n, k, lda, ldc
+      real(DP), intent(in) :: alpha, beta, a(lda, *)
+      real(DP), intent(inout) :: c(ldc, *)
+    end subroutine dsyrk
 
     subroutine dgecon(norm, n, a, lda, anorm, rcond, work, iwork, info)
       import :: DP
@@ -255,5 +288,53 @@ contains
     real(DP), intent(in) :: a(:, :)
     all_finite = all(ieee_is_finite(a))
   end function all_finite
+
+
+  !> P A = L U in place, for a matrix with many right-hand sides to come. Cost: 2/3 n^3.
+  subroutine factorise_dense(a, pivots, status)
+    real(DP), intent(inout) :: a(:, :)         !< (n, n) in: A; out: L and U
+    integer, intent(out) :: pivots(:)          !< (n)
+    integer, intent(out) :: status             !< DENSE_OK or DENSE_SINGULAR
+    integer :: n, info
+    n = size(a, 1)
+    status = DENSE_OK
+    if (n == 0) return
+    call dgetrf(n, n, a, n, pivots, info)
+    if (info /= 0) status = DENSE_SINGULAR
+  end subroutine factorise_dense
+
+
+  !> Solves with what factorise_dense made.
+  subroutine solve_dense(a, pivots, b)
+    real(DP), intent(in) :: a(:, :)            !< (n, n) L and U
+    integer, intent(in) :: pivots(:)           !< (n)
+    real(DP), intent(inout) :: b(:)            !< (n) in: right-hand side; out: solution
+    integer :: n, info
+    n = size(a, 1)
+    if (n > 0) call dgetrs('N', n, 1, a, n, pivots, b, n, info)
+  end subroutine solve_dense
+
+
+  !> x = L x, or L' x, for a lower triangle.
+  subroutine triangle_times(l, is_transposed, x)
+    real(DP), intent(in) :: l(:, :)            !< (n, n) lower triangle
+    logical, intent(in) :: is_transposed
+    real(DP), intent(inout) :: x(:)            !< (n)
+    if (size(x) > 0) call dtrmv('L', merge('T', 'N', is_transposed), 'N', size(x), l, size(x), x, 1)
+  end subroutine triangle_times
+
+
+  !> S = L L' as a full symmetric matrix.
+  subroutine square_of_triangle(l, s)
+    real(DP), intent(in) :: l(:, :)            !< (n, n) zero above the diagonal
+    real(DP), intent(out) :: s(:, :)           !< (n, n)
+    integer :: n, i
+    n = size(l, 1)
+    s = 0
+    if (n > 0) call dsyrk('L', 'N', n, n, 1.0_DP, l, n, 0.0_DP, s, n)
+    do i = 2, n
+      s(:i - 1, i) = s(i, :i - 1)
+    end do
+  end subroutine square_of_triangle
 
 end module amontons_dense

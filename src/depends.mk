@@ -62,10 +62,11 @@ uses_slip = kinds
 # 5 system: unknowns, residual, matrix
 uses_state = kinds mesh model
 uses_constraints = kinds errors sparse
+uses_condensed = kinds errors sparse dense partition factor constraints
 uses_assembly = kinds errors sparse partition topology mesh loads steps model element state
 uses_contact = kinds errors topology mesh model shapes facets search gap slip state constraints
 uses_contact_tangent = kinds errors sparse topology model gap state constraints contact
-uses_system = kinds errors history sparse partition factor krylov loads steps model state constraints assembly contact contact_tangent
+uses_system = kinds errors history sparse partition factor krylov loads steps model state constraints condensed assembly contact contact_tangent
 uses_audit_words = errors text
 uses_audit_contact = kinds errors text lookup loads model state contact audit_words
 uses_audit_bodies = kinds text topology model element

@@ -14,6 +14,7 @@ module amontons_factor
   private
   public :: factor_type, lu_type
   public :: analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, set_blas_threads
+  public :: elimination_order, trailing_block, solve_forward, solve_backward
   public :: FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
 
   integer, parameter :: FACTOR_OK = 0               !< the factor can be used
@@ -102,6 +103,28 @@ module amontons_factor
       real(c_double), intent(out) :: x(*)
       integer(c_int) :: status
     end function cholesky_solve
+
+    subroutine cholesky_order(handle, order) bind(C, name='amontons_cholesky_order')
+      import :: c_ptr, c_int
+      type(c_ptr), value :: handle
+      integer(c_int), intent(out) :: order(*)
+    end subroutine cholesky_order
+
+    subroutine cholesky_trailing(handle, m, block) bind(C, name='amontons_cholesky_trailing')
+      import :: c_ptr, c_int, c_double
+      type(c_ptr), value :: handle
+      integer(c_int), value :: m
+      real(c_double), intent(out) :: block(*)
+    end subroutine cholesky_trailing
+
+    function cholesky_half_solve(handle, is_backward, b, x) bind(C, name='amontons_cholesky_half_solve') result(status)
+      import :: c_ptr, c_int, c_double
+      type(c_ptr), value :: handle
+      integer(c_int), value :: is_backward
+      real(c_double), intent(in) :: b(*)
+      real(c_double), intent(out) :: x(*)
+      integer(c_int) :: status
+    end function cholesky_half_solve
 
     function lu_new() bind(C, name='amontons_lu_new') result(handle)
       import :: c_ptr
@@ -231,6 +254,41 @@ contains
     if (size(b) > 0) status = cholesky_solve(factor%handle, size(b, 2), b, x)
     if (status /= 0) x = 0   ! cannot be: the workspace for one column was taken by the analysis
   end subroutine solve_many
+
+
+  !> The unknowns in the order in which the factor eliminates them (L L' = P A P').
+  subroutine elimination_order(factor, order)
+    type(factor_type), intent(in) :: factor            !< analysed
+    integer, intent(out) :: order(:)                   !< (n) unknown that comes k-th, from 1
+    call cholesky_order(factor%handle, order)
+    order = order + 1
+  end subroutine elimination_order
+
+
+  !> The last rows and columns of L as a full matrix, zero above the diagonal.
+  subroutine trailing_block(factor, block)
+    type(factor_type), intent(in) :: factor            !< ready
+    real(DP), intent(out) :: block(:, :)               !< (m, m)
+    call cholesky_trailing(factor%handle, size(block, 1), block)
+  end subroutine trailing_block
+
+
+  !> x = L^-1 b, both in the order of elimination.
+  subroutine solve_forward(factor, b, x)
+    type(factor_type), intent(in) :: factor            !< ready
+    real(DP), intent(in) :: b(:)                       !< (n)
+    real(DP), intent(out) :: x(:)                      !< (n)
+    if (cholesky_half_solve(factor%handle, 0, b, x) /= 0) x = 0   ! cannot be: see solve_one
+  end subroutine solve_forward
+
+
+  !> x = L'^-1 b, both in the order of elimination.
+  subroutine solve_backward(factor, b, x)
+    type(factor_type), intent(in) :: factor            !< ready
+    real(DP), intent(in) :: b(:)                       !< (n)
+    real(DP), intent(out) :: x(:)                      !< (n)
+    if (cholesky_half_solve(factor%handle, 1, b, x) /= 0) x = 0   ! cannot be: see solve_one
+  end subroutine solve_backward
 
 
   !> Memory that the factorisation takes, known after the analysis [megabytes].

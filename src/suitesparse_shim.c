@@ -275,6 +275,46 @@ int amontons_cholesky_solve(void *handle, int n_columns, const double *b, double
   return is_done ? DONE : status_of_cholmod(self->common.status);
 }
 
+/* The order in which the unknowns are eliminated: order[k] comes k-th. */
+void amontons_cholesky_order(void *handle, int *order)
+{
+  const cholmod_factor *l = ((cholesky *)handle)->factor;
+  memcpy(order, l->Perm, l->n * sizeof(int));
+}
+
+/* The trailing m x m block of L, by columns, zero above the diagonal. */
+void amontons_cholesky_trailing(void *handle, int m, double *block)
+{
+  const cholmod_factor *l = ((cholesky *)handle)->factor;
+  const int *super = l->super, *pi = l->pi, *px = l->px, *rows = l->s, before = (int)l->n - m;
+  const double *x = l->x;
+  memset(block, 0, (size_t)m * m * sizeof(double));
+  for (size_t s = 0; s < l->nsuper; s++)
+    for (int k = super[s]; k < super[s + 1]; k++) {
+      if (k < before) continue;
+      const double *column = x + px[s] + (size_t)(k - super[s]) * (size_t)(pi[s + 1] - pi[s]);
+      for (int p = pi[s] + k - super[s]; p < pi[s + 1]; p++)
+        block[(size_t)(k - before) * m + rows[p] - before] = column[p - pi[s]];
+    }
+}
+
+/* One half of a solve, in the order of elimination: x = inv(L) b, or with `is_backward` x = inv(L') b. */
+int amontons_cholesky_half_solve(void *handle, int is_backward, const double *b, double *x)
+{
+  cholesky *self = handle;
+  const size_t n = self->factor->n;
+  quiet before;
+  begin_quiet(&before);
+  cholmod_dense right = {.nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = (double *)b, .xtype = CHOLMOD_REAL,
+    .dtype = CHOLMOD_DOUBLE};
+  cholmod_dense left = right, *solution = &left;
+  left.x = x;
+  int is_done = cholmod_solve2(is_backward ? CHOLMOD_Lt : CHOLMOD_L, self->factor, &right, NULL, &solution, NULL,
+                               &self->y, &self->e, &self->common);
+  end_quiet(&before);
+  return is_done ? DONE : status_of_cholmod(self->common.status);
+}
+
 static void forget_lu(lu *self)
 {
   umfpack_di_free_numeric(&self->numeric);

@@ -22,6 +22,8 @@ module amontons_system
     multiply_symmetric, product_of, transpose_of, full_of, sum_of
   use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, lu_factorise, lu_solve, FACTOR_OK
   use amontons_partition, only: order_unknowns
+  use amontons_condensed, only: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, apply_condensed, &
+    is_interface_worth
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, KRYLOV_CONVERGED
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, finish_constraints, &
     condense_forces, condensation, ROW_CONFLICT
@@ -41,6 +43,9 @@ module amontons_system
 
   real(DP), parameter :: KRYLOV_TOLERANCE = 1.0e-9_DP    !< of a direction, relative to the right-hand side [-]
   integer, parameter :: KRYLOV_MOST = 200                !< Krylov iterations of one direction
+  integer, parameter :: MOST_OLD = 8                     !< Krylov iterations after which an old factor of the bulk is given up
+  integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
+  real(DP), parameter :: NEAR = 0.5_DP                   !< an open node nearer than this times the edge is on the interface [-]
   real(DP), parameter :: ORDER_GROWTH = 1.15_DP          !< a factor this much larger wants a new order of the nodes [-]
   real(DP), parameter :: SHIFT = 1.0e-4_DP               !< of the preconditioner's diagonal if A is not positive [-]
 
@@ -55,6 +60,11 @@ module amontons_system
     type(sparse_type) :: reduced                   !< A
     type(sparse_type) :: analysed_map              !< the pattern of C for which reduction and factor were analysed
     type(factor_type) :: factor
+    type(condensed_type) :: condensed              !< the bulk with its interface, where that is cheaper
+    logical :: is_condensed = .false.              !< the present direction goes by the condensed interface
+    logical :: is_dense_wanted = .true.            !< the interface has not been found too large yet
+    logical :: is_bulk_fresh = .false.             !< the bulk was factorised at this configuration
+    logical, allocatable :: is_contact(:)          !< (n_unknowns) on the interface
     integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while it serves
     real(DP) :: best_entries = 0                   !< entries of the factor when that order was made
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
@@ -142,6 +152,7 @@ contains
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state
     call begin_contact_increment(system%contact, model, step%is_nlgeom, is_step_start, state%new)
+    call drop_bulk(system, model, step, is_step_start, state)
   end subroutine begin_increment
 
 
@@ -317,7 +328,9 @@ contains
     call linearise(system, model, step, state, trouble, error)
     if (allocated(error) .or. trouble /= TROUBLE_NONE) return
     call start_clock(clock)
-    call factorise_reduced(system, trouble, error)
+    call factorise_condensed(system, model, state, error)
+    if (allocated(error)) return
+    if (.not. system%is_condensed) call factorise_reduced(system, trouble, error)
     if (allocated(error) .or. trouble /= TROUBLE_NONE) return
     call stop_clock(clock, system%seconds(PHASE_FACTOR))
     call solve_direction(system, du, trouble, error)
@@ -375,6 +388,111 @@ contains
     call add_contact_rows(system%contact, model, fields, system%links, system%whole, system%n_conflicts)
     call finish_constraints(system%whole)
   end subroutine constrain
+
+
+  !> The bulk's factor serves one increment, or one step where the stiffness is constant: then a job that is resumed makes
+  !! the same factor from the same state. The interface is chosen anew from the committed state.
+  subroutine drop_bulk(system, model, step, is_step_start, state)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    logical, intent(in) :: is_step_start
+    type(state_type), intent(in) :: state          !< trial, at the start of the increment
+    logical, allocatable :: is_contact(:)
+    logical :: is_constant
+    if (size(state%new%slaves) == 0) return
+    is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain)
+    if (is_constant .and. .not. is_step_start .and. allocated(system%is_contact)) return
+    system%condensed%is_ready = .false.
+    is_contact = interface_unknowns(system, model, state%new, is_constant)
+    if (allocated(system%is_contact)) then
+      if (all(is_contact .eqv. system%is_contact)) return
+    end if
+    system%condensed%is_analysed = .false.
+    system%is_dense_wanted = .true.
+    call move_alloc(is_contact, system%is_contact)
+  end subroutine drop_bulk
+
+
+  !> What contact can reach: slave nodes near their master, their facets and the facets beside these.
+  pure function interface_unknowns(system, model, fields, is_far_too) result(is_contact)
+    type(system_type), intent(in) :: system
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_far_too              !< nodes that are far from their master too
+    logical :: is_contact(3 * model%mesh%n_nodes)
+    logical :: is_near(model%mesh%n_nodes)
+    integer :: s, k, i, j
+    is_near = .false.
+    do s = 1, size(fields%slaves)
+      associate (slave => fields%slaves(s))
+        if (slave%facet == 0) cycle
+        if (slave%gap > NEAR * system%contact%edge(slave%pair) .and. .not. is_far_too) cycle
+        is_near(slave%node) = .true.
+        associate (facets => system%contact%facets(slave%pair))
+          is_near(facets%nodes(facets%first(slave%facet):facets%first(slave%facet + 1) - 1)) = .true.
+          do k = 1, 4
+            j = facets%neighbour(k, slave%facet)
+            if (j > 0 .and. .not. system%contact%is_small(slave%pair)) &
+              is_near(facets%nodes(facets%first(j):facets%first(j + 1) - 1)) = .true.
+          end do
+        end associate
+      end associate
+    end do
+    is_contact = [(is_near((i + 2) / 3), i=1, size(is_contact))]
+    do k = 1, system%base%n_rows                   ! a dependent unknown brings those on which it depends
+      if (is_contact(system%base%rows(k)%pivot)) is_contact(system%base%rows(k)%unknown) = .true.
+    end do
+  end function interface_unknowns
+
+
+  !> Contact by the condensed interface: the bulk is factorised if its factor is gone, the interface always.
+  !! After: is_condensed is .false. where the interface is too large or the bulk is not stable.
+  subroutine factorise_condensed(system, model, state, error)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: by_imbalance, by_displacement
+    logical :: is_complete
+    integer :: attempt
+    system%is_condensed = .false.
+    system%is_bulk_fresh = .false.
+    if (size(state%new%slaves) == 0 .or. .not. system%is_dense_wanted) return
+    call contact_matrices(system%links, system%whole%n_unknowns, by_imbalance, by_displacement, error)
+    if (allocated(error)) return
+    do attempt = 1, 2
+      if (.not. system%condensed%is_ready) call renew_bulk(system, error)
+      if (allocated(error) .or. .not. system%condensed%is_ready) return
+      call factorise_interface(system%condensed, system%base, system%whole, by_imbalance, by_displacement, is_complete, error)
+      if (allocated(error)) return
+      system%is_condensed = is_complete
+      if (is_complete) return
+      system%is_contact = system%is_contact .or. interface_unknowns(system, model, state%new, .false.)
+      system%condensed%is_analysed = .false.
+      system%condensed%is_ready = .false.
+    end do
+  end subroutine factorise_condensed
+
+
+  !> Factorises the bulk as it is now, if the interface is small enough.
+  subroutine renew_bulk(system, error)
+    type(system_type), intent(inout) :: system
+    type(error_type), allocatable, intent(out) :: error
+    integer :: status
+    system%is_dense_wanted = .false.
+    if (.not. system%condensed%is_analysed) then
+      if (count(system%is_contact) > MOST_INTERFACE) return
+      call analyse_bulk(system%condensed, system%assembly%stiffness, system%base, system%is_contact, error)
+      if (allocated(error) .or. .not. system%condensed%is_analysed) return
+    end if
+    if (.not. is_interface_worth(system%condensed%n_contact, system%condensed%factor%n_operations)) return
+    call factorise_bulk(system%condensed, system%assembly%stiffness, system%base, status, error)
+    if (allocated(error)) return
+    system%n_factorisations = system%n_factorisations + 1
+    system%is_dense_wanted = status == FACTOR_OK
+    system%is_bulk_fresh = status == FACTOR_OK
+  end subroutine renew_bulk
 
 
   !> A = C' K C and its Cholesky factor; the analysis is kept while the pattern of C stands.
@@ -529,6 +647,7 @@ contains
       call gmres(tangent, preconditioner, b, v, options, report, error)
       if (allocated(error)) return
       system%n_krylov = system%n_krylov + report%n_iterations
+      if (system%is_condensed .and. report%n_iterations > MOST_OLD) system%condensed%is_ready = .false.
       if (report%status /= KRYLOV_CONVERGED) call solve_whole(system, b, v, trouble, error)
       if (allocated(error)) return
       call multiply(system%whole%map, v, start)
@@ -624,7 +743,11 @@ contains
     class(preconditioner_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
     real(DP), intent(out) :: y(:)                  !< (n_free) [length]
-    call solve(self%system%factor, x, y)
+    if (self%system%is_condensed) then
+      call apply_condensed(self%system%condensed, x, y)
+    else
+      call solve(self%system%factor, x, y)
+    end if
   end subroutine apply_preconditioner
 
 

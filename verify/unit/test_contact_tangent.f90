@@ -10,7 +10,7 @@ program test_contact_tangent
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
   use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, linearise, change_forces, &
-    tangent_matrix
+    tangent_matrix, find_direction
   use amontons_contact_tangent, only: linearise_contact
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use check, only: suite_type
@@ -66,6 +66,7 @@ contains
     state%new%slaves%stiffness = 100.0_DP
     call evaluate(system, model, step, .true., state, trouble)
     call linearise_contact(system%contact, model, system%imbalance, state%new, system%links)
+    if (friction > 0.0_DP) call check_condensed(name, system, model, step, state)   ! without friction the upper block is free
     do i = 1, 4
       call fill(du, i + 1, 1.0_DP)
       call change_forces(system, reshape(du, [3 * n]), w)
@@ -80,6 +81,27 @@ contains
       call suite%near(name // ': tangent', norm2((minus - plus) / (2.0_DP * H) - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
     end do
   end subroutine check_tangent
+
+
+  !> With a fresh factor of the bulk the condensed interface is the exact inverse of the tangent: one Krylov iteration.
+  subroutine check_condensed(name, system, model, step, state)
+    character(*), intent(in) :: name
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    type(error_type), allocatable :: error
+    real(DP) :: du(3, model%mesh%n_nodes), stiffness(size(state%new%slaves))
+    integer :: trouble, before
+    before = system%n_krylov
+    stiffness = state%new%slaves%stiffness
+    call find_direction(system, model, step, state, du, trouble, error)
+    call suite%that(name // ': a direction is found', trouble == 0 .and. .not. allocated(error))
+    call suite%that(name // ': by the condensed interface', system%is_condensed)
+    call suite%that(name // ': which is exact', system%n_krylov - before <= 2)
+    state%new%slaves%stiffness = stiffness
+    call linearise_contact(system%contact, model, system%imbalance, state%new, system%links)
+  end subroutine check_condensed
 
 
   !> The tangent as a matrix on the free unknowns does what the operator does.
