@@ -33,7 +33,7 @@ module amontons_analysis
   implicit none
   private
   public :: analysis_type, start_analysis, advance_analysis, finish_analysis
-  public :: solve_increment, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
+  public :: solve_increment, enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
 
   real(DP), parameter :: GUARD_SHARE = 0.03_DP     !< most of the time that may go into checkpoints [-]
 
@@ -47,6 +47,7 @@ module amontons_analysis
     type(stepper_type) :: stepper
     type(results_type) :: results
     type(printed_type) :: printed
+    type(complaints_type) :: complaints            !< what the reader remarked
     type(snapshot_type) :: snapshot                !< the last commit
     type(increment_record_type), allocatable :: records(:)   !< all attempts
     integer :: n_records = 0
@@ -75,17 +76,16 @@ contains
     type(job_options_type), intent(in) :: options
     type(journal_type), intent(inout) :: journal
     type(error_type), allocatable, intent(out) :: error
-    type(complaints_type) :: complaints
     analysis%options = options
     allocate (analysis%records(64), analysis%iterations(64))
     call set_blas_threads(options%n_threads)
     call use_threads(options%n_threads)
     if (allocated(options%deck_text)) then
-      call read_deck_text(options%deck_text, options, analysis%model, complaints, error)
+      call read_deck_text(options%deck_text, options, analysis%model, analysis%complaints, error)
     else
-      call read_deck(options, analysis%model, complaints, error)
+      call read_deck(options, analysis%model, analysis%complaints, error)
     end if
-    call journal%complain(complaints)
+    call journal%complain(analysis%complaints)
     if (allocated(error)) return
     call create_system(analysis%system, analysis%model, analysis%state, error)
     if (allocated(error)) return

@@ -12,7 +12,7 @@ module amontons_journal
   use amontons_history, only: iteration_record_type, increment_record_type, N_PHASES, PHASE_NAMES
   implicit none
   private
-  public :: journal_type, open_journal, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
+  public :: journal_type, listener_type, open_journal, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
 
   integer, parameter :: PROGRESS_AUTO = 0       !< a line per increment, and a live line if a person looks at a terminal
   integer, parameter :: PROGRESS_PLAIN = 1      !< a line per increment
@@ -22,10 +22,27 @@ module amontons_journal
   integer, parameter :: LIVE_WIDTH = 79         !< a live line must not wrap
   character(*), parameter :: ESCAPE = achar(27), RETURN_KEY = achar(13)
 
+  !> Hears the lines of a journal instead of the screen.
+  type, abstract :: listener_type
+  contains
+    procedure(hear_lines), deferred :: hear
+  end type listener_type
+
+  abstract interface
+    !> Lines that the journal would write.
+    subroutine hear_lines(self, text)
+      import :: listener_type
+      implicit none
+      class(listener_type), intent(inout) :: self
+      character(*), intent(in) :: text         !< one line, or several parted by NEWLINE
+    end subroutine hear_lines
+  end interface
+
   !> Where and how much is written; one for each job.
   type :: journal_type
     private
     integer :: unit = output_unit
+    class(listener_type), allocatable :: listener   !< hears the lines instead of the unit
     logical :: is_quiet = .true.                !< only failures are written
     logical :: is_terminal = .false.            !< colour
     logical :: is_live = .false.                !< a line that is written over again and again
@@ -59,15 +76,18 @@ module amontons_journal
 contains
 
   !> Opens a journal and starts its clock. A journal that was never opened is quiet.
-  subroutine open_journal(journal, is_quiet, progress, unit)
+  subroutine open_journal(journal, is_quiet, progress, unit, listener)
     type(journal_type), intent(out) :: journal
     logical, intent(in) :: is_quiet            !< .true.: only failures are written
     integer, intent(in) :: progress            !< PROGRESS_...
     integer, intent(in), optional :: unit      !< default: the screen
+    class(listener_type), intent(in), optional :: listener   !< instead of a unit
     call system_clock(journal%start)
     journal%is_quiet = is_quiet
     journal%has_increments = progress /= PROGRESS_NONE
-    if (present(unit)) then
+    if (present(listener)) then
+      allocate (journal%listener, source=listener)
+    else if (present(unit)) then
       journal%unit = unit
     else
       journal%is_terminal = isatty(1_c_int) == 1
@@ -322,10 +342,15 @@ contains
   subroutine put(journal, text)
     class(journal_type), intent(inout) :: journal
     character(*), intent(in) :: text
-    if (journal%has_live_line) write (journal%unit, '(2a)', advance='no') RETURN_KEY, ESCAPE // '[K'
+    integer :: unused                          ! a screen that is gone or full must not end the job
+    if (allocated(journal%listener)) then
+      call journal%listener%hear(text)
+      return
+    end if
+    if (journal%has_live_line) write (journal%unit, '(2a)', advance='no', iostat=unused) RETURN_KEY, ESCAPE // '[K'
     journal%has_live_line = .false.
-    write (journal%unit, '(a)') text
-    flush (journal%unit)
+    write (journal%unit, '(a)', iostat=unused) text
+    flush (journal%unit, iostat=unused)
   end subroutine put
 
 

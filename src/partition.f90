@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! METIS runs with its default options, which fix the seed of its random numbers: the same input gives the same parts.
-!! It draws them from the C library's one generator, so two threads must not call this module at the same time.
+!! It draws them from the C library's one generator, so two jobs in two threads take turns here.
 !! Reference: Karypis and Kumar, SIAM J. Scientific Computing 20 (1998) 359.
 module amontons_partition
   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_null_ptr, c_ptr
@@ -89,6 +89,7 @@ contains
     status = metis_mesh_to_dual(n_elements, n_nodes, first - 1, nodes - 1, SHARED_NODES, 0, graph_first, neighbours)
     call check_status(status, error)
     if (allocated(error)) return
+    !$omp critical (metis)
     if (n_parts <= MOST_BISECTED) then
       status = metis_bisect(n_elements, 1, graph_first, neighbours, weight, c_null_ptr, c_null_ptr, n_parts, &
                             c_null_ptr, c_null_ptr, c_null_ptr, cut, part)
@@ -96,6 +97,7 @@ contains
       status = metis_kway(n_elements, 1, graph_first, neighbours, weight, c_null_ptr, c_null_ptr, n_parts, &
                           c_null_ptr, c_null_ptr, c_null_ptr, cut, part)
     end if
+    !$omp end critical (metis)
     part = part + 1
     call check_status(status, error)
     status = metis_free(graph_first)
@@ -119,7 +121,9 @@ contains
       order = [(status, status=1, graph%n_rows)]
       return
     end if
+    !$omp critical (metis)
     status = metis_node_nd(graph%n_rows, first, neighbours, weight, c_null_ptr, order, place)
+    !$omp end critical (metis)
     order = order + 1
     call check_status(status, error)
   end subroutine order_nodes

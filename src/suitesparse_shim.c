@@ -377,6 +377,9 @@ int amontons_lu_factorise(void *handle, int n, const int *first, const int *colu
   control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
   umfpack_di_free_numeric(&self->numeric);
   int status = UMFPACK_OK;
+#ifdef _OPENMP
+#pragma omp critical(metis) /* the same lock as in partition.f90 */
+#endif
   if (!self->symbolic) status = umfpack_di_symbolic(n, n, first, column, value, &self->symbolic, control, info);
   if (status == UMFPACK_OK)
     status = umfpack_di_numeric(self->first, self->column, self->value, self->symbolic, &self->numeric, control, info);

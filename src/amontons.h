@@ -1,0 +1,88 @@
+/* Amontons as a library: a job in the hands of another program. Manual: doc/manual/library.md.
+ * SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * A job stands at a commit. amontons_try and amontons_iterate solve from there without committing: what they give can be
+ * looked at, then kept (amontons_commit) or thrown away (amontons_rollback). amontons_advance does both at once.
+ *
+ * Every verb returns a status, which is the exit code of the program; amontons_message tells what went wrong. Nothing
+ * is printed, nothing ends the process, nothing is kept outside the job: jobs may run side by side, each in one thread
+ * at a time. */
+#ifndef AMONTONS_H
+#define AMONTONS_H
+#include <stdint.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define AMONTONS_ABI 1 /* changes when a structure or a signature below does */
+
+enum {
+  AMONTONS_DONE = 0,          /* all is well */
+  AMONTONS_USAGE = 2,         /* the call is wrong: a name, a size, an order of calls */
+  AMONTONS_DECK = 3,          /* the deck has errors: all of them are in the message */
+  AMONTONS_SETUP = 4,         /* the model cannot stand */
+  AMONTONS_NOT_CONVERGED = 5, /* the job is as at its last commit */
+  AMONTONS_SOLVER = 6,        /* linear solver or memory */
+  AMONTONS_IO = 7,            /* reading or writing a file */
+  AMONTONS_INTERNAL = 8       /* a mistake of Amontons */
+};
+
+enum { AMONTONS_GO_ON = 0, AMONTONS_CONVERGED = 1, AMONTONS_DIVERGES = 2, AMONTONS_TOO_SLOW = 3 };
+
+typedef struct amontons_job amontons_job;
+
+/* Hears what the program would print, line by line. */
+typedef void (*amontons_log)(void *context, const char *line);
+
+typedef struct {
+  int32_t abi;             /* AMONTONS_ABI */
+  int32_t n_threads;       /* of this job */
+  int32_t has_files;       /* 1: write job.vtkhdf, job.sta, job.cvg, job.dat */
+  int32_t has_checkpoint;  /* 1: and job.restart at each commit */
+  int32_t is_resumed;      /* 1: go on after that checkpoint */
+  int32_t is_check;        /* 1: read and audit the deck, no more */
+  const char *deck;        /* path of the deck; with a text it only names it in messages */
+  const char *text;        /* the deck itself, or NULL */
+  const char *job;         /* name of the result files, or NULL: that of the deck */
+  const char *outdir;      /* their folder, or NULL: that of the deck */
+  const char *dialect;     /* "abaqus", "calculix", or NULL: what the deck says */
+  amontons_log log;        /* or NULL */
+  void *context;           /* first argument of log */
+} amontons_options;
+
+#define AMONTONS_OPTIONS {AMONTONS_ABI, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
+
+int amontons_abi(void);
+void amontons_version(char *text, int room); /* e.g. "0.1.0", ended by 0 */
+
+/* Begins a job. There is one to ask for the message, and to close, even if it could not begin; NULL: no memory. */
+int amontons_open(const amontons_options *options, amontons_job **job);
+void amontons_close(amontons_job *job);
+const char *amontons_message(const amontons_job *job); /* of the last verb that failed; valid until the next */
+int amontons_is_done(const amontons_job *job);         /* 1: all steps are done */
+
+int amontons_advance(amontons_job *job);                       /* one increment as the deck says, committed */
+int amontons_advance_to(amontons_job *job, double total_time); /* increments until there, each committed */
+int amontons_try(amontons_job *job, double dt);                /* to now + dt, or the end of the step; not committed */
+int amontons_begin(amontons_job *job, double dt);              /* an increment to be solved by amontons_iterate */
+int amontons_iterate(amontons_job *job, int *verdict);         /* one Newton iteration; AMONTONS_CONVERGED, ... */
+int amontons_commit(amontons_job *job);                        /* keep what was solved, write it */
+int amontons_rollback(amontons_job *job);                      /* all is bitwise as at the last commit */
+int amontons_finish(amontons_job *job);                        /* close the files */
+
+/* Values by name, row by row. With values = NULL only the numbers of rows and columns are told. `set` is a node set, a
+ * surface, the label of a node, or "": all nodes. */
+int amontons_get(amontons_job *job, const char *quantity, const char *set, double *values, int64_t capacity,
+                 int64_t *rows, int64_t *columns);
+int amontons_set(amontons_job *job, const char *quantity, const char *set, const double *values, int64_t n);
+
+/* A matrix by compressed rows, counted from 0: "TANGENT" (on the free unknowns), "MAP" (all unknowns from the free
+ * ones), "STIFFNESS" (of the elements, on all unknowns). First ask for the sizes, then copy. */
+int amontons_matrix(amontons_job *job, const char *name, int64_t *rows, int64_t *columns, int64_t *entries);
+int amontons_matrix_copy(amontons_job *job, int64_t *first, int64_t *column, double *value);
+int amontons_residual_copy(amontons_job *job, double *values); /* of the free unknowns, with the matrix asked for */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,675 @@
+!> Library: a job in the hands of another program: solve, look, commit or roll back; get and set by name.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! The Fortran face of the library; capi.f90 and amontons.h are the same verbs for C. Manual: doc/manual/library.md.
+!!
+!! A job stands at a commit. `try_job` and `iterate_job` solve from there without committing: what they give can be
+!! looked at, then kept (`commit_job`) or thrown away (`rollback_job`). `advance_job` does both. Nothing is printed
+!! unless a listener is given, nothing stops the program, and nothing is kept outside the job.
+module amontons_library
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, set_error, EXIT_USAGE, EXIT_DECK, EXIT_NOT_CONVERGED
+  use amontons_text, only: squeezed, text_of, parse_integer, NUMBER_OK, NEWLINE
+  use amontons_journal, only: journal_type, listener_type, open_journal, PROGRESS_PLAIN
+  use amontons_model, only: job_options_type
+  use amontons_stepper, only: propose_time
+  use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
+  use amontons_sparse, only: sparse_type, full_of, multiply_transpose
+  use amontons_state, only: state_type
+  use amontons_system, only: evaluate, linearise, tangent_matrix, TROUBLE_NONE
+  use amontons_columns, only: column_type, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
+  use amontons_results, only: point_fields, model_size
+  use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
+    enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
+  use amontons_drive, only: drive_type, set_driven, arm_drives, settle_drives, DRIVE_FORCE, DRIVE_DISPLACEMENT, &
+    DRIVE_PRESSURE
+  implicit none
+  private
+  public :: job_type, job_options_type, listener_type, error_type, sparse_type
+  public :: open_job, advance_job, advance_job_to, try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job
+  public :: is_job_done, get_values, set_values, get_matrix, VERDICT_GO_ON, VERDICT_CONVERGED
+
+  real(DP), parameter :: SNAP = 1.0e-9_DP          !< a time this near to the one asked for is it, of the step's period [-]
+
+  !> A job.
+  type :: job_type
+    type(analysis_type) :: analysis
+    type(journal_type) :: journal
+    type(drive_type) :: drive
+    logical :: is_ready = .false.                  !< it has begun and was not finished
+    logical :: is_begun = .false.                  !< begin_job was called and its attempt has not ended
+  end type job_type
+
+  !> Hears nothing.
+  type, extends(listener_type) :: deaf_type
+  contains
+    procedure :: hear => hear_nothing
+  end type deaf_type
+
+contains
+
+  !> Begins a job from options%deck (a file) or options%deck_text (memory).
+  !!
+  !! Errors: EXIT_USAGE, EXIT_DECK (the message has all remarks of the reader), EXIT_SETUP, EXIT_IO, EXIT_SOLVER.
+  subroutine open_job(job, options, error, listener)
+    type(job_type), intent(inout) :: job
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    class(listener_type), intent(in), optional :: listener   !< hears what the program would print
+    type(job_options_type) :: whole
+    whole = options
+    if (.not. allocated(whole%deck) .and. .not. allocated(whole%deck_text)) then
+      call set_error(error, EXIT_USAGE, 'A job needs a deck: a file or a text.')
+      return
+    end if
+    if (.not. allocated(whole%job)) call name_job(whole)
+    if (present(listener)) then
+      call open_journal(job%journal, .false., PROGRESS_PLAIN, listener=listener)
+    else
+      call open_journal(job%journal, .true., PROGRESS_PLAIN, listener=deaf_type())
+    end if
+    call start_analysis(job%analysis, whole, job%journal, error)
+    job%is_ready = .not. (allocated(error) .or. whole%is_check)
+    if (allocated(error)) call add_remarks(job, error)
+  end subroutine open_job
+
+
+  !> The job is named after its deck, and its results lie beside it.
+  subroutine name_job(options)
+    type(job_options_type), intent(inout) :: options
+    character(:), allocatable :: name
+    integer :: slash
+    options%job = 'job'
+    if (.not. allocated(options%deck)) return
+    slash = index(options%deck, '/', back=.true.)
+    if (.not. allocated(options%outdir) .and. slash > 0) then
+      options%outdir = options%deck(:slash)
+      if (slash > 1) options%outdir = options%deck(:slash - 1)
+    end if
+    name = options%deck(slash + 1:)
+    if (len(name) > 4 .and. squeezed(name(max(1, len(name) - 3):)) == '.INP') name = name(:len(name) - 4)
+    if (len(name) > 0) options%job = name
+  end subroutine name_job
+
+
+  !> The errors of a deck behind the message, one in a line.
+  subroutine add_remarks(job, error)
+    type(job_type), intent(in) :: job
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i
+    if (error%code /= EXIT_DECK) return
+    do i = 1, job%analysis%complaints%n_items
+      associate (item => job%analysis%complaints%items(i))
+        if (item%is_warning) cycle
+        error%message = error%message // NEWLINE // item%file // ':' // text_of(item%line) // ': ' // item%text
+      end associate
+    end do
+  end subroutine add_remarks
+
+
+  !> One increment, as long as the deck and the convergence so far say, committed. is_job_done tells the end.
+  subroutine advance_job(job, error)
+    type(job_type), intent(inout) :: job
+    type(error_type), allocatable, intent(out) :: error
+    logical :: is_done
+    call prepare(job, .false., error)
+    if (allocated(error)) return
+    call arm(job, next_length(job))
+    call advance_analysis(job%analysis, job%journal, is_done, error)
+    call settle(job, error)
+  end subroutine advance_job
+
+
+  !> Increments until a total time, each committed; the last ends there. A step may end on the way.
+  subroutine advance_job_to(job, total_time, error)
+    type(job_type), intent(inout) :: job
+    real(DP), intent(in) :: total_time             !< [time]
+    type(error_type), allocatable, intent(out) :: error
+    do while (.not. is_job_done(job))
+      if (total_time - job%analysis%stepper%total_time <= SNAP * max(abs(total_time), step_left(job))) exit
+      call prepare(job, .false., error)
+      if (allocated(error)) return
+      call arm(job, total_time - job%analysis%stepper%total_time)
+      call solve_increment(job%analysis, job%journal, end_in_step(job, total_time - job%analysis%stepper%total_time), error)
+      if (.not. allocated(error)) call commit_analysis(job%analysis, job%journal, error)
+      call settle(job, error)
+      if (allocated(error)) return
+    end do
+  end subroutine advance_job_to
+
+
+  !> Solves to the time now + dt, or to the end of the step if that comes first, without a commit; if it does not
+  !! converge at once, by several shorter increments. After an error the job stands at its last commit.
+  subroutine try_job(job, dt, error)
+    type(job_type), intent(inout) :: job
+    real(DP), intent(in) :: dt                     !< [time]
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: end_time
+    call prepare(job, .true., error)
+    if (.not. (allocated(error) .or. dt > 0.0_DP)) call set_error(error, EXIT_USAGE, 'A time step must be positive.')
+    if (allocated(error)) return
+    end_time = end_in_step(job, dt)
+    associate (analysis => job%analysis)
+      call enter_step(analysis, error)
+      analysis%stepper%dt = end_time - time_in_step(job)
+      call arm(job, analysis%stepper%dt)
+      do while (.not. allocated(error))
+        call solve_increment(analysis, job%journal, end_time, error)
+        if (analysis%is_step_start .or. end_time - analysis%stepper%step_time <= SNAP * end_time) exit
+        call arm(job, end_time - analysis%stepper%step_time)
+      end do
+    end associate
+    if (allocated(error)) call fall_back(job)
+  end subroutine try_job
+
+
+  !> An increment of length dt begins, to be solved iteration by iteration with iterate_job.
+  subroutine begin_job(job, dt, error)
+    type(job_type), intent(inout) :: job
+    real(DP), intent(in) :: dt                     !< [time]; cut off at the end of the step
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: length
+    call prepare(job, .true., error)
+    if (.not. (allocated(error) .or. dt > 0.0_DP)) call set_error(error, EXIT_USAGE, 'A time step must be positive.')
+    if (allocated(error)) return
+    length = end_in_step(job, dt) - time_in_step(job)
+    call arm(job, length)
+    call begin_trial(job%analysis, length, error)
+    job%is_begun = .not. allocated(error)
+  end subroutine begin_job
+
+
+  !> One Newton iteration. VERDICT_CONVERGED: commit it or roll it back. Neither that nor VERDICT_GO_ON: roll it back.
+  subroutine iterate_job(job, verdict, error)
+    type(job_type), intent(inout) :: job
+    integer, intent(out) :: verdict                !< VERDICT_...
+    type(error_type), allocatable, intent(out) :: error
+    verdict = VERDICT_GO_ON
+    if (.not. job%is_begun) then
+      call set_error(error, EXIT_USAGE, 'There is no increment to iterate: begin one first.')
+      return
+    end if
+    call use_threads(job%analysis%options%n_threads)
+    call iterate_trial(job%analysis, job%journal, verdict, error)
+    if (allocated(error)) call fall_back(job)
+    if (verdict /= VERDICT_GO_ON) job%is_begun = .false.
+  end subroutine iterate_job
+
+
+  !> Keeps what was solved since the last commit, and writes it.
+  subroutine commit_job(job, error)
+    type(job_type), intent(inout) :: job
+    type(error_type), allocatable, intent(out) :: error
+    if (.not. job%is_ready) then
+      call set_error(error, EXIT_USAGE, 'The job has not begun or is finished.')
+      return
+    end if
+    if (job%analysis%n_records > job%analysis%n_committed) then
+      if (job%is_begun .or. .not. job%analysis%records(job%analysis%n_records)%is_converged) then
+        call set_error(error, EXIT_USAGE, 'What has not converged cannot be committed; iterate on or roll back.')
+        return
+      end if
+    end if
+    call commit_analysis(job%analysis, job%journal, error)
+    call settle_drives(job%drive)
+  end subroutine commit_job
+
+
+  !> Everything is as at the last commit, bitwise: displacements, stresses, contact, time. Values that were set stay set.
+  subroutine rollback_job(job, error)
+    type(job_type), intent(inout) :: job
+    type(error_type), allocatable, intent(out) :: error
+    job%is_begun = .false.
+    if (job%is_ready) call rollback_analysis(job%analysis, error)
+  end subroutine rollback_job
+
+
+  !> Closes the files. The job can still be asked for its values.
+  subroutine finish_job(job, error)
+    type(job_type), intent(inout) :: job
+    type(error_type), allocatable, intent(out) :: error
+    job%is_ready = .false.
+    job%is_begun = .false.
+    call finish_analysis(job%analysis, job%journal, error)
+  end subroutine finish_job
+
+
+  !> Whether all steps are done.
+  pure logical function is_job_done(job)
+    type(job_type), intent(in) :: job
+    is_job_done = .true.
+    if (job%is_ready) is_job_done = is_at_end(job%analysis)
+  end function is_job_done
+
+
+  !> What every solving verb asks first.
+  subroutine prepare(job, is_trial, error)
+    type(job_type), intent(inout) :: job
+    logical, intent(in) :: is_trial
+    type(error_type), allocatable, intent(out) :: error
+    if (.not. job%is_ready) then
+      call set_error(error, EXIT_USAGE, 'The job has not begun or is finished.')
+    else if (job%is_begun) then
+      call set_error(error, EXIT_USAGE, 'An increment is being iterated; roll it back or iterate on.')
+    else if (is_at_end(job%analysis)) then
+      call set_error(error, EXIT_USAGE, 'All steps of the job are done.')
+    end if
+    job%analysis%is_trial = is_trial
+    call use_threads(job%analysis%options%n_threads)
+  end subroutine prepare
+
+
+  !> After an error everything is as at the last commit.
+  subroutine fall_back(job)
+    type(job_type), intent(inout) :: job
+    type(error_type), allocatable :: second
+    call rollback_job(job, second)
+  end subroutine fall_back
+
+
+  !> The end of a verb that commits.
+  subroutine settle(job, error)
+    type(job_type), intent(inout) :: job
+    type(error_type), allocatable, intent(in) :: error
+    if (allocated(error)) then
+      if (error%code == EXIT_NOT_CONVERGED) call fall_back(job)
+    else
+      call settle_drives(job%drive)
+    end if
+  end subroutine settle
+
+
+  !> What was set is reached after a length of time.
+  subroutine arm(job, length)
+    type(job_type), intent(inout) :: job
+    real(DP), intent(in) :: length                 !< [time]
+    associate (now => job%analysis%stepper%total_time)
+      call arm_drives(job%drive, job%analysis%model, now, now + length)
+    end associate
+  end subroutine arm
+
+
+  !> Index of the step in which the next increment runs.
+  pure integer function step_of(job) result(i_step)
+    type(job_type), intent(in) :: job
+    i_step = max(1, job%analysis%stepper%step)
+    if (job%analysis%is_step_start .and. job%analysis%stepper%step_time > 0.0_DP) &
+      i_step = min(i_step + 1, size(job%analysis%model%steps))
+  end function step_of
+
+
+  !> Time within that step.
+  pure real(DP) function time_in_step(job) result(time)
+    type(job_type), intent(in) :: job
+    time = merge(0.0_DP, job%analysis%stepper%step_time, job%analysis%is_step_start)
+  end function time_in_step
+
+
+  !> Time left in that step.
+  pure real(DP) function step_left(job) result(time)
+    type(job_type), intent(in) :: job
+    time = job%analysis%model%steps(step_of(job))%period - time_in_step(job)
+  end function step_left
+
+
+  !> The step time after a length of time, at most that of the end of the step, which snaps.
+  pure real(DP) function end_in_step(job, length) result(time)
+    type(job_type), intent(in) :: job
+    real(DP), intent(in) :: length                 !< [time]
+    associate (period => job%analysis%model%steps(step_of(job))%period)
+      time = time_in_step(job) + length
+      if (time >= period * (1.0_DP - SNAP)) time = period
+    end associate
+  end function end_in_step
+
+
+  !> Length of the increment that the stepper will propose.
+  pure real(DP) function next_length(job) result(length)
+    type(job_type), intent(in) :: job
+    associate (step => job%analysis%model%steps(step_of(job)))
+      if (job%analysis%is_step_start) then
+        length = min(step%dt_initial, step%period)
+      else
+        length = propose_time(job%analysis%stepper, step)
+      end if
+    end associate
+  end function next_length
+
+
+  !> A quantity by name, one column per row of the set. The names are in doc/manual/library.md.
+  subroutine get_values(job, quantity, set, values, error)
+    type(job_type), intent(in) :: job
+    character(*), intent(in) :: quantity           !< e.g. 'U', 'CPRESS', 'TIME'
+    character(*), intent(in) :: set                !< node set, surface, or label of a node; '' means all nodes
+    real(DP), allocatable, intent(out) :: values(:, :)   !< (components, rows)
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: nodes(:)
+    logical :: is_known
+    if (.not. allocated(job%analysis%state%new%u)) then
+      call set_error(error, EXIT_USAGE, 'The job has not begun.')
+      return
+    end if
+    call get_number(job, squeezed(quantity), set, values, is_known, error)
+    if (is_known .or. allocated(error)) return
+    call find_nodes(job, set, nodes, error)
+    if (allocated(error)) return
+    call get_vector(job, squeezed(quantity), nodes, values, is_known)
+    if (.not. is_known) call get_column(job, squeezed(quantity), nodes, values, is_known)
+    if (.not. is_known) call set_error(error, EXIT_USAGE, 'There is no quantity named ' // quantity // '.')
+  end subroutine get_values
+
+
+  !> A single number.
+  subroutine get_number(job, quantity, set, values, is_known, error)
+    type(job_type), intent(in) :: job
+    character(*), intent(in) :: quantity           !< squeezed
+    character(*), intent(in) :: set
+    real(DP), allocatable, intent(out) :: values(:, :)
+    logical, intent(out) :: is_known
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: value
+    integer :: i
+    is_known = .true.
+    associate (analysis => job%analysis, new => job%analysis%state%new)
+      select case (quantity)
+      case ('TIME')
+        value = new%total_time
+      case ('STEPTIME')
+        value = new%step_time
+      case ('STEP')
+        value = real(analysis%stepper%step, DP)
+      case ('INCREMENTS')
+        value = real(count(analysis%records(:analysis%n_records)%is_converged), DP)
+      case ('ITERATIONS')
+        value = real(sum(analysis%records(:analysis%n_records)%n_iterations), DP)
+      case ('IMBALANCE')
+        value = analysis%newton%progress%residual(0)
+      case ('EXTERNALWORK')
+        value = new%external_work
+      case ('FRICTIONWORK')
+        value = new%friction_work
+      case ('STRAINENERGY')
+        value = 0.0_DP
+        if (allocated(new%energy)) value = sum(new%energy * new%volume)
+      case ('FRICTION')
+        call find_interaction(job, set, i, error)
+        if (allocated(error)) return
+        value = analysis%model%interactions(i)%friction
+      case default
+        is_known = .false.
+        return
+      end select
+    end associate
+    values = reshape([value], [1, 1])
+  end subroutine get_number
+
+
+  !> A vector at nodes, or their labels.
+  subroutine get_vector(job, quantity, nodes, values, is_known)
+    type(job_type), intent(in) :: job
+    character(*), intent(in) :: quantity           !< squeezed
+    integer, intent(in) :: nodes(:)
+    real(DP), allocatable, intent(out) :: values(:, :)
+    logical, intent(out) :: is_known
+    is_known = .true.
+    associate (mesh => job%analysis%model%mesh, new => job%analysis%state%new)
+      select case (quantity)
+      case ('NODES')
+        values = reshape(real(mesh%node_label(nodes), DP), [1, size(nodes)])
+      case ('X')
+        values = mesh%coordinates(:, nodes)
+      case ('INTERNALFORCE')
+        values = new%internal_force(:, nodes)
+      case ('APPLIEDFORCE')
+        values = new%applied_force(:, nodes)
+      case ('CONTACTFORCE')
+        values = new%contact_force(:, nodes)
+      case ('RESIDUAL')
+        values = job%analysis%system%residual(:, nodes)
+      case default
+        is_known = .false.
+      end select
+    end associate
+  end subroutine get_vector
+
+
+  !> A column of the point data of the result file.
+  subroutine get_column(job, quantity, nodes, values, is_known)
+    type(job_type), intent(in) :: job
+    character(*), intent(in) :: quantity           !< squeezed
+    integer, intent(in) :: nodes(:)
+    real(DP), allocatable, intent(out) :: values(:, :)
+    logical, intent(out) :: is_known
+    real(DP), allocatable :: reals(:, :)
+    integer, allocatable :: integers(:, :)
+    integer :: i, first(2), kind
+    first = 1
+    is_known = .false.
+    do i = 1, size(POINT_COLUMNS)
+      kind = merge(1, 2, POINT_COLUMNS(i)%is_integer)
+      is_known = squeezed(POINT_COLUMNS(i)%name) == quantity .or. (i == STRAIN_COLUMN .and. quantity == 'LE')
+      if (is_known) exit
+      first(kind) = first(kind) + POINT_COLUMNS(i)%width
+    end do
+    if (.not. is_known) return
+    associate (model => job%analysis%model, last => first + POINT_COLUMNS(i)%width - 1)
+      allocate (reals(N_POINT_REALS, model%mesh%n_nodes), integers(N_POINT_INTEGERS, model%mesh%n_nodes))
+      call point_fields(model%mesh, job%analysis%state%new, model_size(model%mesh), reals, integers)
+      if (kind == 1) values = real(integers(first(1):last(1), nodes), DP)
+      if (kind == 2) values = reals(first(2):last(2), nodes)
+    end associate
+  end subroutine get_column
+
+
+  !> Sets a quantity: FRICTION of an interaction; P of a surface; CF, CF1 to CF3, U, U1 to U3 of a node set. One value
+  !! per component, for all, or one per component and row. The manual says when it is reached: at the end of the
+  !! increments solved next.
+  subroutine set_values(job, quantity, set, values, error)
+    type(job_type), intent(inout) :: job
+    character(*), intent(in) :: quantity
+    character(*), intent(in) :: set                !< node set, surface, label of a node, or interaction
+    real(DP), intent(in) :: values(:)              !< component by component of each row
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: items(:)
+    integer :: i, kind
+    if (.not. job%is_ready) then
+      call set_error(error, EXIT_USAGE, 'The job has not begun or is finished.')
+      return
+    else if (.not. all(abs(values) <= huge(1.0_DP))) then
+      call set_error(error, EXIT_USAGE, 'A value of ' // quantity // ' is not a finite number.')
+      return
+    end if
+    if (squeezed(quantity) == 'FRICTION') then
+      call find_interaction(job, set, i, error)
+      if (.not. allocated(error) .and. size(values) == 1) then
+        if (values(1) < 0.0_DP) then
+          call set_error(error, EXIT_USAGE, 'A coefficient of friction must not be negative.')
+        else
+          job%analysis%model%interactions(i)%friction = values(1)
+        end if
+      end if
+      return
+    end if
+    call find_items(job, squeezed(quantity), set, kind, items, error)
+    if (allocated(error)) return
+    if (size(items) == 0) return
+    call drive_items(job, kind, items, quantity, values, error)
+  end subroutine set_values
+
+
+  !> Gives the values to the items: all the same, or as many as there are items, or one per component.
+  subroutine drive_items(job, kind, items, quantity, values, error)
+    type(job_type), intent(inout) :: job
+    integer, intent(in) :: kind                    !< DRIVE_...
+    integer, intent(in) :: items(:)
+    character(*), intent(in) :: quantity
+    real(DP), intent(in) :: values(:)
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: now(:)
+    integer :: width, i
+    width = 1
+    if (kind /= DRIVE_PRESSURE .and. len(squeezed(quantity)) == merge(2, 1, kind == DRIVE_FORCE)) width = 3
+    if (size(values) /= width .and. size(values) /= size(items)) then
+      call set_error(error, EXIT_USAGE, text_of(size(values)) // ' values of ' // quantity // ' were given; it takes ' // &
+        text_of(width) // ' or ' // text_of(size(items)) // '.')
+      return
+    end if
+    associate (analysis => job%analysis)
+      now = [analysis%stepper%total_time, time_in_step(job)]
+      if (kind == DRIVE_DISPLACEMENT) now = [now, [(analysis%snapshot%fields%u(mod(items(i) - 1, 3) + 1, &
+        (items(i) + 2) / 3), i=1, size(items))]]
+      call set_driven(job%drive, analysis%model, step_of(job), kind, items, &
+        [(values(mod(i - 1, size(values)) + 1), i=1, size(items))], now, error)
+    end associate
+  end subroutine drive_items
+
+
+  !> What a quantity and a set mean for drive.f90.
+  subroutine find_items(job, quantity, set, kind, items, error)
+    type(job_type), intent(in) :: job
+    character(*), intent(in) :: quantity           !< squeezed
+    character(*), intent(in) :: set
+    integer, intent(out) :: kind                   !< DRIVE_...
+    integer, allocatable, intent(out) :: items(:)
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: nodes(:)
+    integer :: i, dof, surface
+    kind = DRIVE_FORCE
+    if (quantity == 'P') then
+      kind = DRIVE_PRESSURE
+      surface = surface_of(job, set)
+      if (surface == 0) then
+        call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // '.')
+      else
+        items = 6 * (job%analysis%model%surfaces(surface)%element - 1) + job%analysis%model%surfaces(surface)%face
+      end if
+      return
+    end if
+    dof = findloc(['CF ', 'CF1', 'CF2', 'CF3'] == quantity, .true., dim=1) - 1
+    if (dof < 0) then
+      kind = DRIVE_DISPLACEMENT
+      dof = findloc(['U ', 'U1', 'U2', 'U3'] == quantity, .true., dim=1) - 1
+    end if
+    if (dof < 0) then
+      call set_error(error, EXIT_USAGE, 'The quantity ' // quantity // ' cannot be set; FRICTION, P, CF, CF1 to CF3, ' // &
+        'U, U1 to U3 can.')
+      return
+    end if
+    call find_nodes(job, set, nodes, error)
+    if (allocated(error)) return
+    if (dof > 0) items = 3 * (nodes - 1) + dof
+    if (dof == 0) items = [([3 * nodes(i) - 2, 3 * nodes(i) - 1, 3 * nodes(i)], i=1, size(nodes))]
+  end subroutine find_items
+
+
+  !> The nodes of a node set, of a surface, or of a label; '' means all.
+  subroutine find_nodes(job, set, nodes, error)
+    type(job_type), intent(in) :: job
+    character(*), intent(in) :: set
+    integer, allocatable, intent(out) :: nodes(:)
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i, label, status
+    associate (model => job%analysis%model, mesh => job%analysis%model%mesh)
+      if (len_trim(set) == 0) then
+        nodes = [(i, i=1, mesh%n_nodes)]
+        return
+      end if
+      do i = 1, size(mesh%node_sets)
+        if (squeezed(mesh%node_sets(i)%name) /= squeezed(set)) cycle
+        nodes = mesh%node_sets(i)%members
+        return
+      end do
+      i = surface_of(job, set)
+      if (i > 0) then
+        nodes = model%surfaces(i)%nodes
+        return
+      end if
+      call parse_integer(set, label, status)
+      i = 0
+      if (status == NUMBER_OK) i = findloc(mesh%node_label, label, dim=1)
+      if (i > 0) nodes = [i]
+      if (i == 0) call set_error(error, EXIT_USAGE, 'There is no node set, surface or node named ' // set // '.')
+    end associate
+  end subroutine find_nodes
+
+
+  !> Index of a surface; 0: there is none.
+  pure integer function surface_of(job, name) result(i)
+    type(job_type), intent(in) :: job
+    character(*), intent(in) :: name
+    do i = 1, size(job%analysis%model%surfaces)
+      if (squeezed(job%analysis%model%surfaces(i)%name) == squeezed(name)) return
+    end do
+    i = 0
+  end function surface_of
+
+
+  !> Index of an interaction; '' is the only one there is.
+  subroutine find_interaction(job, name, i, error)
+    type(job_type), intent(in) :: job
+    character(*), intent(in) :: name
+    integer, intent(out) :: i
+    type(error_type), allocatable, intent(out) :: error
+    associate (interactions => job%analysis%model%interactions)
+      i = 1
+      if (len_trim(name) == 0 .and. size(interactions) == 1) return
+      do i = 1, size(interactions)
+        if (squeezed(interactions(i)%name) == squeezed(name)) return
+      end do
+    end associate
+    call set_error(error, EXIT_USAGE, 'There is no interaction named ' // name // '.')
+  end subroutine find_interaction
+
+
+  !> A matrix at the configuration now: TANGENT, J on the free unknowns; MAP, C of du = C dv + c, (unknowns x free);
+  !! STIFFNESS, K of the elements and loads on all unknowns. Unknown 3 (i - 1) + k is component k of node i. And C'R.
+  !!
+  !! Before: an increment was begun or solved. After: the job is as before.
+  subroutine get_matrix(job, name, matrix, residual, error)
+    type(job_type), intent(inout) :: job
+    character(*), intent(in) :: name
+    type(sparse_type), intent(out) :: matrix       !< general, by compressed rows
+    real(DP), allocatable, intent(out) :: residual(:)   !< (n_free) C'R [force]
+    type(error_type), allocatable, intent(out) :: error
+    type(state_type) :: state
+    integer :: trouble
+    associate (analysis => job%analysis, system => job%analysis%system, i_step => job%analysis%stepper%step)
+      trouble = 1
+      if (i_step > 0) then
+        call use_threads(analysis%options%n_threads)
+        state = analysis%state
+        call evaluate(system, analysis%model, analysis%model%steps(i_step), .true., state, trouble)
+        if (trouble == TROUBLE_NONE) &
+          call linearise(system, analysis%model, analysis%model%steps(i_step), state, trouble, error)
+      end if
+      if (allocated(error)) return
+      if (trouble /= TROUBLE_NONE) then
+        call set_error(error, EXIT_USAGE, 'There is no matrix yet: begin or solve an increment first.')
+        return
+      end if
+      allocate (residual(system%whole%n_free))
+      call multiply_transpose(system%whole%map, reshape(system%residual, [size(system%residual)]), residual)
+      select case (squeezed(name))
+      case ('TANGENT')
+        call tangent_matrix(system, matrix, error)
+      case ('MAP')
+        matrix = system%whole%map
+      case ('STIFFNESS')
+        matrix = full_of(system%assembly%stiffness)
+      case default
+        call set_error(error, EXIT_USAGE, 'There is no matrix named ' // name // '; TANGENT, MAP and STIFFNESS are there.')
+      end select
+    end associate
+  end subroutine get_matrix
+
+
+  !> The journal of a job without a listener.
+  subroutine hear_nothing(self, text)
+    class(deaf_type), intent(inout) :: self
+    character(*), intent(in) :: text
+    if (len(text) < 0) return
+    associate (unused => self)
+    end associate
+  end subroutine hear_nothing
+
+end module amontons_library
