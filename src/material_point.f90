@@ -2,24 +2,32 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Stress and history are updated from the committed history, never from a trial one. Plain materials (E and nu, nothing
-!! else) do not come here: module stress serves them. Every other law is of one of two sorts:
+!! else) do not come here: module stress serves them. Every other law is of one of two sorts, whatever the placement:
 !!
-!! | sort | laws | at finite strain |
-!! |---|---|---|
-!! | a law between six strains and six stresses | linear elasticity with axes, kinematic hardening | Green's strain (LAW_SAINT_VENANT) or the logarithmic strain of C (LAW_HENCKY) |
-!! | an isotropic law in principal values | linear elasticity, isotropic hardening, creep, rubber, foam | principal logarithmic strains of the elastic b |
+!! | sort | strain at finite strain |
+!! |---|---|
+!! | six strains to six stresses: linear elasticity with axes, kinematic hardening, deformation plasticity | ln(C)/2 |
+!! | the same for linear elasticity under LAW_SAINT_VENANT (calculix dialect) | Green's strain |
+!! | isotropic: linear elasticity, isotropic hardening, creep, rubber, foam | logarithms of the elastic stretches |
 !!
-!! Theory: doc/theory/materials.md.
+!! Initial stresses and given plastic strains are inelastic strains that are there from the start. Theory:
+!! doc/theory/materials.md.
 module amontons_material_point
   use amontons_kinds, only: DP
-  use amontons_materials, only: material_type, evaluate_table, LAW_SAINT_VENANT, ELASTIC_ISOTROPIC, MAX_HISTORY, &
-    HISTORY_INELASTIC
-  use amontons_principal, only: principal_type, find_principal, left_cauchy_green, principal_stress, principal_tangent
-  use amontons_stress, only: hooke, isotropic_tangent, gradient_status, STRESS_OK, STRESS_INVERTED
-  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, double_dot, pack_voigt
+  use amontons_hyperelastic, only: hyper_type, respond_rubber, respond_foam
+  use amontons_log_strain, only: log_axes_type, find_log_axes, push_log_law, transform_matrix, tensor_log, tensor_exp
+  use amontons_materials, only: material_type, evaluate_table, LAW_SAINT_VENANT, ELASTIC_ISOTROPIC, &
+    ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, &
+    HISTORY_BACK, MAX_CONSTANTS
+  use amontons_plastic, only: return_type, return_radially, is_inelastic, deform_ramberg_osgood, RETURN_OK
+  use amontons_principal, only: principal_type, find_principal, left_cauchy_green, principal_stress, &
+    principal_tangent, exponential_m1, logarithm_1p
+  use amontons_stress, only: hooke, isotropic_tangent, gradient_status, STRESS_OK, STRESS_INVERTED, &
+    STRESS_NOT_FINITE
+  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, double_dot, invert, pack_voigt, unpack_voigt, von_mises
   implicit none
   private
-  public :: point_type, update_point
+  public :: point_type, update_point, elastic_strain_of
 
   !> What goes into a material point and what comes out. The past is committed: it is read, never written.
   type :: point_type
@@ -34,17 +42,23 @@ module amontons_material_point
     real(DP) :: past(MAX_HISTORY)                  !< committed history
     ! goes out
     real(DP) :: stress(6)                          !< small strain: stress; finite: Kirchhoff stress [stress]
-    real(DP) :: tangent(6, 6)                      !< its derivative, spatial at finite strain, engineering shears [stress]
+    real(DP) :: tangent(6, 6)                      !< its derivative, spatial at finite strain [stress]
     real(DP) :: energy                             !< elastic, per reference volume [stress]
     real(DP) :: history(MAX_HISTORY)               !< at the end of the increment
   end type point_type
 
-  !> What a material is at a temperature.
+  !> What a material is at the temperature of a point.
   type :: moduli_type
     real(DP) :: lambda = 0                         !< Lame's first constant of isotropic materials [stress]
     real(DP) :: G = 0                              !< shear modulus of isotropic materials [stress]
+    logical :: is_isotropic = .true.               !< lambda and G say all; else C
+    real(DP) :: C(6, 6) = 0                        !< elasticity in the global axes, engineering shears [stress]
     real(DP) :: thermal(6) = 0                     !< thermal strain, tensor components in the global axes [-]
+    logical :: is_swelling = .true.                !< the thermal strain is the same in all directions
+    real(DP) :: constants(MAX_CONSTANTS) = 0       !< as the material has them
   end type moduli_type
+
+  real(DP), parameter :: SQRT_2_3 = sqrt(2 / 3.0_DP), SQRT_3_2 = sqrt(1.5_DP)
 
 contains
 
@@ -55,19 +69,24 @@ contains
     type(point_type), intent(inout) :: point       !< in and out as its type says
     integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK nothing that goes out is to be used
     type(moduli_type) :: moduli
-    status = STRESS_OK
     point%history = point%past
     call find_moduli(material, point, moduli)
     if (.not. is_nlgeom) then
-      call strain_law(moduli, point%strain, point)
+      call strain_law(material, moduli, point%strain, point, status)
+      return
+    end if
+    status = gradient_status(point%H)
+    if (status /= STRESS_OK) return
+    if (material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM) then
+      call update_principal(material, moduli, point, status)
+    else if (material%law == LAW_SAINT_VENANT .and. .not. (is_inelastic(material) .or. &
+      material%has_deformation_plasticity)) then
+      call update_green(material, moduli, point, status)
+    else if (allocated(material%kinematic) .or. material%has_deformation_plasticity .or. &
+      .not. (moduli%is_isotropic .and. moduli%is_swelling)) then
+      call update_log(material, moduli, point, status)
     else
-      status = gradient_status(point%H)
-      if (status /= STRESS_OK) return
-      if (material%law == LAW_SAINT_VENANT) then
-        call update_green(moduli, point, status)
-      else
-        call update_principal(moduli, point, status)
-      end if
+      call update_principal(material, moduli, point, status)
     end if
   end subroutine update_point
 
@@ -77,104 +96,350 @@ contains
     type(material_type), intent(in) :: material
     type(point_type), intent(in) :: point
     type(moduli_type), intent(out) :: moduli
-    real(DP) :: constants(21)
-    constants(:2) = [material%youngs_modulus, material%poissons_ratio]
-    if (allocated(material%elastic%value)) call evaluate_table(material%elastic, point%temperature, &
-      constants(:size(material%elastic%value, 1)))
-    associate (E => constants(1), nu => constants(2))
-      moduli%G = E / (2 * (1 + nu))
-      moduli%lambda = E * nu / ((1 + nu) * (1 - 2 * nu))
+    type(hyper_type) :: rest
+    real(DP) :: Q(6, 6)
+    associate (constants => moduli%constants)
+      constants(:2) = [material%youngs_modulus, material%poissons_ratio]
+      if (allocated(material%elastic%value)) call evaluate_table(material%elastic, point%temperature, &
+        constants(:size(material%elastic%value, 1)))
+      if (material%has_deformation_plasticity) call evaluate_table(material%deformation, point%temperature, &
+        constants(:5))
+      select case (material%elastic_kind)
+      case (ELASTIC_ISOTROPIC)
+        moduli%G = constants(1) / (2 * (1 + constants(2)))
+        moduli%lambda = constants(1) * constants(2) / ((1 + constants(2)) * (1 - 2 * constants(2)))
+      case (ELASTIC_HYPER, ELASTIC_FOAM)
+        call respond(material, constants, [0.0_DP, 0.0_DP, 0.0_DP], rest)
+        moduli%G = 0.5_DP * rest%secant(1)
+        moduli%lambda = rest%slope(1, 2)
+      case default
+        moduli%is_isotropic = .false.
+        Q = transform_matrix(point%frame)
+        moduli%C = matmul(Q, matmul(elasticity_matrix(material%elastic_kind, constants), transpose(Q)))
+      end select
     end associate
-    if (allocated(material%expansion%value)) moduli%thermal = thermal_strain(material, point)
+    if (allocated(material%expansion%value)) call find_thermal_strain(material, point, moduli)
   end subroutine find_moduli
 
 
+  !> Principal stresses of rubber or foam.
+  pure subroutine respond(material, constants, e, answer)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: constants(:)
+    real(DP), intent(in) :: e(3)                   !< principal logarithmic strains [-]
+    type(hyper_type), intent(out) :: answer
+    if (material%elastic_kind == ELASTIC_FOAM) then
+      call respond_foam(material%hyper_order, constants, e, answer)
+    else
+      call respond_rubber(material%hyper_kind, material%hyper_order, constants, e, answer)
+    end if
+  end subroutine respond
+
+
+  !> The elasticity matrix in the local axes from the constants in the order of the decks.
+  pure function elasticity_matrix(kind, constants) result(C)
+    integer, intent(in) :: kind                    !< ELASTIC_ORTHOTROPIC or ELASTIC_ANISOTROPIC
+    real(DP), intent(in) :: constants(:)           !< [stress]
+    real(DP) :: C(6, 6)
+    integer, parameter :: PLACE(6) = [1, 2, 3, 4, 6, 5]   !< the decks order the shears 12 13 23
+    integer :: i, j, k
+    C = 0
+    k = 0
+    do j = 1, 6
+      do i = 1, j
+        if (kind == ELASTIC_ORTHOTROPIC .and. j > 3 .and. i < j) cycle
+        k = k + 1
+        C(PLACE(i), PLACE(j)) = constants(k)
+        C(PLACE(j), PLACE(i)) = constants(k)
+      end do
+    end do
+  end function elasticity_matrix
+
+
   !> The thermal strain since the start: a(T) (T - T0) - a(Ti) (Ti - T0), a the secant coefficient from T0 on.
-  pure function thermal_strain(material, point) result(strain)
+  pure subroutine find_thermal_strain(material, point, moduli)
     type(material_type), intent(in) :: material
     type(point_type), intent(in) :: point
-    real(DP) :: strain(6)                          !< global axes, tensor components [-]
+    type(moduli_type), intent(inout) :: moduli
     real(DP) :: now(6), start(6)
     integer :: n
+    now = 0
+    start = 0
     n = size(material%expansion%value, 1)
     call evaluate_table(material%expansion, point%temperature, now(:n))
     call evaluate_table(material%expansion, point%initial_temperature, start(:n))
-    strain(:n) = now(:n) * (point%temperature - material%expansion_zero) &
-      - start(:n) * (point%initial_temperature - material%expansion_zero)
-    if (n == 1) strain = strain(1) * VOIGT_IDENTITY
-  end function thermal_strain
+    now = now * (point%temperature - material%expansion_zero) &
+      - start * (point%initial_temperature - material%expansion_zero)
+    moduli%is_swelling = n == 1
+    if (n == 1) then
+      moduli%thermal = now(1) * VOIGT_IDENTITY
+    else                                           ! the decks order the shears 12 13 23
+      now(5:6) = now([6, 5])
+      moduli%thermal = matmul(transform_matrix(point%frame), now)
+    end if
+  end subroutine find_thermal_strain
 
 
-  !> The law between six strains and six stresses.
-  pure subroutine strain_law(moduli, strain, point)
+  !> The law between six strains and six stresses, of any strain measure.
+  pure subroutine strain_law(material, moduli, strain, point, status)
+    type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
-    real(DP), intent(in) :: strain(6)              !< of any measure, tensor components [-]
-    type(point_type), intent(inout) :: point
-    real(DP) :: elastic(6)
+    real(DP), intent(in) :: strain(6)              !< tensor components [-]
+    type(point_type), intent(inout) :: point       !< out: stress, tangent, energy, history
+    integer, intent(out) :: status                 !< STRESS_...
+    real(DP) :: elastic(6), doubled(6)
+    status = STRESS_OK
     elastic = strain - moduli%thermal - point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
-    point%stress = hooke(moduli%lambda, moduli%G, elastic)
-    point%tangent = isotropic_tangent(moduli%lambda, moduli%G)
-    point%energy = 0.5_DP * double_dot(point%stress, elastic)
+    if (material%has_deformation_plasticity) then
+      call deform_strains(moduli, elastic, point, status)
+    else if (moduli%is_isotropic) then
+      point%stress = hooke(moduli%lambda, moduli%G, elastic)
+      point%tangent = isotropic_tangent(moduli%lambda, moduli%G)
+      if (is_inelastic(material)) call return_strains(material, moduli, point, status)
+      elastic = strain - moduli%thermal - point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
+      point%energy = 0.5_DP * double_dot(point%stress, elastic)
+    else
+      doubled = elastic
+      doubled(4:) = 2 * elastic(4:)
+      point%stress = matmul(moduli%C, doubled)
+      point%tangent = moduli%C
+      point%energy = 0.5_DP * double_dot(point%stress, elastic)
+    end if
   end subroutine strain_law
 
 
+  !> Turns a trial stress into the stress on the yield surface: stress = trial - 2 G sqrt(3/2) (dp + dc) N,
+  !! tangent = K 1 1 + 2 G theta (I - 1 1/3) + 2 G (kappa - theta) N N, N the unit tensor along the trial deviator.
+  pure subroutine return_strains(material, moduli, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    type(point_type), intent(inout) :: point       !< in: trial stress, elastic tangent
+    integer, intent(out) :: status                 !< STRESS_...
+    type(return_type) :: answer
+    real(DP) :: N(6), q
+    integer :: i, trouble
+    N = point%stress - (sum(point%stress(:3)) / 3) * VOIGT_IDENTITY - point%past(HISTORY_BACK:HISTORY_BACK + 5)
+    q = von_mises(N)
+    call return_radially(material, moduli%G, q, point%temperature, [point%time, point%time_increment], point%past, &
+      answer, trouble)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    if (status /= STRESS_OK .or. .not. answer%plastic + answer%creep > 0) return
+    N = N / (SQRT_2_3 * q)
+    point%stress = point%stress - (2 * moduli%G * SQRT_3_2 * (answer%plastic + answer%creep)) * N
+    point%tangent = answer%ratio * isotropic_tangent(0.0_DP, moduli%G)
+    point%tangent(:3, :3) = point%tangent(:3, :3) + moduli%lambda + 2 * moduli%G * (1 - answer%ratio) / 3
+    do i = 1, 6
+      point%tangent(:, i) = point%tangent(:, i) + (2 * moduli%G * (answer%slope - answer%ratio) * N(i)) * N
+    end do
+    associate (history => point%history)
+      history(HISTORY_PEEQ) = history(HISTORY_PEEQ) + answer%plastic
+      history(HISTORY_CEEQ) = history(HISTORY_CEEQ) + answer%creep
+      history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) &
+        + (SQRT_3_2 * (answer%plastic + answer%creep)) * N
+      history(HISTORY_BACK:HISTORY_BACK + 5) = history(HISTORY_BACK:HISTORY_BACK + 5) + (SQRT_2_3 * answer%back) * N
+    end associate
+  end subroutine return_strains
+
+
+  !> Deformation plasticity: the deviator of the stress follows the strain by Ramberg and Osgood's law, the pressure is
+  !! elastic. Its energy is that of the elastic part.
+  pure subroutine deform_strains(moduli, strain, point, status)
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: strain(6)              !< [-]
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    real(DP) :: N(6), e, ratio, slope, mean, bulk
+    integer :: i, trouble
+    mean = sum(strain(:3)) / 3
+    N = strain - mean * VOIGT_IDENTITY
+    e = SQRT_2_3 * sqrt(double_dot(N, N))
+    call deform_ramberg_osgood(moduli%constants(:5), moduli%G, e, ratio, slope, trouble)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    bulk = moduli%lambda + 2 * moduli%G / 3
+    point%stress = 2 * moduli%G * ratio * N + 3 * bulk * mean * VOIGT_IDENTITY
+    point%energy = double_dot(point%stress, point%stress) / (4 * moduli%G) &
+      + (1 / (18 * bulk) - 1 / (12 * moduli%G)) * sum(point%stress(:3))**2
+    point%tangent = ratio * isotropic_tangent(0.0_DP, moduli%G)
+    point%tangent(:3, :3) = point%tangent(:3, :3) + bulk - 2 * moduli%G * ratio / 3
+    if (e > 0) N = N / (SQRT_3_2 * e)
+    do i = 1, 6
+      point%tangent(:, i) = point%tangent(:, i) + (2 * moduli%G * (slope - ratio) * N(i)) * N
+    end do
+  end subroutine deform_strains
+
+
   !> The law of six strains between Green's strain and the second Piola-Kirchhoff stress, pushed forward.
-  pure subroutine update_green(moduli, point, status)
+  pure subroutine update_green(material, moduli, point, status)
+    type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
     type(point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
-    type(principal_type) :: principal
     real(DP) :: push(6, 6)
-    logical :: is_positive
-    call find_principal(left_cauchy_green(point%H), principal, is_positive)
-    status = merge(STRESS_OK, STRESS_INVERTED, is_positive)
-    if (.not. is_positive) return
-    point%strain = principal_stress(principal, principal%e)
-    call strain_law(moduli, pack_voigt(point%H + 0.5_DP * matmul(transpose(point%H), point%H)), point)
-    push = push_forward_matrix(IDENTITY + point%H)
+    point%strain = tensor_log(left_cauchy_green(point%H), 0.5_DP)
+    call strain_law(material, moduli, pack_voigt(point%H + 0.5_DP * matmul(transpose(point%H), point%H)), point, status)
+    push = transform_matrix(IDENTITY + point%H)
     point%stress = matmul(push, point%stress)
     point%tangent = matmul(push, matmul(point%tangent, transpose(push)))
   end subroutine update_green
 
 
-  !> The isotropic law in principal logarithmic strains.
-  pure subroutine update_principal(moduli, point, status)
+  !> The law of six strains between ln(C)/2 and its conjugate stress, turned to space.
+  pure subroutine update_log(material, moduli, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    type(log_axes_type) :: axes
+    logical :: is_positive
+    call find_log_axes(point%H, axes, is_positive)
+    status = STRESS_INVERTED
+    if (.not. is_positive) return
+    point%strain = tensor_log(left_cauchy_green(point%H), 0.5_DP)
+    call strain_law(material, moduli, tensor_log(left_cauchy_green(transpose(point%H)), 0.5_DP), point, status)
+    if (status == STRESS_OK) call push_log_law(axes, point%stress, point%tangent)
+  end subroutine update_log
+
+
+  !> The isotropic laws in the principal logarithms of the elastic trial b = F exp(-2 E_inelastic) F^T, less swelling.
+  pure subroutine update_principal(material, moduli, point, status)
+    type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
     type(point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
     type(principal_type) :: principal
-    real(DP) :: e(3), tau(3), slope(3, 3)
-    logical :: is_positive
-    integer :: A
-    call find_principal(left_cauchy_green(point%H), principal, is_positive)
-    status = merge(STRESS_OK, STRESS_INVERTED, is_positive)
+    type(hyper_type) :: answer
+    real(DP) :: e(3), flow(3), F(3, 3)
+    logical :: is_positive, has_past
+    status = STRESS_INVERTED
+    F = IDENTITY + point%H
+    point%strain = left_cauchy_green(point%H)
+    associate (inelastic => point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
+      has_past = any(abs(inelastic) > 0)
+      if (has_past) then
+        call find_principal(point%strain + pack_voigt(matmul(F, matmul(unpack_voigt(tensor_exp(inelastic, -2.0_DP)), &
+          transpose(F)))), principal, is_positive)
+      else
+        call find_principal(point%strain, principal, is_positive)
+      end if
+    end associate
     if (.not. is_positive) return
-    point%strain = principal_stress(principal, principal%e)
-    e = principal%e - moduli%thermal(1)
-    tau = 2 * moduli%G * e + moduli%lambda * (e(1) + e(2) + e(3))
-    slope = moduli%lambda
-    do A = 1, 3
-      slope(A, A) = moduli%lambda + 2 * moduli%G
-    end do
-    point%stress = principal_stress(principal, tau)
-    point%tangent = principal_tangent(principal, tau, slope, spread(2 * moduli%G, 1, 3))
-    point%energy = 0.5_DP * dot_product(tau, e)
+    status = STRESS_OK
+    if (has_past) then
+      point%strain = tensor_log(point%strain, 0.5_DP)
+    else
+      point%strain = principal_stress(principal, principal%e)
+    end if
+    if (material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM) then
+      call respond(material, moduli%constants, principal%e - logarithm_1p(moduli%thermal(1)), answer)
+    else
+      e = principal%e - moduli%thermal(1)
+      call respond_elastic(moduli, e, answer)
+      if (is_inelastic(material)) then
+        call return_principal(material, moduli, e, point, answer, flow, status)
+        if (status /= STRESS_OK) return
+        if (any(abs(flow) > 0)) call keep_flow(principal, flow, point)
+      end if
+    end if
+    point%stress = principal_stress(principal, answer%tau)
+    point%tangent = principal_tangent(principal, answer%tau, answer%slope, answer%secant)
+    point%energy = answer%energy
   end subroutine update_principal
 
 
-  !> The matrix Q with tau = Q S and c = Q C Q^T for tau_ij = A_iI S_IJ A_jJ, c_ijkl = A_iI A_jJ C_IJKL A_kK A_lL.
-  pure function push_forward_matrix(A) result(Q)
-    real(DP), intent(in) :: A(3, 3)                !< F, or a rotation [-]
-    real(DP) :: Q(6, 6)
-    integer :: k, n
-    do n = 1, 6
-      associate (i => VOIGT_ROW, j => VOIGT_COLUMN)
-        do k = 1, 6
-          Q(k, n) = A(i(k), i(n)) * A(j(k), j(n))
-          if (n > 3) Q(k, n) = Q(k, n) + A(i(k), j(n)) * A(j(k), i(n))
-        end do
-      end associate
+  !> Hencky's law in principal values.
+  pure subroutine respond_elastic(moduli, e, answer)
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: e(3)                   !< elastic logarithmic strains [-]
+    type(hyper_type), intent(out) :: answer
+    integer :: A
+    answer%tau = 2 * moduli%G * e + moduli%lambda * (e(1) + e(2) + e(3))
+    answer%slope = moduli%lambda
+    do A = 1, 3
+      answer%slope(A, A) = moduli%lambda + 2 * moduli%G
     end do
-  end function push_forward_matrix
+    answer%secant = 2 * moduli%G
+    answer%energy = 0.5_DP * dot_product(answer%tau, e)
+  end subroutine respond_elastic
+
+
+  !> The return to the yield surface in principal values, as return_strains.
+  pure subroutine return_principal(material, moduli, e, point, answer, flow, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: e(3)                   !< elastic trial strains [-]
+    type(point_type), intent(inout) :: point       !< out: equivalent strains
+    type(hyper_type), intent(inout) :: answer      !< in: of the trial strains
+    real(DP), intent(out) :: flow(3)               !< inelastic strains of the increment [-]
+    integer, intent(out) :: status                 !< STRESS_...
+    type(return_type) :: back
+    real(DP) :: N(3), q
+    integer :: A, trouble
+    flow = 0
+    N = answer%tau - sum(answer%tau) / 3
+    q = SQRT_3_2 * norm2(N)
+    call return_radially(material, moduli%G, q, point%temperature, [point%time, point%time_increment], point%past, &
+      back, trouble)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    if (status /= STRESS_OK .or. .not. back%plastic + back%creep > 0) return
+    N = N / (SQRT_2_3 * q)
+    flow = (SQRT_3_2 * (back%plastic + back%creep)) * N
+    answer%tau = answer%tau - 2 * moduli%G * flow
+    answer%slope = moduli%lambda + 2 * moduli%G * (1 - back%ratio) / 3
+    do A = 1, 3
+      answer%slope(A, A) = answer%slope(A, A) + 2 * moduli%G * back%ratio
+      answer%slope(:, A) = answer%slope(:, A) + (2 * moduli%G * (back%slope - back%ratio) * N(A)) * N
+    end do
+    answer%secant = 2 * moduli%G * back%ratio
+    answer%energy = 0.5_DP * dot_product(answer%tau, e - flow)
+    point%history(HISTORY_PEEQ) = point%past(HISTORY_PEEQ) + back%plastic
+    point%history(HISTORY_CEEQ) = point%past(HISTORY_CEEQ) + back%creep
+  end subroutine return_principal
+
+
+  !> The inelastic strain after the flow: exp(-2 E) = F^-1 b F^-T with b the elastic one after it.
+  pure subroutine keep_flow(principal, flow, point)
+    type(principal_type), intent(in) :: principal  !< of the trial b
+    real(DP), intent(in) :: flow(3)                !< inelastic strains of the increment [-]
+    type(point_type), intent(inout) :: point       !< out: history
+    real(DP) :: inverse(3, 3), rest(3, 3), b(6), det
+    call invert(IDENTITY + point%H, inverse, det)
+    rest = -matmul(inverse, point%H)               ! F^-1 - 1
+    b = principal_stress(principal, exponential_m1(2 * (principal%e - flow)))
+    b = pack_voigt(matmul(inverse, matmul(unpack_voigt(b), transpose(inverse)))) + left_cauchy_green(rest)
+    point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = tensor_log(b, -0.5_DP)
+  end subroutine keep_flow
+
+
+  !> The elastic strain of a stress: what initial stresses are taken as, with the sign turned, in the inelastic strain.
+  pure function elastic_strain_of(material, temperature, frame, stress) result(strain)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: temperature            !< [temperature]
+    real(DP), intent(in) :: frame(3, 3)            !< local axes in columns
+    real(DP), intent(in) :: stress(6)              !< [stress]
+    real(DP) :: strain(6)                          !< tensor components [-]
+    type(point_type) :: point
+    type(moduli_type) :: moduli
+    real(DP) :: rest(6), C(6, 6), factor
+    integer :: i, k
+    point%frame = frame
+    point%temperature = temperature
+    point%initial_temperature = temperature
+    call find_moduli(material, point, moduli)
+    C = moduli%C
+    if (moduli%is_isotropic) C = isotropic_tangent(moduli%lambda, moduli%G)
+    rest = stress
+    do k = 1, 6                                    ! C is positive definite: no pivots
+      do i = k + 1, 6
+        factor = C(i, k) / C(k, k)
+        C(i, :) = C(i, :) - factor * C(k, :)
+        rest(i) = rest(i) - factor * rest(k)
+      end do
+    end do
+    do k = 6, 1, -1
+      rest(k) = (rest(k) - dot_product(C(k, k + 1:), rest(k + 1:))) / C(k, k)
+    end do
+    strain = rest
+    strain(4:) = 0.5_DP * rest(4:)
+  end function elastic_strain_of
 
 end module amontons_material_point

@@ -9,11 +9,11 @@ module amontons_materials
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
-  public :: MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_USER
+  public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_USER
   public :: SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL
 
   integer, parameter :: LAW_HENCKY = 1          !< Kirchhoff stress linear in the logarithmic strain (abaqus dialect)
-  integer, parameter :: LAW_SAINT_VENANT = 2    !< 2nd Piola-Kirchhoff stress linear in the Green strain (calculix dialect)
+  integer, parameter :: LAW_SAINT_VENANT = 2    !< 2nd Piola-Kirchhoff stress linear in Green's strain (calculix dialect)
 
   integer, parameter :: ELASTIC_ISOTROPIC = 1   !< E, nu
   integer, parameter :: ELASTIC_ORTHOTROPIC = 2 !< D1111 D1122 D2222 D1133 D2233 D3333 D1212 D1313 D2323
@@ -21,10 +21,11 @@ module amontons_materials
   integer, parameter :: ELASTIC_HYPER = 4       !< strain energy of the isochoric invariants or stretches
   integer, parameter :: ELASTIC_FOAM = 5        !< strain energy of a compressible foam
 
-  integer, parameter :: HYPER_POLYNOMIAL = 1    !< C_ij (i + j from 1 to N, ordered 10 01 20 11 02 30 ...), then D_1 to D_N
+  integer, parameter :: HYPER_POLYNOMIAL = 1    !< C_ij, i + j = 1 to N, as 10 01 20 11 02 30 ..., then D_1 to D_N
   integer, parameter :: HYPER_OGDEN = 2         !< mu_1 alpha_1 ... mu_N alpha_N, then D_1 to D_N; foam: nu_i for D_i
   integer, parameter :: HYPER_ARRUDA_BOYCE = 3  !< mu, lambda_m, D
   integer, parameter :: MAX_HYPER_ORDER = 6
+  integer, parameter :: MAX_CONSTANTS = 33      !< most constants of an elastic law: polynomial of order 6
 
   integer, parameter :: CREEP_NONE = 0
   integer, parameter :: CREEP_TIME_HARDENING = 1     !< rate = A q^n t^m
@@ -33,7 +34,7 @@ module amontons_materials
   ! The history of an integration point: all that it keeps from increment to increment beside its place.
   integer, parameter :: HISTORY_PEEQ = 1        !< equivalent plastic strain [-]
   integer, parameter :: HISTORY_CEEQ = 2        !< equivalent creep strain [-]
-  integer, parameter :: HISTORY_INELASTIC = 3   !< 3 to 8: plastic and creep strain in the reference placement, logarithmic [-]
+  integer, parameter :: HISTORY_INELASTIC = 3   !< 3 to 8: plastic and creep strain, logarithmic, reference placement [-]
   integer, parameter :: HISTORY_BACK = 9        !< 9 to 14: back stress in the reference placement [stress]
   integer, parameter :: HISTORY_USER = 15       !< from here on: variables of a user's material
   integer, parameter :: MAX_HISTORY = 14
@@ -57,8 +58,8 @@ module amontons_materials
   type :: orientation_type
     character(:), allocatable :: name
     integer :: system = SYSTEM_RECTANGULAR
-    real(DP) :: a(3) = [1.0_DP, 0.0_DP, 0.0_DP]               !< rectangular: a point on local x; cylindrical: a point of the axis [length]
-    real(DP) :: b(3) = [0.0_DP, 1.0_DP, 0.0_DP]               !< rectangular: a point of local xy; cylindrical: another of the axis [length]
+    real(DP) :: a(3) = [1.0_DP, 0.0_DP, 0.0_DP]   !< rectangular: on local x; cylindrical: on the axis [length]
+    real(DP) :: b(3) = [0.0_DP, 1.0_DP, 0.0_DP]   !< rectangular: in local xy; cylindrical: on the axis too [length]
     integer :: turn_axis = 0                    !< further rotation about this local axis; 0: none
     real(DP) :: turn_angle = 0                  !< [rad]
   end type orientation_type
