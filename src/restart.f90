@@ -22,7 +22,7 @@ module amontons_restart
   public :: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it tells the byte order too
-  integer(I64), parameter :: FORMAT_VERSION = 1
+  integer(I64), parameter :: FORMAT_VERSION = 2
   integer, parameter :: N_HEAD = 4                 !< words before those of carry_all
 
   !> All that the next increment depends on.
@@ -34,6 +34,8 @@ module amontons_restart
     real(DP) :: best_entries = 0                   !< system%best_entries
     integer, allocatable :: node_order(:)          !< system%node_order
     real(DP), allocatable :: u_start(:, :)         !< system%u_start [length]
+    integer, allocatable :: interface(:)           !< (n_nodes) > 0: on the interface, system%is_contact
+    real(DP), allocatable :: bulk_u(:, :)          !< system%bulk_u: the factor of the bulk is made again from it [length]
   end type snapshot_type
 
   !> What the result files were at a snapshot.
@@ -71,7 +73,21 @@ contains
     if (allocated(snapshot%node_order)) deallocate (snapshot%node_order)
     if (allocated(system%node_order)) snapshot%node_order = system%node_order
     snapshot%u_start = system%u_start
+    call note_bulk(snapshot, system)
   end subroutine take_snapshot
+
+
+  !> Where the factor of the bulk was made, and with which interface, if it may serve the next increment.
+  subroutine note_bulk(snapshot, system)
+    type(snapshot_type), intent(inout) :: snapshot
+    type(system_type), intent(in) :: system
+    integer :: i
+    if (allocated(snapshot%interface)) deallocate (snapshot%interface)
+    if (allocated(snapshot%bulk_u)) deallocate (snapshot%bulk_u)
+    if (.not. allocated(system%is_contact)) return
+    snapshot%interface = [(merge(1, 0, system%is_contact(3 * i)), i=1, size(system%is_contact) / 3)]
+    if (allocated(system%bulk_u)) snapshot%bulk_u = system%bulk_u
+  end subroutine note_bulk
 
 
   !> Goes back to a snapshot. Errors: those of begin_step.
@@ -92,7 +108,28 @@ contains
     call put_order_back(snapshot, system)
     if (.not. is_step_start) call begin_step(system, model, model%steps(stepper%step), state, error)
     system%u_start = snapshot%u_start
+    call put_bulk_back(snapshot, system)
   end subroutine put_back
+
+
+  !> The interface as it was; the factor is made again when it is asked for, unless it is the same one still.
+  subroutine put_bulk_back(snapshot, system)
+    type(snapshot_type), intent(in) :: snapshot
+    type(system_type), intent(inout) :: system
+    integer :: i
+    logical :: is_same
+    is_same = allocated(snapshot%bulk_u) .and. allocated(system%bulk_u)
+    if (is_same) is_same = all(snapshot%bulk_u == system%bulk_u)
+    if (is_same .and. system%condensed%is_ready) return
+    system%condensed%is_ready = .false.
+    system%condensed%is_analysed = .false.
+    system%is_dense_wanted = .true.
+    if (allocated(system%bulk_u)) deallocate (system%bulk_u)
+    if (allocated(system%is_contact)) deallocate (system%is_contact)
+    if (.not. allocated(snapshot%interface)) return
+    system%is_contact = [(snapshot%interface((i + 2) / 3) > 0, i=1, 3 * size(snapshot%interface))]
+    if (allocated(snapshot%bulk_u)) system%bulk_u = snapshot%bulk_u
+  end subroutine put_bulk_back
 
 
   !> The order of the nodes decides the rounding of the factor: a factor analysed in another one is forgotten.
@@ -213,6 +250,8 @@ contains
     call parcel%carry(snapshot%best_entries)
     call carry_order(parcel, model%mesh%n_nodes, snapshot%node_order)
     call parcel%carry(snapshot%u_start)
+    call carry_order(parcel, model%mesh%n_nodes, snapshot%interface)
+    call carry_bulk(parcel, model%mesh%n_nodes, snapshot%bulk_u)
     call carry_fields(parcel, snapshot%fields)
     call carry_files(parcel, files)
   end subroutine carry_all
@@ -232,7 +271,7 @@ contains
   end subroutine carry_stepper
 
 
-  !> The order of the nodes, if there is one.
+  !> A number for each node, if there are any: their order, or the interface.
   subroutine carry_order(parcel, n_nodes, order)
     type(parcel_type), intent(inout) :: parcel
     integer, intent(in) :: n_nodes
@@ -246,8 +285,22 @@ contains
     do i = 1, n_nodes
       call parcel%carry(order(i))
     end do
-    parcel%is_sound = parcel%is_sound .and. all(order >= 1 .and. order <= n_nodes)
+    parcel%is_sound = parcel%is_sound .and. all(order >= 0 .and. order <= n_nodes)
   end subroutine carry_order
+
+
+  !> Where the factor of the bulk was made, if there is one.
+  subroutine carry_bulk(parcel, n_nodes, u)
+    type(parcel_type), intent(inout) :: parcel
+    integer, intent(in) :: n_nodes
+    real(DP), allocatable, intent(inout) :: u(:, :)
+    logical :: is_there
+    is_there = allocated(u)
+    call parcel%carry(is_there)
+    if (.not. is_there .or. .not. parcel%is_sound) return
+    if (.not. allocated(u)) allocate (u(3, n_nodes), source=0.0_DP)
+    call parcel%carry(u)
+  end subroutine carry_bulk
 
 
   !> The committed fields.

@@ -63,7 +63,7 @@ module amontons_system
     type(condensed_type) :: condensed              !< the bulk with its interface, where that is cheaper
     logical :: is_condensed = .false.              !< the present direction goes by the condensed interface
     logical :: is_dense_wanted = .true.            !< the interface has not been found too large yet
-    logical :: is_bulk_fresh = .false.             !< the bulk was factorised at this configuration
+    real(DP), allocatable :: bulk_u(:, :)          !< (3, n_nodes) where the bulk's factor was made [length]; not there: no factor
     logical, allocatable :: is_contact(:)          !< (n_unknowns) on the interface
     integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while it serves
     real(DP) :: best_entries = 0                   !< entries of the factor when that order was made
@@ -328,7 +328,7 @@ contains
     call linearise(system, model, step, state, trouble, error)
     if (allocated(error) .or. trouble /= TROUBLE_NONE) return
     call start_clock(clock)
-    call factorise_condensed(system, model, state, error)
+    call factorise_condensed(system, model, step, state, error)
     if (allocated(error)) return
     if (.not. system%is_condensed) call factorise_reduced(system, trouble, error)
     if (allocated(error) .or. trouble /= TROUBLE_NONE) return
@@ -390,8 +390,8 @@ contains
   end subroutine constrain
 
 
-  !> The bulk's factor serves one increment, or one step where the stiffness is constant: then a job that is resumed makes
-  !! the same factor from the same state. The interface is chosen anew from the committed state.
+  !> Whether the bulk's factor may serve the next increment too, as a preconditioner. It may where its matrix can be made again
+  !! from the displacements alone, so that a job that is resumed goes on with the same factor.
   subroutine drop_bulk(system, model, step, is_step_start, state)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -399,12 +399,14 @@ contains
     logical, intent(in) :: is_step_start
     type(state_type), intent(in) :: state          !< trial, at the start of the increment
     logical, allocatable :: is_contact(:)
-    logical :: is_constant
+    logical :: is_kept
     if (size(state%new%slaves) == 0) return
-    is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain)
-    if (is_constant .and. .not. is_step_start .and. allocated(system%is_contact)) return
-    system%condensed%is_ready = .false.
-    is_contact = interface_unknowns(system, model, state%new, is_constant)
+    is_kept = all(model%materials%is_plain) .and. system%base%n_rows == 0 .and. .not. is_step_start .and. &
+      (.not. step%is_nlgeom .or. size(step%distributed) == 0)
+    is_contact = interface_unknowns(system, model, state%new, .not. step%is_nlgeom)
+    if (is_kept .and. allocated(system%is_contact)) is_kept = .not. any(is_contact .and. .not. system%is_contact)
+    if (is_kept .and. allocated(system%is_contact)) return
+    call forget_bulk(system)
     if (allocated(system%is_contact)) then
       if (all(is_contact .eqv. system%is_contact)) return
     end if
@@ -412,6 +414,14 @@ contains
     system%is_dense_wanted = .true.
     call move_alloc(is_contact, system%is_contact)
   end subroutine drop_bulk
+
+
+  !> The factor of the bulk is not to be used any more.
+  subroutine forget_bulk(system)
+    type(system_type), intent(inout) :: system
+    system%condensed%is_ready = .false.
+    if (allocated(system%bulk_u)) deallocate (system%bulk_u)
+  end subroutine forget_bulk
 
 
   !> What contact can reach: slave nodes near their master, their facets and the facets beside these.
@@ -448,21 +458,21 @@ contains
 
   !> Contact by the condensed interface: the bulk is factorised if its factor is gone, the interface always.
   !! After: is_condensed is .false. where the interface is too large or the bulk is not stable.
-  subroutine factorise_condensed(system, model, state, error)
+  subroutine factorise_condensed(system, model, step, state, error)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
-    type(state_type), intent(in) :: state
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< not changed
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: by_imbalance, by_displacement
     logical :: is_complete
     integer :: attempt
     system%is_condensed = .false.
-    system%is_bulk_fresh = .false.
     if (size(state%new%slaves) == 0 .or. .not. system%is_dense_wanted) return
     call contact_matrices(system%links, system%whole%n_unknowns, by_imbalance, by_displacement, error)
     if (allocated(error)) return
     do attempt = 1, 2
-      if (.not. system%condensed%is_ready) call renew_bulk(system, error)
+      call provide_bulk(system, model, step, state, error)
       if (allocated(error) .or. .not. system%condensed%is_ready) return
       call factorise_interface(system%condensed, system%base, system%whole, by_imbalance, by_displacement, is_complete, error)
       if (allocated(error)) return
@@ -470,12 +480,37 @@ contains
       if (is_complete) return
       system%is_contact = system%is_contact .or. interface_unknowns(system, model, state%new, .false.)
       system%condensed%is_analysed = .false.
-      system%condensed%is_ready = .false.
+      call forget_bulk(system)
     end do
   end subroutine factorise_condensed
 
 
-  !> Factorises the bulk as it is now, if the interface is small enough.
+  !> The factor of the bulk: the one at hand, else that of bulk_u (of a job that was resumed), else a new one.
+  subroutine provide_bulk(system, model, step, state, error)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< not changed
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: u(:, :)
+    integer :: failed
+    if (system%condensed%is_ready) return
+    if (.not. allocated(system%bulk_u)) then
+      call renew_bulk(system, error)
+      if (system%condensed%is_ready) system%bulk_u = state%new%u
+      return
+    end if
+    u = state%new%u
+    state%new%u = system%bulk_u
+    call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
+    call renew_bulk(system, error)
+    state%new%u = u
+    if (allocated(error)) return
+    call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
+  end subroutine provide_bulk
+
+
+  !> Factorises the bulk with the present stiffness, if the interface is small enough.
   subroutine renew_bulk(system, error)
     type(system_type), intent(inout) :: system
     type(error_type), allocatable, intent(out) :: error
@@ -491,7 +526,6 @@ contains
     if (allocated(error)) return
     system%n_factorisations = system%n_factorisations + 1
     system%is_dense_wanted = status == FACTOR_OK
-    system%is_bulk_fresh = status == FACTOR_OK
   end subroutine renew_bulk
 
 
@@ -647,7 +681,7 @@ contains
       call gmres(tangent, preconditioner, b, v, options, report, error)
       if (allocated(error)) return
       system%n_krylov = system%n_krylov + report%n_iterations
-      if (system%is_condensed .and. report%n_iterations > MOST_OLD) system%condensed%is_ready = .false.
+      if (system%is_condensed .and. report%n_iterations > MOST_OLD) call forget_bulk(system)
       if (report%status /= KRYLOV_CONVERGED) call solve_whole(system, b, v, trouble, error)
       if (allocated(error)) return
       call multiply(system%whole%map, v, start)
