@@ -12,7 +12,7 @@ module amontons_card_table
 
   character(*), parameter :: NODE_VARIABLES = 'U|RF'              !< what NODE PRINT knows
   character(*), parameter :: ELEMENT_VARIABLES = 'S|E'            !< what EL PRINT knows
-  character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN' !< what CONTACT PRINT knows
+  character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS' !< what CONTACT PRINT knows
 
 contains
 
@@ -22,6 +22,7 @@ contains
     call describe_mesh(table)
     call describe_materials(table)
     call describe_contact(table)
+    call describe_contact_changes(table)
     call describe_amplitude_and_equation(table)
     call describe_loads(table)
     call describe_steps(table)
@@ -130,7 +131,7 @@ contains
   !> Interactions and contact pairs.
   subroutine describe_contact(table)
     type(card_table_type), intent(inout) :: table
-    character(*), parameter :: EXACT = 'Contact is enforced exactly, without a penalty.'
+    character(*), parameter :: EXACT = 'HARD contact is enforced exactly, without a penalty.'
     call table%card('SURFACE INTERACTION', IN_MODEL, 'Starts an interaction; SURFACE BEHAVIOR and FRICTION follow.', &
       data='one line, which is ignored')
     call table%option('NAME', VALUE_NAME, 'Name of the interaction.', default='required')
@@ -139,24 +140,26 @@ contains
     call table%option('USER|UNSYMM|DEPVAR|PROPERTIES', VALUE_TEXT, 'User subroutines do not exist here.', &
       status=STATUS_REFUSED)
 
-    call table%card('SURFACE BEHAVIOR', IN_MODEL, 'The law normal to the surfaces; without this card it is HARD.', &
-      parent='SURFACE INTERACTION', data='none with HARD')
-    call table%option('PRESSURE-OVERCLOSURE', VALUE_WORD, 'HARD: no penetration and no tension, exactly.', allowed= &
-      'HARD', default='HARD')
-    call table%refuse_words('LINEAR|EXPONENTIAL|TABULAR|TIED|SCALE FACTOR|USER', 'Use HARD, which needs no stiffness.')
+    call table%card('SURFACE BEHAVIOR', IN_BOTH, 'The law normal to the surfaces; without this card it is HARD.', &
+      parent='SURFACE INTERACTION|CHANGE SURFACE BEHAVIOR', data='none with HARD; LINEAR: stiffness, tension at large ' // &
+      'gaps, reach; EXPONENTIAL: gap where pressure begins, pressure at gap zero; TABULAR: pressure, overclosure in ' // &
+      'each line; TIED: stiffness')
+    call table%option('PRESSURE-OVERCLOSURE', VALUE_WORD, 'HARD: no penetration and no tension, exactly (calculix ' // &
+      'dialect: LINEAR with 50 times Young''s modulus of the first material). The others give way.', allowed= &
+      'HARD|LINEAR|EXPONENTIAL|TABULAR|TIED', default='HARD')
+    call table%refuse_words('SCALE FACTOR|USER', 'Use HARD, which needs no stiffness.')
     call table%option('PENALTY|AUGMENTED LAGRANGE|DIRECT', VALUE_OPTIONAL_WORD, EXACT, allowed='LINEAR|NONLINEAR', &
       status=STATUS_NOTED)
     call table%option('NO SEPARATION', VALUE_NONE, 'Surfaces that touch may always part again.', status=STATUS_REFUSED)
 
-    call table%card('FRICTION', IN_MODEL, 'Coulomb friction; without this card the surfaces are frictionless.', &
-      parent='SURFACE INTERACTION', data='coefficient of friction; one line (calculix dialect: coefficient, stick ' // &
-      'slope)')
+    call table%card('FRICTION', IN_BOTH, 'Coulomb friction; without this card the surfaces are frictionless.', &
+      parent='SURFACE INTERACTION|CHANGE FRICTION', data='coefficient of friction; one line (calculix ' // &
+      'dialect: coefficient, stick slope)')
     call table%option('SLIP TOLERANCE|ELASTIC SLIP', VALUE_TEXT, 'Sticking is enforced exactly, without an ' // &
       'elastic slip.', status=STATUS_NOTED)
     call table%option('LAGRANGE', VALUE_NONE, 'Sticking is enforced exactly.', status=STATUS_NOTED)
-    call table%option('ROUGH', VALUE_NONE, 'Give a large coefficient of friction.', status=STATUS_REFUSED)
-    call table%option('TAUMAX', VALUE_REAL, 'Shear is limited by the coefficient of friction alone.', &
-      status=STATUS_REFUSED)
+    call table%option('ROUGH', VALUE_NONE, 'Surfaces that touch never slip; no data line.')
+    call table%option('TAUMAX', VALUE_REAL, 'Largest shear stress, whatever the pressure.')
     call table%option('EXPONENTIAL DECAY|ANISOTROPIC|USER|DEPENDENCIES|DEPVAR|PROPERTIES|TEST DATA', VALUE_TEXT, &
       'The coefficient of friction is one constant.', status=STATUS_REFUSED)
 
@@ -174,8 +177,35 @@ contains
       status=STATUS_NOTED)
     call table%option('TIED|NO THICKNESS', VALUE_NONE, 'Only surfaces that can part and slide are.', &
       status=STATUS_REFUSED)
-    call table%option('OP', VALUE_TEXT, 'A pair lives through all steps.', status=STATUS_REFUSED)
+    call table%option('OP', VALUE_TEXT, 'Use *MODEL CHANGE, TYPE=CONTACT PAIR.', status=STATUS_REFUSED)
+
+    call table%card('CLEARANCE', IN_MODEL, 'The gap of a contact pair at the start, whatever the mesh says.')
+    call table%option('SLAVE', VALUE_NAME, 'Slave surface of the pair.', default='required')
+    call table%option('MASTER', VALUE_NAME, 'Its master surface.', default='required')
+    call table%option('VALUE', VALUE_REAL, 'The gap; negative is overclosure.', default='required')
+    call table%option('TABULAR|BOLT|CPSET', VALUE_TEXT, 'Give one VALUE for the pair.', status=STATUS_REFUSED)
   end subroutine describe_contact
+
+
+  !> What a step changes of interactions and pairs.
+  subroutine describe_contact_changes(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('CHANGE FRICTION', IN_STEP, 'Changes friction from this step on; FRICTION follows.')
+    call table%option('INTERACTION', VALUE_NAME, 'The surface interaction.', default='required')
+    call table%option('RESET', VALUE_NONE, 'Write the *FRICTION that holds from this step on.', status=STATUS_REFUSED)
+    call table%card('CHANGE SURFACE BEHAVIOR', IN_STEP, 'Changes the law of pressure from this step on; SURFACE ' // &
+      'BEHAVIOR follows.')
+    call table%option('INTERACTION', VALUE_NAME, 'The surface interaction.', default='required')
+    call table%card('MODEL CHANGE', IN_STEP, 'Takes contact pairs out of the model or puts them back, from this step ' // &
+      'on.', data='slave surface, master surface')
+    call table%option('TYPE', VALUE_WORD, 'What is changed.', allowed='CONTACT PAIR', default='required')
+    call table%refuse_words('ELEMENT', 'Elements are the same in all steps.')
+    call table%option('ADD|REMOVE', VALUE_NONE, 'Puts back or takes out.')
+    call table%card('CONTACT INTERFERENCE', IN_STEP, 'An overclosure that is allowed at the start of the step and goes ' // &
+      'to zero over it.', data='slave surface, master surface, overclosure; with SHRINK no overclosure')
+    call table%option('SHRINK', VALUE_NONE, 'Each node is allowed the overclosure that it has at the start of the step.')
+    call table%option('AMPLITUDE|OP|TYPE', VALUE_TEXT, 'The overclosure goes linearly to zero.', status=STATUS_REFUSED)
+  end subroutine describe_contact_changes
 
 
   !> Amplitudes and equations.
@@ -414,8 +444,8 @@ contains
       'PIEZOELECTRIC|COUPLED THERMAL-ELECTRICAL|STEADY STATE TRANSPORT|MATRIX GENERATE|MATRIX ASSEMBLE|COMPLEX ' // &
       'EIGENVALUE EXTRACTION|NO ANALYSIS|REFINE MESH|STEADY STATE DETECTION', 'Use *STATIC; to read and check a ' // &
       'deck without solving it, run amontons --check.')
-    call table%cards_with(STATUS_REFUSED, 'MODEL CHANGE|CHANGE FRICTION|CHANGE MATERIAL|CHANGE PLASTIC|CHANGE ' // &
-      'SOLID SECTION|CHANGE SURFACE BEHAVIOR|CHANGE CONTACT TYPE|CONTACT INTERFERENCE|CLEARANCE|IMPORT|IMPORT ' // &
+    call table%cards_with(STATUS_REFUSED, 'CHANGE MATERIAL|CHANGE PLASTIC|CHANGE ' // &
+      'SOLID SECTION|CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
       'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS|CONTACT INITIALIZATION ASSIGNMENT|CONTACT ' // &
       'INITIALIZATION DATA', 'The model is the same in all steps.')
     call table%cards_with(STATUS_REFUSED, 'BASE MOTION|CORRELATION LENGTH|CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|' // &

@@ -6,20 +6,24 @@
 module amontons_contact
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_FACE_NODES
-  use amontons_mesh, only: mesh_type
+  use amontons_topology, only: MAX_FACE_NODES
   use amontons_model, only: model_type
+  use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
+  use amontons_steps, only: step_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type
-  use amontons_shapes, only: facet_shapes, facet_quadrature
+  use amontons_shapes, only: facet_shapes
+  use amontons_areas, only: faces_type, add_face_areas, face_area, cover_slave, sum_shares
   use amontons_facets, only: facets_type, build_facets
   use amontons_search, only: search_type, build_search
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
   use amontons_slip, only: trial_type, trial_traction
+  use amontons_compliance, only: law_pressure, law_reach, law_shear
   implicit none
   private
-  public :: contact_type, slip_view_type, create_contact, set_supports, begin_contact_increment, evaluate_contact
-  public :: facet_weights, contact_slip_vector, farthest_travel, commit_slip
+  public :: contact_type, slip_view_type, create_contact, begin_contact_step, set_supports, &
+    begin_contact_increment, evaluate_contact
+  public :: facet_weights, contact_slip_vector, farthest_travel, commit_slip, elastic_trial, shear_most
 
   real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
@@ -39,6 +43,9 @@ module amontons_contact
     type(facets_type), allocatable :: facets(:)   !< (n_pairs) the master's facets
     type(search_type), allocatable :: search(:)   !< (n_pairs)
     logical, allocatable :: is_small(:)           !< (n_pairs) weights and normals kept in this step
+    type(interaction_type), allocatable :: laws(:)   !< (n_pairs) as they are in this step
+    logical, allocatable :: is_removed(:)         !< (n_pairs) taken out in this step
+    type(faces_type), allocatable :: cover(:)     !< (n_pairs) faces that give the slave nodes of compliant laws their areas
     integer, allocatable :: follower(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
     real(DP), allocatable :: slave_normal(:, :)   !< (3, n_slaves) outward from the slave in the reference; 0 if node based
     real(DP), allocatable :: mask(:, :)           !< (3, n_slaves) 1 free, 0 held by a support or an equation
@@ -64,7 +71,9 @@ contains
     integer :: p, n
     allocate (contact%facets(size(model%pairs)), contact%search(size(model%pairs)))
     allocate (contact%is_small(size(model%pairs)), source=.false.)
-    allocate (contact%edge(size(model%pairs)))
+    allocate (contact%edge(size(model%pairs)), contact%cover(size(model%pairs)))
+    allocate (contact%is_removed(size(model%pairs)), source=.false.)
+    contact%laws = model%interactions(model%pairs%interaction)
     allocate (slaves(0), contact%follower(3, 0), contact%slave_normal(3, 0))
     do p = 1, size(model%pairs)
       associate (master => model%surfaces(model%pairs(p)%master))
@@ -72,6 +81,8 @@ contains
         if (allocated(error)) return
       end associate
       contact%edge(p) = maxval(contact%facets(p)%edge_length)
+      if (is_compliant(contact%laws(p))) &
+        call cover_slave(model%mesh, model%surfaces(model%pairs(p)%slave), contact%cover(p))
       call append_slaves(contact, model, p, slaves)
     end do
     n = size(slaves)
@@ -83,7 +94,8 @@ contains
   end subroutine create_contact
 
 
-  !> The slave nodes of one pair with area and outward normal, and the mid-side nodes that follow their corners.
+  !> The slave nodes of one pair with area and outward normal, and the mid-side nodes that follow their corners. Under a
+  !! compliant law no node follows, and nodes without area are none.
   subroutine append_slaves(contact, model, pair, slaves)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -93,16 +105,19 @@ contains
     integer, allocatable :: corners(:, :)          ! (2, n_nodes) the corners of a mid-side node
     type(slave_type) :: slave
     integer :: i, f, node
+    logical :: is_soft
+    is_soft = is_compliant(contact%laws(pair))
     associate (mesh => model%mesh, surface => model%surfaces(model%pairs(pair)%slave))
       allocate (area_vector(3, mesh%n_nodes), area(mesh%n_nodes), source=0.0_DP)
       allocate (corners(2, mesh%n_nodes), source=0)
       if (.not. surface%is_node_based) then
         do f = 1, size(surface%element)
-          call add_face_areas(mesh, surface%element(f), surface%face(f), area_vector, area, corners)
+          call add_face_areas(mesh, surface%element(f), surface%face(f), is_soft, area_vector, area, corners)
         end do
       end if
       do i = 1, size(surface%nodes)
         node = surface%nodes(i)
+        if (is_soft .and. .not. surface%is_node_based .and. area(node) <= 0.0_DP) cycle
         if (corners(1, node) > 0) then
           contact%follower = append_column(contact%follower, [node, corners(:, node)])
           cycle
@@ -132,46 +147,6 @@ contains
   end function append_vector
 
 
-  !> Adds the corner areas of one face, as of its linear face, and notes the corners of its mid-side nodes.
-  subroutine add_face_areas(mesh, e, face, area_vector, area, corners)
-    type(mesh_type), intent(in) :: mesh
-    integer, intent(in) :: e, face
-    real(DP), intent(inout) :: area_vector(:, :), area(:)
-    integer, intent(inout) :: corners(:, :)
-    type(kind_type) :: kind
-    type(facet_kind_type) :: shape
-    integer :: nodes(MAX_FACE_NODES), m, n, q, i, n_points
-    real(DP) :: x(3, MAX_FACE_NODES), xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
-    real(DP) :: a(3)
-    kind = element_kind(mesh%kind(e))
-    shape = facet_kind(kind%face_kind(face))
-    m = shape%n_corners
-    n = shape%n_nodes
-    nodes(:n) = mesh%nodes(mesh%first(e) - 1 + kind%face_nodes(:n, face))
-    x(:, :m) = mesh%coordinates(:, nodes(:m))
-    call facet_quadrature(m - 2, n_points, xi, w)  ! 3 corners: FACET_TRI3 = 1, 4 corners: FACET_QUAD4 = 2
-    do q = 1, n_points
-      call facet_shapes(m - 2, xi(:, q), N_i, dN, ddN)
-      a = cross(matmul(x(:, :m), dN(1, :m)), matmul(x(:, :m), dN(2, :m))) * w(q)
-      do i = 1, m
-        area_vector(:, nodes(i)) = area_vector(:, nodes(i)) + N_i(i) * a
-        area(nodes(i)) = area(nodes(i)) + N_i(i) * norm2(a)
-      end do
-    end do
-    do i = m + 1, n
-      corners(:, nodes(i)) = [nodes(i - m), nodes(mod(i - m, m) + 1)]
-    end do
-  end subroutine add_face_areas
-
-
-  !> Vector product.
-  pure function cross(a, b) result(c)
-    real(DP), intent(in) :: a(3), b(3)
-    real(DP) :: c(3)
-    c = [a(2) * b(3) - a(3) * b(2), a(3) * b(1) - a(1) * b(3), a(1) * b(2) - a(2) * b(1)]
-  end function cross
-
-
   !> Which directions of the slave nodes are free: contact gives no force in a direction that a support holds.
   subroutine set_supports(contact, slaves, base)
     type(contact_type), intent(inout) :: contact
@@ -184,6 +159,18 @@ contains
       end do
     end do
   end subroutine set_supports
+
+
+  !> A step begins: the laws in force, and the pairs taken out or put back.
+  subroutine begin_contact_step(contact, model, step)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    contact%laws = model%interactions(model%pairs%interaction)
+    if (allocated(step%interactions)) contact%laws = step%interactions(model%pairs%interaction)
+    contact%is_removed = .false.
+    if (allocated(step%is_removed)) contact%is_removed = step%is_removed
+  end subroutine begin_contact_step
 
 
   !> Before the first iteration: find facets for nodes that have none, and set the origins of the closed ones.
@@ -207,16 +194,69 @@ contains
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
         p = slave%pair
+        if (contact%is_removed(p)) then
+          call lose_master(slave)
+          slave%origin_facet = 0
+          slave%elastic = 0.0_DP
+          cycle
+        end if
         reach = SEARCH_REACH * contact%edge(p)
         if (.not. contact%is_small(p) .or. is_step_start) call refresh_facet(contact, x, s, reach, slave)
-        if (is_first .and. slave%facet > 0 .and. slave%gap <= TOUCH * contact%edge(p)) slave%status = STATUS_STICK
+        if (is_first .and. slave%facet > 0) call start_slave(contact, model, slave)
         slave%scenario = 0
         slave%slip_increment = 0.0_DP
         slave%origin_facet = 0
         if (slave%status /= STATUS_OPEN) call set_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
       end associate
     end do
+    call renew_areas(contact, model, x, fields%slaves)
   end subroutine begin_contact_increment
+
+
+  !> The start of the job: a node that touches sticks; the gap of a pair with CLEARANCE is that.
+  subroutine start_slave(contact, model, slave)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(inout) :: slave
+    if (model%pairs(slave%pair)%has_clearance) then
+      slave%offset = model%pairs(slave%pair)%clearance - slave%gap
+      slave%gap = model%pairs(slave%pair)%clearance
+    end if
+    if (slave%gap <= TOUCH * contact%edge(slave%pair)) slave%status = STATUS_STICK
+    associate (law => contact%laws(slave%pair))
+      if (.not. is_compliant(law)) return
+      if (law%behavior == BEHAVIOR_TIED) slave%status = STATUS_STICK
+      if (law%behavior == BEHAVIOR_TIED) slave%offset = slave%offset - slave%gap
+    end associate
+  end subroutine start_slave
+
+
+  !> The areas of the slave nodes of compliant pairs as the bodies are deformed now: the laws speak of true pressures. A
+  !! slave node without faces of its own takes the area of its facet.
+  subroutine renew_areas(contact, model, x, slaves)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates now [length]
+    type(slave_type), intent(inout) :: slaves(:)
+    real(DP), allocatable :: area(:), area_vector(:, :)
+    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), vector(3)
+    integer :: nodes(MAX_FACE_NODES), n, s, p
+    do p = 1, size(model%pairs)
+      if (.not. is_compliant(contact%laws(p))) cycle
+      allocate (area_vector(3, size(x, 2)), area(size(x, 2)), source=0.0_DP)
+      call sum_shares(model%mesh, contact%cover(p), x, area_vector, area)
+      do s = 1, size(slaves)
+        if (slaves(s)%pair /= p) cycle
+        if (area(slaves(s)%node) > 0.0_DP) then
+          slaves(s)%area = area(slaves(s)%node)
+        else if (slaves(s)%facet > 0) then
+          call facet_weights(contact%facets(p), slaves(s)%facet, slaves(s)%xi, n, nodes, weights, dN)
+          call face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), vector, slaves(s)%area)
+        end if
+      end do
+      deallocate (area_vector, area)
+    end do
+  end subroutine renew_areas
 
 
   !> Looks for the facet of a node: an open node may be nearer to another one now; a closed one keeps walking from its own.
@@ -240,6 +280,7 @@ contains
       slave%gap = projection%gap
       slave%normal = projection%normal
     end if
+    slave%gap = slave%gap + slave%offset
     if (status /= PROJECT_ON) call lose_master(slave)
   end subroutine refresh_facet
 
@@ -252,6 +293,7 @@ contains
     slave%gap = 0.0_DP
     slave%force = 0.0_DP
     slave%shear = 0.0_DP
+    slave%energy = 0.0_DP
   end subroutine lose_master
 
 
@@ -267,9 +309,11 @@ contains
     slave%origin_facet = facet
     slave%origin_xi = xi
     slave%origin_offset = 0.0_DP
-    if (.not. contact%is_small(slave%pair)) return
-    d = contact_slip_vector(contact, model, u, slave)
-    slave%origin_offset = d - dot_product(slave%normal, d) * slave%normal
+    if (contact%is_small(slave%pair)) then
+      d = contact_slip_vector(contact, model, u, slave)
+      slave%origin_offset = d - dot_product(slave%normal, d) * slave%normal
+    end if
+    slave%origin_offset = slave%origin_offset - slave%offset * slave%normal
   end subroutine set_origin
 
 
@@ -348,11 +392,15 @@ contains
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields
     type(trial_type) :: trial
-    real(DP) :: free_normal(3), share, mu, d(3), N
+    real(DP) :: free_normal(3), share, mu, most, d(3), N
     integer :: status, before
     associate (slave => fields%slaves(s), view => contact%view)
       before = slave%status
       call locate_slave(contact, x, slave)
+      if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
+        call press_slave(contact, model, old, imbalance, s, fields)
+        return
+      end if
       free_normal = contact%mask(:, s) * slave%normal
       share = norm2(free_normal)
       if (slave%facet == 0 .or. share < SUPPORTED) then
@@ -364,10 +412,11 @@ contains
         return
       end if
       free_normal = free_normal / share
-      mu = model%interactions(model%pairs(slave%pair)%interaction)%friction / share
+      mu = contact%laws(slave%pair)%friction / share
+      most = contact%laws(slave%pair)%shear_limit * slave%area
       d = 0.0_DP
       if (slave%origin_facet > 0) d = contact%mask(:, s) * contact_slip_vector(contact, model, fields%u, slave)
-      call trial_traction(imbalance, slave%gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, trial)
+      call trial_traction(imbalance, slave%gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
       status = merge(before, trial%status, is_frozen)
       if (status /= STATUS_OPEN .and. slave%origin_facet == 0) then
         call close_slave(contact, model, old, fields%u, slave)
@@ -379,12 +428,77 @@ contains
       N = -dot_product(free_normal, imbalance)
       slave%slip_increment = d - dot_product(free_normal, d) * free_normal
       if (status == STATUS_OPEN) slave%slip_increment = 0.0_DP
-      call set_force(slave, imbalance, N / share, mu * N * trial%direction)
+      call set_force(slave, imbalance, N / share, min(mu * N, most) * trial%direction)
       call set_view(view, s, status, imbalance + N * free_normal, N, slave%slip_increment)
       view%position(:, s) = d
       call count_changes(contact, before, s, slave)
     end associate
   end subroutine evaluate_slave
+
+
+  !> A slave node under a compliant law: its force is the law's, whatever the imbalance; open beyond the law's reach.
+  subroutine press_slave(contact, model, old, imbalance, s, fields)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: old
+    real(DP), intent(in) :: imbalance(3)           !< Rhat of the node [force]
+    integer, intent(in) :: s                       !< index of the slave
+    type(fields_type), intent(inout) :: fields
+    real(DP) :: p, slope, energy, N, k, d(3)
+    logical :: is_slipping
+    integer :: before
+    associate (slave => fields%slaves(s), law => contact%laws(fields%slaves(s)%pair))
+      before = slave%status
+      slave%slip_increment = 0.0_DP
+      if (slave%gap > law_reach(law, slave%area)) then
+        slave%status = STATUS_OPEN
+        slave%force = 0.0_DP
+        slave%shear = 0.0_DP
+        slave%elastic = 0.0_DP
+        slave%energy = 0.0_DP
+        if (old%status == STATUS_OPEN) slave%origin_facet = 0
+        call set_view(contact%view, s, STATUS_OPEN, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
+        call count_changes(contact, before, s, slave)
+        return
+      end if
+      if (slave%origin_facet == 0) call close_slave(contact, model, old, fields%u, slave)
+      call law_pressure(law, -slave%gap, p, slope, energy)
+      slave%force = p * slave%area * slave%normal
+      slave%energy = energy * slave%area
+      d = elastic_trial(contact, model, old, fields%u, slave)
+      k = law%stick_slope * slave%area
+      call law_shear(d, k, shear_most(law, slave%area, p), slave%elastic, slave%slip_increment, is_slipping)
+      slave%shear = -k * slave%elastic
+      slave%energy = slave%energy + 0.5_DP * k * dot_product(slave%elastic, slave%elastic)
+      slave%status = merge(STATUS_SLIP, STATUS_STICK, is_slipping)
+      N = -dot_product(slave%normal, imbalance)
+      call set_view(contact%view, s, slave%status, imbalance + N * slave%normal, N, slave%slip_increment)
+      call count_changes(contact, before, s, slave)
+    end associate
+  end subroutine press_slave
+
+
+  !> Tangential displacement of a slave node under a compliant law, counted as if all since the last commit were elastic.
+  pure function elastic_trial(contact, model, old, u, slave) result(d)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: old            !< committed
+    real(DP), intent(in) :: u(:, :)
+    type(slave_type), intent(in) :: slave
+    real(DP) :: d(3)
+    d = old%elastic + contact_slip_vector(contact, model, u, slave)
+    d = d - dot_product(slave%normal, d) * slave%normal
+  end function elastic_trial
+
+
+  !> The largest shear force that a compliant law lets a node carry.
+  pure real(DP) function shear_most(law, area, pressure) result(most)
+    type(interaction_type), intent(in) :: law
+    real(DP), intent(in) :: area                   !< [length^2]
+    real(DP), intent(in) :: pressure               !< [stress]
+    most = min(law%friction * max(pressure, 0.0_DP), law%shear_limit) * area
+    if (law%behavior == BEHAVIOR_TIED) most = law%shear_limit * area
+  end function shear_most
 
 
   !> Facet, natural coordinates, gap and normal of a slave node now.
@@ -397,10 +511,11 @@ contains
     if (slave%facet == 0) return
     if (contact%is_small(slave%pair)) then
       call facet_weights(contact%facets(slave%pair), slave%facet, slave%xi, n, nodes, weights, dN)
-      slave%gap = dot_product(slave%normal, x(:, slave%node) - matmul(x(:, nodes(:n)), weights(:n)))
+      slave%gap = slave%offset + dot_product(slave%normal, x(:, slave%node) - matmul(x(:, nodes(:n)), weights(:n)))
     else
       call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
         slave%normal, status)
+      slave%gap = slave%gap + slave%offset
       if (status /= PROJECT_ON) slave%facet = 0
     end if
   end subroutine locate_slave
@@ -466,7 +581,7 @@ contains
     if (slave%status /= before) contact%n_changed = contact%n_changed + 1
     if (slave%status == STATUS_OPEN .and. before /= STATUS_OPEN) contact%n_opened = contact%n_opened + 1
     if (slave%status /= STATUS_OPEN .and. before == STATUS_OPEN) contact%n_closed = contact%n_closed + 1
-    if (slave%status == STATUS_OPEN) return
+    if (slave%status == STATUS_OPEN .or. is_compliant(contact%laws(slave%pair))) return
     distance = abs(slave%gap)
     if (slave%status == STATUS_STICK) distance = max(distance, norm2(contact%view%position(:, s)))
     distance = distance / contact%edge(slave%pair)
@@ -485,7 +600,7 @@ contains
     integer :: nodes(MAX_FACE_NODES), i, n
     real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), force(3)
     if (slave%status == STATUS_OPEN) return
-    if (slave%status == STATUS_STICK) then
+    if (slave%status == STATUS_STICK .and. .not. is_compliant(contact%laws(slave%pair))) then
       call facet_weights(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, n, nodes, weights, dN)
     else
       call facet_weights(contact%facets(slave%pair), slave%facet, slave%xi, n, nodes, weights, dN)

@@ -14,10 +14,12 @@ module amontons_contact_tangent
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, from_triplets
   use amontons_gap, only: gap_derivative, gap_derivative_type
-  use amontons_contact, only: contact_type, facet_weights, contact_slip_vector
+  use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
+  use amontons_compliance, only: law_pressure
+  use amontons_contact, only: contact_type, facet_weights, contact_slip_vector, elastic_trial, shear_most
   implicit none
   private
-  public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices
+  public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices, contact_springs
 
   !> Entries of a matrix as they come.
   type :: triplets_type
@@ -42,15 +44,18 @@ module amontons_contact_tangent
     real(DP), allocatable :: xi_nodes(:, :, :)     !< (2, 3, :) d xi / d u_j [1/length]
     real(DP) :: gap_slave(3) = 0                   !< d g / d u_s [-]
     real(DP), allocatable :: gap_nodes(:, :)       !< (3, :) d g / d u_j [-]
+    logical :: is_spring = .false.                 !< a compliant law: the node keeps its unknowns and has no row
+    real(DP) :: spring(3, 3) = 0                   !< its stiffness without the turning of normals: symmetric, positive [force/length]
   end type link_type
 
 contains
 
   !> The links of all closed nodes at the configuration of the last evaluation.
-  subroutine linearise_contact(contact, model, imbalance, fields, links)
+  subroutine linearise_contact(contact, model, imbalance, old, fields, links)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat, condensed [force]
+    type(fields_type), intent(in) :: old           !< committed
     type(fields_type), intent(in) :: fields
     type(link_type), allocatable, intent(out) :: links(:)   !< one for each closed slave node, in their order
     real(DP), allocatable :: x(:, :)
@@ -65,7 +70,9 @@ contains
       links(n)%slave = s
       links(n)%node = fields%slaves(s)%node
       links(n)%force = fields%slaves(s)%force + fields%slaves(s)%shear
-      if (fields%slaves(s)%status == STATUS_STICK) then
+      if (is_compliant(contact%laws(fields%slaves(s)%pair))) then
+        call link_spring(contact, model, x, old%slaves(s), fields, links(n))
+      else if (fields%slaves(s)%status == STATUS_STICK) then
         call link_stick(contact, fields%slaves(s), s, links(n))
       else
         call link_slip(contact, model, x, imbalance(:, fields%slaves(s)%node), fields, links(n))
@@ -115,23 +122,42 @@ contains
     real(DP), intent(in) :: imbalance(3)           !< Rhat_s [force]
     type(fields_type), intent(in) :: fields
     type(link_type), intent(inout) :: link
-    type(gap_derivative_type) :: derivative
     real(DP) :: force_normal(3, 3), force_slip(3, 3)
+    call differentiate_force(contact, model, imbalance, fields, link, force_normal, force_slip)
+    call link_weights(contact, x, fields%slaves(link%slave), force_normal, link)
+    call link_origin(contact, fields%slaves(link%slave), force_slip, link)
+  end subroutine link_slip
+
+
+  !> Nodes, weights, gap and normal of a link, as they are kept or move.
+  subroutine link_weights(contact, x, slave, force_normal, link)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    type(slave_type), intent(in) :: slave
+    real(DP), intent(in) :: force_normal(3, 3)     !< d lambda / d n [force]
+    type(link_type), intent(inout) :: link
+    type(gap_derivative_type) :: derivative
+    if (contact%is_small(slave%pair)) then
+      call fill_weights(contact, slave, slave%facet, slave%xi, link)
+      call link_kept_weights(slave, link)
+    else
+      call gap_derivative(contact%facets(slave%pair), x, slave%facet, slave%xi, slave%gap - slave%offset, derivative)
+      call link_moving_weights(derivative, force_normal, link)
+    end if
+  end subroutine link_weights
+
+
+  !> The slip vector also depends on the nodes of the origin's facet: they are appended to the nodes of the link.
+  subroutine link_origin(contact, slave, force_slip, link)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    real(DP), intent(in) :: force_slip(3, 3)       !< d lambda / d d [force/length]
+    type(link_type), intent(inout) :: link
     integer :: n, j, before, n_origin, nodes(MAX_FACE_NODES)
     real(DP) :: weights(MAX_FACE_NODES), d_weights(2, MAX_FACE_NODES)
-    associate (slave => fields%slaves(link%slave))
-      call differentiate_force(contact, model, imbalance, fields, link, force_normal, force_slip)
-      call facet_weights(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, n_origin, nodes, weights, &
-        d_weights)
-      if (contact%is_small(slave%pair)) then
-        call fill_weights(contact, slave, slave%facet, slave%xi, link)
-        call link_kept_weights(slave, link)
-      else
-        call gap_derivative(contact%facets(slave%pair), x, slave%facet, slave%xi, slave%gap, derivative)
-        call link_moving_weights(derivative, force_normal, link)
-      end if
-    end associate
-    before = size(link%nodes)                      ! the slip vector also depends on the nodes of the origin's facet
+    call facet_weights(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, n_origin, nodes, weights, &
+      d_weights)
+    before = size(link%nodes)
     n = before + n_origin
     link%nodes = [link%nodes, nodes(:n_origin)]
     link%force_nodes = reshape(link%force_nodes, [3, 3, n], pad=[0.0_DP])
@@ -141,7 +167,72 @@ contains
     do j = 1, n_origin
       link%force_nodes(:, :, before + j) = -weights(j) * force_slip
     end do
-  end subroutine link_slip
+  end subroutine link_origin
+
+
+  !> A compliant law: lambda = A p n + S, a function of gap, normal and slip alone.
+  !!
+  !! S = -k e where it sticks, L e/|e| times -1 where it slips, with e = P (e_old + d), L = min(mu A p, A taumax).
+  subroutine link_spring(contact, model, x, old, fields, link)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    type(slave_type), intent(in) :: old            !< committed
+    type(fields_type), intent(in) :: fields
+    type(link_type), intent(inout) :: link
+    real(DP) :: p, slope, energy, w(3), e(3), n(3), b(3, 3), force_gap(3), force_normal(3, 3), force_slip(3, 3)
+    integer :: j
+    associate (slave => fields%slaves(link%slave), law => contact%laws(fields%slaves(link%slave)%pair))
+      n = slave%normal
+      call law_pressure(law, -slave%gap, p, slope, energy)
+      w = old%elastic + contact_slip_vector(contact, model, fields%u, slave)
+      e = elastic_trial(contact, model, old, fields%u, slave)
+      force_gap = -slope * slave%area * n
+      call shear_derivatives(law, slave, p, slope, e, b, force_gap)
+      force_slip = matmul(b, unit_matrix() - outer(n, n))
+      force_normal = slave%area * p * unit_matrix() - matmul(b, dot_product(n, w) * unit_matrix() + outer(n, w))
+      call link_weights(contact, x, slave, force_normal, link)
+      link%force_slave = link%force_slave + outer(force_gap, link%gap_slave)
+      do j = 1, size(link%nodes)
+        link%force_nodes(:, :, j) = link%force_nodes(:, :, j) + outer(force_gap, link%gap_nodes(:, j))
+      end do
+      call link_origin(contact, slave, force_slip, link)
+      link%is_spring = .true.
+      link%spring = slope * slave%area * outer(n, n) - matmul(unit_matrix() - outer(n, n), force_slip)
+    end associate
+  end subroutine link_spring
+
+
+  !> How the shear force changes with the elastic slip if all were elastic (b = dS/de), and with the gap.
+  pure subroutine shear_derivatives(law, slave, p, slope, e, b, force_gap)
+    type(interaction_type), intent(in) :: law
+    type(slave_type), intent(in) :: slave
+    real(DP), intent(in) :: p, slope               !< pressure [stress] and its slope [stress/length]
+    real(DP), intent(in) :: e(3)                   !< [length]
+    real(DP), intent(out) :: b(3, 3)               !< [force/length]
+    real(DP), intent(inout) :: force_gap(3)        !< d lambda / d g [force/length]
+    real(DP) :: k, most, length, q(3)
+    k = law%stick_slope * slave%area
+    b = -k * unit_matrix()
+    length = norm2(e)
+    most = shear_most(law, slave%area, p)
+    if (k * length <= most) return
+    q = e / length
+    b = -most / length * (unit_matrix() - outer(q, q))
+    if (law%behavior == BEHAVIOR_TIED .or. p <= 0.0_DP .or. law%friction * p > law%shear_limit) return
+    force_gap = force_gap + law%friction * slope * slave%area * q
+  end subroutine shear_derivatives
+
+
+  !> The unit matrix.
+  pure function unit_matrix() result(c)
+    real(DP) :: c(3, 3)
+    integer :: k
+    c = 0.0_DP
+    do k = 1, 3
+      c(k, k) = 1.0_DP
+    end do
+  end function unit_matrix
 
 
   !> Small sliding: normal and weights are constants.
@@ -191,20 +282,22 @@ contains
     real(DP), intent(out) :: force_normal(3, 3)    !< d lambda / d n [force]
     real(DP), intent(out) :: force_slip(3, 3)      !< d lambda / d d [force/length]
     real(DP) :: m(3, 3), n_f(3), share, mu, N, w(3), tau(3), q(3), unit(3, 3), p(3, 3), h(3, 3), turn(3, 3), a(3)
-    real(DP) :: length
+    real(DP) :: length, most, limit, d_limit
+    logical :: is_capped
     integer :: k
-    unit = 0.0_DP
+    unit = unit_matrix()
     m = 0.0_DP
     do k = 1, 3
-      unit(k, k) = 1.0_DP
       m(k, k) = contact%mask(k, link%slave)
     end do
     associate (slave => fields%slaves(link%slave))
       n_f = matmul(m, slave%normal)
       share = norm2(n_f)
       n_f = n_f / share
-      mu = model%interactions(model%pairs(slave%pair)%interaction)%friction
       N = -dot_product(n_f, imbalance)
+      mu = contact%laws(slave%pair)%friction
+      most = contact%laws(slave%pair)%shear_limit * slave%area
+      is_capped = mu / share * N > most
       w = -imbalance - slave%stiffness * matmul(m, contact_slip_vector(contact, model, fields%u, slave))
       p = unit - outer(n_f, n_f)
       h = matmul(p, m) / share                     ! d n_f = h d n
@@ -216,11 +309,13 @@ contains
         q = tau / length
         turn = (unit - outer(q, q)) / length
       end if
-      a = (slave%normal + mu * q) / share
-      link%force_imbalance = -outer(a, n_f) - N * mu / share * matmul(turn, p)
-      force_slip = -N * mu / share * slave%stiffness * matmul(matmul(turn, p), m)
-      force_normal = -outer(a, matmul(imbalance, h)) + N / share * (unit - outer(a, matmul(n_f, m)) &
-        - mu * matmul(turn, dot_product(n_f, w) * h + outer(n_f, matmul(w, h))))
+      d_limit = merge(0.0_DP, mu, is_capped)       ! friction is limit q, d limit = d_limit/|n_f| (dN - N d|n_f|/|n_f|)
+      limit = merge(most, mu / share * N, is_capped)
+      a = (slave%normal + d_limit * q) / share
+      link%force_imbalance = -outer(a, n_f) - limit * matmul(turn, p)
+      force_slip = -limit * slave%stiffness * matmul(matmul(turn, p), m)
+      force_normal = -outer(a, matmul(imbalance, h)) + N / share * (unit - outer(a, matmul(n_f, m))) &
+        - limit * matmul(turn, dot_product(n_f, w) * h + outer(n_f, matmul(w, h)))
     end associate
     link%force_imbalance = matmul(link%force_imbalance, m)
   end subroutine differentiate_force
@@ -252,6 +347,7 @@ contains
     do i = 1, size(links)
       associate (link => links(i), slave => fields%slaves(links(i)%slave))
         tolerance = 1.0e-6_DP * contact%edge(slave%pair)
+        if (link%is_spring) cycle
         if (slave%status == STATUS_SLIP) then
           call gap_row(link, slave%gap, row)
           call add_row(constraints, row, 3, tolerance, verdict)
@@ -345,6 +441,36 @@ contains
     if (allocated(error)) return
     call from_triplets(n_unknowns, n_unknowns, u%row(:u%n), u%column(:u%n), u%value(:u%n), by_displacement, error)
   end subroutine contact_matrices
+
+
+  !> The upper triangle of the springs of the compliant laws, for the preconditioner: symmetric and positive.
+  subroutine contact_springs(links, n_unknowns, springs, error)
+    type(link_type), intent(in) :: links(:)
+    integer, intent(in) :: n_unknowns
+    type(sparse_type), intent(out) :: springs      !< [force/length]
+    type(error_type), allocatable, intent(out) :: error
+    type(triplets_type) :: triplets
+    integer :: i, j, k, n, nodes(MAX_FACE_NODES + 1)
+    real(DP) :: weights(MAX_FACE_NODES + 1)
+    logical, allocatable :: is_upper(:)
+    call reserve(triplets, 9 * sum([((1 + links(i)%n_weights)**2, i=1, size(links))]))
+    do i = 1, size(links)
+      if (.not. links(i)%is_spring) cycle
+      n = 1 + links(i)%n_weights
+      nodes(:n) = [links(i)%node, links(i)%nodes(:n - 1)]
+      weights(:n) = [1.0_DP, -links(i)%weights]
+      do j = 1, n
+        do k = 1, n
+          call put_block(nodes(j), nodes(k), weights(j) * weights(k) * links(i)%spring, triplets)
+        end do
+      end do
+    end do
+    associate (t => triplets)
+      is_upper = t%column(:t%n) >= t%row(:t%n)
+      call from_triplets(n_unknowns, n_unknowns, pack(t%row(:t%n), is_upper), pack(t%column(:t%n), is_upper), &
+        pack(t%value(:t%n), is_upper), springs, error)
+    end associate
+  end subroutine contact_springs
 
 
   !> What a change at one node does to the slave and to the nodes of its facet.

@@ -7,8 +7,8 @@ module amontons_deck
     STATUS_REFUSED
   use amontons_card_table, only: make_card_table
   use amontons_deck_mesh, only: draft_type, read_nodes, read_elements, read_sections, keep_solids
-  use amontons_deck_model, only: read_heading, read_materials, read_amplitudes, read_surfaces, read_interactions, &
-    read_pairs, read_equations
+  use amontons_deck_model, only: read_heading, read_materials, read_amplitudes, read_surfaces, read_equations
+  use amontons_deck_contact, only: read_interactions, read_pairs, read_clearances
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
   use amontons_deck_sets, only: read_sets
   use amontons_deck_steps, only: read_steps
@@ -77,6 +77,7 @@ contains
     call read_surfaces(reader, model)
     call read_interactions(reader, model)
     call read_pairs(reader, model)
+    call read_clearances(reader, model)
     call read_equations(reader, model)
     call read_steps(reader, model)
     call publish_remarks(reader%cards, reader%remarks, complaints)
@@ -196,8 +197,8 @@ contains
       if (entry%status /= STATUS_USED) return
       if (entry%parent == '') then
         owner = entry%key
-      else if (owner /= entry%parent) then
-        call find_entry(reader%table, entry%parent, position, is_abbreviated)
+      else if (index('|' // entry%parent // '|', '|' // owner // '|') == 0) then
+        call find_entry(reader%table, first_word(entry%parent), position, is_abbreviated)
         call complain(reader, line, 'The card *' // entry%keyword // ' must stand in the block of a *' // &
           reader%table%entries(position)%keyword // '.')
       end if
@@ -209,6 +210,14 @@ contains
         complain( reader, line, 'The card *BOUNDARY must stand before the first step or in a step.')
     end associate
   end subroutine check_place
+
+
+  !> The first of words that are separated by |.
+  pure function first_word(words) result(word)
+    character(*), intent(in) :: words
+    character(:), allocatable :: word
+    word = words(:index(words // '|', '|') - 1)
+  end function first_word
 
 
   !> Tells what is wrong with the parameters of a card, and data lines of a card that takes none.

@@ -1,4 +1,4 @@
-!> Deck model: the cards of materials, amplitudes, surfaces, interactions, contact pairs and equations to the model.
+!> Deck model: the cards of materials, amplitudes, surfaces and equations to the model.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_model
   use amontons_kinds, only: DP
@@ -11,12 +11,12 @@ module amontons_deck_model
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
-  use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
+  use amontons_surfaces, only: surface_type
   use amontons_text, only: text_of, squeezed, parse_real, plural, NUMBER_OK, NEWLINE
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
-  public :: read_heading, read_materials, read_amplitudes, read_surfaces, read_interactions, read_pairs, read_equations
+  public :: read_heading, read_materials, read_amplitudes, read_surfaces, read_equations
   public :: face_number
 
   !> Terms of one equation on their way.
@@ -405,168 +405,6 @@ contains
     if (len(key) /= 2) return
     if (key(1:1) == letter .and. scan(key(2:2), '123456') == 1) face = iachar(key(2:2)) - iachar('0')
   end function face_number
-
-
-  !> SURFACE INTERACTION with SURFACE BEHAVIOR and FRICTION.
-  subroutine read_interactions(reader, model)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    type(interaction_type) :: interaction
-    integer :: c, k
-    logical :: is_new
-    allocate (model%interactions(0))
-    k = 0
-    do c = 1, reader%cards%n_cards
-      if (is_card(reader, c, 'SURFACEINTERACTION')) then
-        call open_card(reader, c, parameters, row)
-        interaction%name = parameter_text(parameters, 'NAME')
-        if (interaction%name == '') cycle
-        call check_name(reader, c, interaction%name)
-        call reader%interactions%add(interaction%name, k, is_new)
-        if (is_new) then
-          model%interactions = [model%interactions, interaction]
-        else
-          call complain(reader, reader%cards%cards(c)%line, 'The surface interaction ''' // interaction%name // &
-            ''' is defined twice.')
-        end if
-        if (next_row(reader%cards, row)) call need_at_most(reader, row, 1)
-      else if (k > 0 .and. is_card(reader, c, 'SURFACEBEHAVIOR')) then
-        call read_behavior(reader, c)
-      else if (k > 0 .and. is_card(reader, c, 'FRICTION')) then
-        call read_friction(reader, c, model%interactions(k))
-      end if
-    end do
-  end subroutine read_interactions
-
-
-  !> SURFACE BEHAVIOR: HARD is the only law, so there is nothing to keep.
-  subroutine read_behavior(reader, c)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    call open_card(reader, c, parameters, row)
-    if (parameter_word(parameters, 'PRESSURE-OVERCLOSURE', 'HARD') /= 'HARD') return
-    if (next_row(reader%cards, row)) then
-      if (row%n > 0) call need_no_data(reader, row)
-    end if
-    if (reader%dialect == DIALECT_CALCULIX) call note(reader, reader%cards%cards(c)%line, &
-      'HARD is enforced exactly; CalculiX would take a linear law with 50 times Young''s modulus.')
-  end subroutine read_behavior
-
-
-  !> FRICTION: mu >= 0; the second value is a stick slope (calculix) or a slip rate (abaqus).
-  subroutine read_friction(reader, c, interaction)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c
-    type(interaction_type), intent(inout) :: interaction
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    real(DP) :: second
-    logical :: is_ok
-    call open_card(reader, c, parameters, row)
-    if (.not. next_row(reader%cards, row)) then
-      call complain(reader, row%line, '*FRICTION needs a data line: the coefficient of friction.')
-      return
-    end if
-    is_ok = .true.
-    call need_real(reader, row, 1, 'coefficient of friction', interaction%friction, is_ok)
-    call need_real(reader, row, 2, merge('slip rate  ', 'stick slope', reader%dialect == DIALECT_ABAQUS), second, &
-      is_ok, 0.0_DP)
-    call need_at_most(reader, row, merge(4, 2, reader%dialect == DIALECT_ABAQUS))
-    if (is_ok .and. interaction%friction < 0) call complain(reader, row%line, &
-      'The coefficient of friction must not be negative; 0 is frictionless.')
-    if (is_ok .and. abs(second) > 0) then
-      if (reader%dialect == DIALECT_ABAQUS) then
-        call complain(reader, row%line, 'The second value is a slip rate (abaqus dialect), on which friction ' // &
-          'cannot depend; leave it out. If it is the stick slope of CalculiX, put ''** dialect: calculix'' at the ' // &
-          'top of the deck.')
-      else
-        call note(reader, row%line, 'The second value is taken as the stick slope (calculix dialect); it is not ' // &
-          'used yet: sticking is enforced exactly.')
-      end if
-    end if
-    if (next_row(reader%cards, row)) call complain(reader, row%line, 'A second line would be for another slip ' // &
-      'rate, pressure or temperature; the coefficient of friction is a constant.')
-  end subroutine read_friction
-
-
-  !> CONTACT PAIR: slave, master; several rows give several pairs.
-  subroutine read_pairs(reader, model)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    type(contact_pair_type) :: common
-    integer :: c, n
-    allocate (model%pairs(0))
-    do c = 1, reader%cards%n_cards
-      if (.not. is_card(reader, c, 'CONTACTPAIR')) cycle
-      call open_card(reader, c, parameters, row)
-      common = contact_pair_type()
-      common%interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
-      if (common%interaction == 0 .and. parameter_text(parameters, 'INTERACTION') /= '') call complain(reader, &
-        reader%cards%cards(c)%line, 'There is no surface interaction ''' // parameter_text(parameters, 'INTERACTION') &
-        // '''.')
-      common%is_small_sliding = has_parameter(parameters, 'SMALL SLIDING')
-      call read_adjust(reader, c, parameters, common)
-      n = 0
-      do while (next_row(reader%cards, row))
-        n = n + 1
-        call need_at_most(reader, row, 2)
-        call read_pair(reader, row, common, model)
-      end do
-      if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*CONTACT PAIR needs a data line: slave, master.')
-    end do
-  end subroutine read_pairs
-
-
-  !> The parameter ADJUST: a distance.
-  subroutine read_adjust(reader, c, parameters, pair)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c
-    type(parameter_type), intent(in) :: parameters(:)
-    type(contact_pair_type), intent(inout) :: pair
-    integer :: status
-    pair%has_adjust = has_parameter(parameters, 'ADJUST')
-    if (.not. pair%has_adjust) return
-    call parse_real(parameter_text(parameters, 'ADJUST'), pair%adjust, status)
-    if (status /= NUMBER_OK .or. pair%adjust < 0) call complain(reader, reader%cards%cards(c)%line, 'ADJUST=' // &
-      parameter_text(parameters, 'ADJUST') // ' must be a distance that is not negative; a node set is not ' // &
-      'supported there.')
-  end subroutine read_adjust
-
-
-  !> One row of CONTACT PAIR.
-  subroutine read_pair(reader, row, common, model)
-    type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
-    type(contact_pair_type), intent(in) :: common
-    type(model_type), intent(inout) :: model
-    type(contact_pair_type) :: pair
-    character(:), allocatable :: slave, master
-    slave = field_text(reader%cards, row, 1)
-    master = field_text(reader%cards, row, 2)
-    if (slave == '' .or. master == '') then
-      call complain(reader, row%line, 'A contact pair needs two surfaces: slave, master.')
-      return
-    end if
-    pair = common
-    pair%name = slave // ' / ' // master
-    pair%slave = reader%surfaces%find(slave)
-    pair%master = reader%surfaces%find(master)
-    if (pair%slave == 0) call complain(reader, row%line, 'There is no surface ''' // slave // '''.')
-    if (pair%master == 0) call complain(reader, row%line, 'There is no surface ''' // master // '''.')
-    if (pair%slave > 0 .and. pair%slave == pair%master) call complain(reader, row%line, &
-      'A surface cannot be in contact with itself; name two surfaces.')
-    if (pair%master > 0) then
-      if (model%surfaces(pair%master)%is_node_based) call complain(reader, row%line, 'The master surface ''' // master &
-        // ''' is made of nodes; a master needs element faces.')
-    end if
-    model%pairs = [model%pairs, pair]
-  end subroutine read_pair
 
 
   !> EQUATION: a card may hold several; a node set in it gives one equation for each of its nodes.

@@ -7,6 +7,7 @@ module amontons_deck_steps
   use amontons_card_table, only: NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES
   use amontons_deck_loads, only: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, &
     hand_over_loads
+  use amontons_deck_contact, only: read_contact_change
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     need_no_data, is_card
   use amontons_model, only: model_type, DIALECT_CALCULIX
@@ -30,6 +31,7 @@ module amontons_deck_steps
     logical :: has_refused = .false.             !< a card of this step is refused, maybe its procedure
     logical :: has_prints(3) = .false.           !< (PRINT_...) this step has such a card
     logical :: is_open = .false.
+    integer :: interaction = 0                   !< the one that the last CHANGE card names
   end type progress_type
 
 contains
@@ -103,6 +105,8 @@ contains
         reader%cards%cards(c)%line, 'INC must be at least 1.')
     end if
     progress%step%is_direct = .false.
+    if (allocated(progress%step%interference)) deallocate (progress%step%interference, progress%step%is_shrink)
+    progress%interaction = 0
     progress%step%dt_initial = 1
     progress%step%period = 1
     progress%step%dt_min = 1.0e-6_DP
@@ -157,6 +161,9 @@ contains
         call read_cload(reader, model, c, progress%standing)
       case ('DLOAD', 'DSLOAD')
         call read_dload(reader, model, c, progress%standing)
+      case ('CHANGEFRICTION', 'CHANGESURFACEBEHAVIOR', 'FRICTION', 'SURFACEBEHAVIOR', 'MODELCHANGE', &
+        'CONTACTINTERFERENCE')
+        call read_contact_change(reader, model, c, progress%interaction, progress%step)
       case ('NODEPRINT')
         call read_print(reader, c, PRINT_NODE, NODE_VARIABLES, progress)
       case ('ELPRINT')

@@ -27,7 +27,7 @@ uses_mesh = kinds topology
 uses_materials = kinds
 uses_surfaces = kinds
 uses_loads = kinds
-uses_steps = kinds loads
+uses_steps = kinds surfaces loads
 uses_model = kinds mesh materials surfaces loads steps
 
 # 3 reading: text to cards, cards to model
@@ -38,9 +38,10 @@ uses_deck_reader = kinds text lookup mesh model cards card_form
 uses_deck_mesh = kinds text lookup topology mesh model cards card_form deck_reader
 uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
 uses_deck_model = kinds text lookup topology mesh materials surfaces loads model cards card_form deck_reader
+uses_deck_contact = kinds text surfaces steps model cards card_form deck_reader
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
-uses_deck_steps = kinds text steps model cards card_form card_table deck_reader deck_loads
-uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_model deck_steps
+uses_deck_steps = kinds text steps model cards card_form card_table deck_reader deck_contact deck_loads
+uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_model deck_contact deck_steps
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -61,15 +62,17 @@ uses_facets = kinds errors tensor topology mesh shapes
 uses_search = kinds facets
 uses_gap = kinds tensor topology shapes facets search
 uses_slip = kinds
+uses_compliance = kinds surfaces
+uses_areas = kinds topology mesh surfaces shapes compliance
 
 # 5 system: unknowns, residual, matrix
 uses_state = kinds mesh model
 uses_constraints = kinds errors sparse
 uses_condensed = kinds errors sparse dense partition factor constraints
 uses_assembly = kinds errors sparse partition topology mesh loads steps model element state
-uses_contact = kinds errors topology mesh model shapes facets search gap slip state constraints
-uses_contact_tangent = kinds errors sparse topology model gap state constraints contact
-uses_system = kinds errors history sparse partition factor krylov loads steps model state constraints condensed assembly contact contact_tangent
+uses_contact = kinds errors topology surfaces steps model shapes facets search gap slip compliance areas state constraints
+uses_contact_tangent = kinds errors sparse topology surfaces model gap compliance state constraints contact
+uses_system = kinds errors history sparse partition factor krylov surfaces loads steps model state constraints condensed assembly contact contact_tangent
 uses_audit_words = errors text
 uses_audit_contact = kinds errors text lookup loads model state contact audit_words
 uses_audit_bodies = kinds text topology model element

@@ -64,7 +64,7 @@ contains
     start%is_comparable = all(system%base%offset == 0.0_DP)
     call first_step(system, model, step, du, start, state, search, trouble)
     if (trouble /= TROUBLE_NONE) return
-    call classify(system, model, step, start, state, search, verdicts)
+    call classify(system, step, start, state, search, verdicts)
     select case (step%line_search)
     case (SEARCH_ALL)
       call try_length(one_step_length(step, start%pair, residual_pair(system, du) - start%pair))
@@ -138,9 +138,8 @@ contains
 
 
   !> State and scenario of every slave node between the iterate and the full step.
-  subroutine classify(system, model, step, start, state, search, verdicts)
+  subroutine classify(system, step, start, state, search, verdicts)
     type(system_type), intent(in) :: system
-    type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(start_type), intent(in) :: start
     type(state_type), intent(inout) :: state
@@ -160,7 +159,7 @@ contains
     associate (after => system%contact%view)
       do s = 1, size(verdicts)
         if (start%view%status(s) == STATUS_OPEN) cycle
-        mu = model%interactions(model%pairs(state%new%slaves(s)%pair)%interaction)%friction
+        mu = system%contact%laws(state%new%slaves(s)%pair)%friction
         if (mu == 0.0_DP) cycle
         controls%slip_zero = 1.0e-12_DP * system%contact%edge(state%new%slaves(s)%pair)
         at_u = slip_point_type(N=start%view%normal_force(s), Rt=start%view%imbalance_t(:, s), slip=start%view%slip(:, s))

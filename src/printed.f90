@@ -427,6 +427,12 @@ contains
           write (unit, '(i10,2(1x,i10))') model%mesh%node_label(slave%node), slave%status, slave%scenario
         end associate
       end do
+    case ('CELS')
+      call print_contact_head(unit, 'contact spring energy (slave node,energy)', fields%total_time)
+      do i = 1, size(fields%slaves)
+        if (fields%slaves(i)%status /= STATUS_OPEN) write (unit, NODE_FORM) &
+          model%mesh%node_label(fields%slaves(i)%node), fields%slaves(i)%energy
+      end do
     case ('CNUM')
       write (unit, '(/a,e14.7/)') ' total number of contact elements for time ', fields%total_time
       write (unit, '(6x,1x,i10)') count(fields%slaves%status /= STATUS_OPEN)
@@ -454,7 +460,7 @@ contains
           row = matmul(slave%force - slave%shear, axes)
           if (slave%area > 0) row = row / slave%area
         else
-          row = matmul(slave%slip, axes)
+          row = matmul(slave%slip + slave%elastic, axes)
           row(1) = slave%gap
         end if
         write (unit, NODE_FORM) mesh%node_label(slave%node), row

@@ -94,7 +94,8 @@ contains
   !> Status of a slave node by trial traction: the primal-dual active set in the form of an augmented Lagrangian.
   !!
   !!     sigma = N - c gap           closed if sigma > 0
-  !!     tau   = -Rt - c P slip      P = 1 - n n';  stick if |tau| <= mu sigma, else slip with friction along tau/|tau|
+  !!     tau   = -Rt - c P slip      P = 1 - n n';  stick if |tau| <= min(mu sigma, most), else slip with friction along
+  !!                                 tau/|tau|
   !!
   !! A node that was open has no contact force yet: its imbalance is not what contact carries, and N = 0, Rt = 0 are
   !! taken; with the slip counted from the point of first touch it then starts as stick. Without friction (mu = 0) a
@@ -102,7 +103,7 @@ contains
   !!
   !! Reference: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution
   !! methods, Comput. Methods Appl. Mech. Engrg. 92 (1991) 353-375.
-  pure subroutine trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, trial)
+  pure subroutine trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, most, trial)
     real(DP), intent(in) :: imbalance(3)     !< Rhat of the slave node [force]
     real(DP), intent(in) :: gap              !< signed distance, negative is penetration [length]
     real(DP), intent(in) :: slip(3)          !< x_s - x_m(origin), g before its projection [length]
@@ -110,6 +111,7 @@ contains
     real(DP), intent(in) :: mu               !< coefficient of friction [-]
     real(DP), intent(in) :: stiffness        !< c, the node's own stiffness, > 0 [force/length]
     logical, intent(in) :: was_closed        !< it was held by contact in the last iteration
+    real(DP), intent(in) :: most             !< largest friction, whatever the normal force [force]
     type(trial_type), intent(out) :: trial
     real(DP) :: size_tau
     if (was_closed) call split_imbalance(imbalance, normal, trial%N, trial%Rt)
@@ -119,7 +121,7 @@ contains
     if (size_tau > 0) trial%direction = trial%tau / size_tau
     if (trial%sigma <= 0) then
       trial%status = STATUS_OPEN
-    else if (mu > 0 .and. size_tau <= mu * trial%sigma) then
+    else if (mu > 0 .and. size_tau <= min(mu * trial%sigma, most)) then
       trial%status = STATUS_STICK
     else
       trial%status = STATUS_SLIP

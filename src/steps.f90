@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_steps
   use amontons_kinds, only: DP
+  use amontons_surfaces, only: interaction_type
   use amontons_loads, only: prescribed_type, concentrated_type, distributed_type
   implicit none
   private
@@ -64,6 +65,10 @@ module amontons_steps
     type(concentrated_type), allocatable :: concentrated(:)
     type(distributed_type), allocatable :: distributed(:)
     type(print_request_type), allocatable :: prints(:)
+    type(interaction_type), allocatable :: interactions(:)  !< those in force if this or an earlier step changes some
+    logical, allocatable :: is_removed(:)  !< (n_pairs) pairs taken out; not allocated: none
+    real(DP), allocatable :: interference(:)   !< (n_pairs) overclosure allowed, ramped down over the step [length]
+    logical, allocatable :: is_shrink(:)   !< (n_pairs) the same for each node's own overclosure at the start of the step
     integer :: print_frequency = 1         !< every n-th increment, and the last of the step, goes to the .dat file; 0: none
     integer :: file_frequency = 1          !< the same for the result file
   end type step_type

@@ -4,9 +4,17 @@ module amontons_surfaces
   use amontons_kinds, only: DP
   implicit none
   private
-  public :: surface_type, interaction_type, contact_pair_type, BEHAVIOR_HARD
+  public :: surface_type, interaction_type, contact_pair_type, is_compliant
+  public :: BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, ROUGH_FRICTION, &
+    NO_SHEAR_LIMIT
 
-  integer, parameter :: BEHAVIOR_HARD = 1       !< no penetration, no tension, exactly
+  integer, parameter :: BEHAVIOR_HARD = 1          !< no penetration, no tension, exactly
+  integer, parameter :: BEHAVIOR_LINEAR = 2        !< pressure rises with the penetration: stiffness, tension, reach
+  integer, parameter :: BEHAVIOR_EXPONENTIAL = 3   !< pressure is there before the surfaces meet: reach, pressure
+  integer, parameter :: BEHAVIOR_TABULAR = 4       !< pressure by a table: table_pressure, table_overclosure
+  integer, parameter :: BEHAVIOR_TIED = 5          !< a spring both ways: stiffness
+  real(DP), parameter :: ROUGH_FRICTION = 1.0e30_DP   !< mu of surfaces that never slip [-]
+  real(DP), parameter :: NO_SHEAR_LIMIT = 1.0e200_DP  !< without TAUMAX [stress]
 
   !> A surface: element faces, or a list of nodes (slave side only).
   type :: surface_type
@@ -17,11 +25,19 @@ module amontons_surfaces
     integer, allocatable :: nodes(:)            !< its nodes, each once, ascending (both kinds)
   end type surface_type
 
-  !> What happens between two surfaces that touch.
+  !> What happens between two surfaces that touch. The laws are those of `compliance`.
   type :: interaction_type
     character(:), allocatable :: name
-    integer :: behavior = BEHAVIOR_HARD
+    integer :: behavior = BEHAVIOR_HARD         !< BEHAVIOR_...
+    real(DP) :: stiffness = 0                   !< K [stress/length]
+    real(DP) :: tension = 0                     !< LINEAR: of the law when wide open, sigma_inf [stress]
+    real(DP) :: reach = 0                       !< c0: EXPONENTIAL [length]; LINEAR, TABULAR over the root of the area [-]
+    real(DP) :: pressure = 0                    !< EXPONENTIAL: p0, at gap zero [stress]
+    real(DP), allocatable :: table_pressure(:)     !< TABULAR [stress]
+    real(DP), allocatable :: table_overclosure(:)  !< TABULAR: ascending [length]
     real(DP) :: friction = 0                    !< mu [-]; 0 is frictionless
+    real(DP) :: stick_slope = 0                 !< lambda of compliant laws: shear over elastic slip [stress/length]
+    real(DP) :: shear_limit = NO_SHEAR_LIMIT    !< TAUMAX [stress]
   end type interaction_type
 
   !> Two surfaces that may touch.
@@ -32,7 +48,17 @@ module amontons_surfaces
     logical :: is_small_sliding = .false.       !< weights and normal kept from the start of the step
     logical :: has_adjust = .false.             !< ADJUST given: slave nodes within the distance are moved onto the master
     real(DP) :: adjust = 0                      !< that distance [length]
+    logical :: has_clearance = .false.          !< CLEARANCE given: the gap at the start is not that of the mesh
+    real(DP) :: clearance = 0                   !< but this [length]
     character(:), allocatable :: name           !< 'slave / master', for messages
   end type contact_pair_type
+
+contains
+
+  !> Whether a slave node keeps its unknowns, its force being a law of its gap and slip. HARD is exact: it does not.
+  elemental logical function is_compliant(interaction)
+    type(interaction_type), intent(in) :: interaction
+    is_compliant = interaction%behavior /= BEHAVIOR_HARD
+  end function is_compliant
 
 end module amontons_surfaces

@@ -14,6 +14,7 @@ module amontons_system
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_model, only: model_type
+  use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type
   use amontons_loads, only: load_value
   use amontons_history, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
@@ -28,8 +29,10 @@ module amontons_system
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, finish_constraints, &
     condense_forces, condensation, ROW_CONFLICT
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
-  use amontons_contact, only: contact_type, create_contact, set_supports, evaluate_contact, begin_contact_increment
-  use amontons_contact_tangent, only: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices
+  use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
+    begin_contact_increment
+  use amontons_contact_tangent, only: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, &
+    contact_matrices, contact_springs
   implicit none
   private
   public :: system_type, create_system, begin_step, begin_increment, evaluate, linearise, find_direction, change_forces, &
@@ -57,7 +60,9 @@ module amontons_system
     type(constraints_type) :: whole                !< those and the rows of the closed nodes
     type(link_type), allocatable :: links(:)       !< linearised contact forces
     type(reduction_type) :: reduction
+    type(sparse_type) :: sprung                    !< K and the springs of compliant contact; not made without them
     type(sparse_type) :: reduced                   !< A
+    type(sparse_type) :: analysed_sprung           !< the pattern of K with springs for which they were analysed
     type(sparse_type) :: analysed_map              !< the pattern of C for which reduction and factor were analysed
     type(factor_type) :: factor
     type(condensed_type) :: condensed              !< the bulk with its interface, where that is cheaper
@@ -140,6 +145,7 @@ contains
     system%is_nlgeom = step%is_nlgeom
     call prescribe(system, model, step, state%old, error)
     if (allocated(error)) return
+    call begin_contact_step(system%contact, model, step)
     call set_supports(system%contact, state%old%slaves, system%base)
   end subroutine begin_step
 
@@ -298,7 +304,7 @@ contains
     violation = 0.0_DP
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
-        if (slave%status == STATUS_OPEN) cycle
+        if (slave%status == STATUS_OPEN .or. is_compliant(system%contact%laws(slave%pair))) cycle
         violation = violation + (slave%stiffness * slave%gap)**2
         if (slave%status == 1) violation = violation + (slave%stiffness * norm2(slave%slip_increment))**2
       end associate
@@ -355,7 +361,7 @@ contains
     call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
     call scale_slaves(system, state%new)
     call stop_clock(clock, system%seconds(PHASE_ASSEMBLY))
-    call constrain(system, model, step, state%new, error)
+    call constrain(system, model, step, state%old, state%new, error)
     call stop_clock(clock, system%seconds(PHASE_CONTACT))
   end subroutine linearise
 
@@ -375,15 +381,16 @@ contains
 
 
   !> C and c of all constraints, contact rows included.
-  subroutine constrain(system, model, step, fields, error)
+  subroutine constrain(system, model, step, old, fields, error)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: old           !< committed
     type(fields_type), intent(in) :: fields
     type(error_type), allocatable, intent(out) :: error
     call prescribe(system, model, step, fields, error)
     if (allocated(error)) return
-    call linearise_contact(system%contact, model, system%imbalance, fields, system%links)
+    call linearise_contact(system%contact, model, system%imbalance, old, fields, system%links)
     system%whole = system%base
     call add_contact_rows(system%contact, model, fields, system%links, system%whole, system%n_conflicts)
     call finish_constraints(system%whole)
@@ -408,7 +415,7 @@ contains
     if (is_kept .and. allocated(system%is_contact)) return
     call forget_bulk(system)
     if (allocated(system%is_contact)) then
-      if (all(is_contact .eqv. system%is_contact)) return
+      if (.not. is_step_start .and. all(is_contact .eqv. system%is_contact)) return   ! a step may have other supports
     end if
     system%condensed%is_analysed = .false.
     system%is_dense_wanted = .true.
@@ -529,6 +536,19 @@ contains
   end subroutine renew_bulk
 
 
+  !> K with the springs of compliant contact, for the preconditioner; K alone is used where there are none.
+  subroutine add_springs(system, error)
+    type(system_type), intent(inout) :: system
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: springs
+    system%sprung = sparse_type()
+    if (.not. any(system%links%is_spring)) return
+    call contact_springs(system%links, system%whole%n_unknowns, springs, error)
+    if (allocated(error)) return
+    system%sprung = sum_of(system%assembly%stiffness, 1.0_DP, springs)
+  end subroutine add_springs
+
+
   !> A = C' K C and its Cholesky factor; the analysis is kept while the pattern of C stands.
   subroutine factorise_reduced(system, trouble, error)
     type(system_type), intent(inout) :: system
@@ -537,14 +557,13 @@ contains
     integer :: status
     trouble = TROUBLE_NONE
     if (system%whole%n_free == 0) return
-    if (.not. is_same_pattern(system%whole%map, system%analysed_map)) then
-      call analyse_reduction(system%assembly%stiffness, system%whole%map, system%reduction, system%reduced, error)
-      if (allocated(error)) return
-      call analyse_factor(system, error)
-      if (allocated(error)) return
-      system%analysed_map = system%whole%map
+    call add_springs(system, error)
+    if (allocated(error)) return
+    if (allocated(system%sprung%first)) then
+      call reduce(system, system%sprung, error)
+    else
+      call reduce(system, system%assembly%stiffness, error)
     end if
-    call reduce_matrix(system%reduction, system%assembly%stiffness, system%whole%map, system%reduced, error)
     if (allocated(error)) return
     call factorise(system%factor, system%reduced, status, error=error)
     if (allocated(error)) return
@@ -554,6 +573,27 @@ contains
     if (allocated(error)) return
     if (status /= FACTOR_OK) trouble = TROUBLE_SOLVER
   end subroutine factorise_reduced
+
+
+  !> A = C' K C; analysed anew if the pattern of C, or that of the springs, is not the one analysed.
+  subroutine reduce(system, stiffness, error)
+    type(system_type), intent(inout) :: system
+    type(sparse_type), intent(in) :: stiffness     !< K, or K with springs
+    type(error_type), allocatable, intent(out) :: error
+    logical :: is_known
+    is_known = is_same_pattern(system%whole%map, system%analysed_map)
+    if (allocated(system%sprung%first)) is_known = is_known .and. is_same_pattern(system%sprung, system%analysed_sprung)
+    if (.not. allocated(system%sprung%first)) is_known = is_known .and. .not. allocated(system%analysed_sprung%first)
+    if (.not. is_known) then
+      call analyse_reduction(stiffness, system%whole%map, system%reduction, system%reduced, error)
+      if (allocated(error)) return
+      call analyse_factor(system, error)
+      if (allocated(error)) return
+      system%analysed_map = system%whole%map
+      system%analysed_sprung = system%sprung
+    end if
+    call reduce_matrix(system%reduction, stiffness, system%whole%map, system%reduced, error)
+  end subroutine reduce
 
 
   !> Analyses A in an order of the nodes. METIS makes a new order only if the last one has become too expensive.

@@ -400,16 +400,27 @@ contains
       STEP_PART, model, n_notes=1)
     call suite%near('mu 0', model%interactions(1)%friction, 0.0_DP, 0.0_DP)
     call read_good(suite, 'stick slope of calculix', MODEL_PART // I // '*SURFACE BEHAVIOR;*FRICTION;0.2,1.e5;' // &
-      STEP_PART, model, n_notes=2, dialect=DIALECT_CALCULIX)
+      STEP_PART, model, n_notes=1, dialect=DIALECT_CALCULIX)
     call suite%near('mu 0.2', model%interactions(1)%friction, 0.2_DP, 0.0_DP)
+    call suite%near('lambda', model%interactions(1)%stick_slope, 1.0e5_DP, 0.0_DP)
+    call suite%near('hard of calculix', model%interactions(1)%stiffness, 50 * model%materials(1)%youngs_modulus, 1.0e-6_DP)
+    call read_good(suite, 'tabular', MODEL_PART // I // '*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR;0.,0.;5.,.1;' // &
+      STEP_PART, model)
+    call suite%near('table', model%interactions(1)%table_pressure(2), 5.0_DP, 0.0_DP)
+    call read_good(suite, 'shear limit', MODEL_PART // I // '*FRICTION, TAUMAX=7.;.2;' // STEP_PART, model)
+    call suite%near('TAUMAX', model%interactions(1)%shear_limit, 7.0_DP, 0.0_DP)
     call expect_error(suite, MODEL_PART // I // '*FRICTION;0.2,1.e5;' // STEP_PART, 'slip rate', '0.2,1.e5')
     call expect_error(suite, MODEL_PART // I // '*FRICTION;-.2;' // STEP_PART, 'must not be negative')
     call expect_error(suite, MODEL_PART // I // '*FRICTION;.2;.1;' // STEP_PART, 'is a constant')
     call expect_error(suite, MODEL_PART // I // '*FRICTION;' // STEP_PART, 'needs a data line')
-    call expect_error(suite, MODEL_PART // I // '*FRICTION, ROUGH;.2;' // STEP_PART, 'ROUGH')
+    call expect_error(suite, MODEL_PART // I // '*FRICTION, ROUGH;.2;' // STEP_PART, 'takes no data here')
     call expect_error(suite, MODEL_PART // '*FRICTION;.2;' // STEP_PART, 'block of a *SURFACE INTERACTION')
-    call expect_error(suite, MODEL_PART // I // '*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR;1.e7;' // STEP_PART, &
-      'Use HARD')
+    call expect_error(suite, MODEL_PART // I // '*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=USER;' // STEP_PART, 'Use HARD')
+    call expect_error(suite, MODEL_PART // I // '*FRICTION, TAUMAX=-1.;.2;' // STEP_PART, 'TAUMAX must be positive')
+    call expect_error(suite, MODEL_PART // I // '*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL;' // STEP_PART, &
+      'needs a data line')
+    call expect_error(suite, MODEL_PART // I // '*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR;1.,0.;2.,0.;' // &
+      STEP_PART, 'must ascend')
     call expect_error(suite, MODEL_PART // I // '*SURFACE BEHAVIOR;1.e7;' // STEP_PART, 'takes no data', '1.e7')
     call expect_error(suite, MODEL_PART // I // I // STEP_PART, 'defined twice')
   end subroutine test_interactions

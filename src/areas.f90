@@ -1,0 +1,183 @@
+!> Areas: the area that each slave node stands for.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_areas
+  use amontons_kinds, only: DP
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_FACE_NODES
+  use amontons_mesh, only: mesh_type
+  use amontons_surfaces, only: surface_type
+  use amontons_shapes, only: facet_shapes, facet_quadrature
+  use amontons_compliance, only: node_shares
+  implicit none
+  private
+  public :: faces_type, add_face_areas, face_area, cover_slave, sum_shares
+
+  !> Faces of elements.
+  type :: faces_type
+    integer, allocatable :: element(:)             !< (n)
+    integer, allocatable :: face(:)                !< (n) number in the element
+  end type faces_type
+
+contains
+
+  !> Adds the areas of the nodes of one face: those of its linear face to the corners, and notes the corners of its
+  !! mid-side nodes; or, under a compliant law, a share of the area to each node.
+  subroutine add_face_areas(mesh, e, face, is_soft, area_vector, area, corners)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e, face
+    logical, intent(in) :: is_soft                 !< the law is compliant
+    real(DP), intent(inout) :: area_vector(:, :), area(:)
+    integer, intent(inout) :: corners(:, :)
+    type(kind_type) :: kind
+    type(facet_kind_type) :: shape
+    integer :: nodes(MAX_FACE_NODES), m, n, q, i, n_points
+    real(DP) :: x(3, MAX_FACE_NODES), xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    real(DP) :: a(3)
+    kind = element_kind(mesh%kind(e))
+    shape = facet_kind(kind%face_kind(face))
+    m = shape%n_corners
+    n = shape%n_nodes
+    nodes(:n) = mesh%nodes(mesh%first(e) - 1 + kind%face_nodes(:n, face))
+    if (is_soft) then
+      call add_shares(mesh%coordinates, kind%face_kind(face), nodes(:n), m, area_vector, area)
+      return
+    end if
+    x(:, :m) = mesh%coordinates(:, nodes(:m))
+    call facet_quadrature(m - 2, n_points, xi, w)  ! 3 corners: FACET_TRI3 = 1, 4 corners: FACET_QUAD4 = 2
+    do q = 1, n_points
+      call facet_shapes(m - 2, xi(:, q), N_i, dN, ddN)
+      a = cross(matmul(x(:, :m), dN(1, :m)), matmul(x(:, :m), dN(2, :m))) * w(q)
+      do i = 1, m
+        area_vector(:, nodes(i)) = area_vector(:, nodes(i)) + N_i(i) * a
+        area(nodes(i)) = area(nodes(i)) + N_i(i) * norm2(a)
+      end do
+    end do
+    do i = m + 1, n
+      corners(:, nodes(i)) = [nodes(i - m), nodes(mod(i - m, m) + 1)]
+    end do
+  end subroutine add_face_areas
+
+
+  !> Adds the shares of a face's area to its nodes.
+  subroutine add_shares(x, kind, nodes, n_corners, area_vector, area)
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates of the mesh [length]
+    integer, intent(in) :: kind                    !< FACET_...
+    integer, intent(in) :: nodes(:)
+    integer, intent(in) :: n_corners
+    real(DP), intent(inout) :: area_vector(:, :), area(:)
+    real(DP) :: a(3), size_of
+    call face_area(x(:, nodes), kind, a, size_of)
+    area_vector(:, nodes) = area_vector(:, nodes) + spread(a, 2, size(nodes))
+    area(nodes) = area(nodes) + size_of * node_shares(n_corners, size(nodes))
+  end subroutine add_shares
+
+
+  !> Area of a face, as a vector and as a number.
+  subroutine face_area(x, kind, vector, area)
+    real(DP), intent(in) :: x(:, :)                !< (3, :) of its nodes [length]
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP), intent(out) :: vector(3)             !< [length^2]
+    real(DP), intent(out) :: area                  !< [length^2]
+    real(DP) :: xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), a(3)
+    integer :: q, n, n_points
+    n = size(x, 2)
+    vector = 0.0_DP
+    area = 0.0_DP
+    call facet_quadrature(kind, n_points, xi, w)
+    do q = 1, n_points
+      call facet_shapes(kind, xi(:, q), N_i, dN, ddN)
+      a = cross(matmul(x, dN(1, :n)), matmul(x, dN(2, :n))) * w(q)
+      vector = vector + a
+      area = area + norm2(a)
+    end do
+  end subroutine face_area
+
+
+  !> Vector product.
+  pure function cross(a, b) result(c)
+    real(DP), intent(in) :: a(3), b(3)
+    real(DP) :: c(3)
+    c = [a(2) * b(3) - a(3) * b(2), a(3) * b(1) - a(1) * b(3), a(1) * b(2) - a(2) * b(1)]
+  end function cross
+
+
+  !> The faces of a slave surface; of a surface of nodes, as CalculiX takes them, all outer faces with one of its nodes.
+  subroutine cover_slave(mesh, surface, cover)
+    type(mesh_type), intent(in) :: mesh
+    type(surface_type), intent(in) :: surface
+    type(faces_type), intent(out) :: cover
+    logical, allocatable :: is_slave(:), is_outer(:)
+    integer, allocatable :: last(:), before(:)     ! of the faces found, by their smallest node
+    type(kind_type) :: kind
+    type(facet_kind_type) :: shape
+    integer :: nodes(MAX_FACE_NODES), e, f, j, n, low
+    if (.not. surface%is_node_based) then
+      cover%element = surface%element
+      cover%face = surface%face
+      return
+    end if
+    allocate (is_slave(mesh%n_nodes), source=.false.)
+    allocate (last(mesh%n_nodes), source=0)
+    is_slave(surface%nodes) = .true.
+    allocate (cover%element(0), cover%face(0), before(0), is_outer(0))
+    do e = 1, mesh%n_elements
+      if (.not. any(is_slave(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)))) cycle
+      kind = element_kind(mesh%kind(e))
+      do f = 1, kind%n_faces
+        shape = facet_kind(kind%face_kind(f))
+        n = shape%n_corners
+        nodes(:n) = mesh%nodes(mesh%first(e) - 1 + kind%face_nodes(:n, f))
+        low = minval(nodes(:n))
+        j = last(low)
+        do while (j > 0)
+          if (is_same_face(mesh, cover%element(j), cover%face(j), nodes(:n))) exit
+          j = before(j)
+        end do
+        if (j > 0) is_outer(j) = .false.
+        if (j > 0) cycle
+        cover%element = [cover%element, e]
+        cover%face = [cover%face, f]
+        is_outer = [is_outer, any(is_slave(nodes(:n)))]
+        before = [before, last(low)]
+        last(low) = size(before)
+      end do
+    end do
+    cover%element = pack(cover%element, is_outer)
+    cover%face = pack(cover%face, is_outer)
+  end subroutine cover_slave
+
+
+  !> Whether a face has these corners.
+  pure logical function is_same_face(mesh, e, f, corners)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e, f                    !< element and face number
+    integer, intent(in) :: corners(:)
+    type(kind_type) :: kind
+    type(facet_kind_type) :: shape
+    integer :: i
+    kind = element_kind(mesh%kind(e))
+    shape = facet_kind(kind%face_kind(f))
+    is_same_face = shape%n_corners == size(corners)
+    if (.not. is_same_face) return
+    is_same_face = all([(any(corners == mesh%nodes(mesh%first(e) - 1 + kind%face_nodes(i, f))), i=1, size(corners))])
+  end function is_same_face
+
+
+  !> The shares of all faces at their nodes.
+  subroutine sum_shares(mesh, surface, x, area_vector, area)
+    type(mesh_type), intent(in) :: mesh
+    type(faces_type), intent(in) :: surface
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    real(DP), intent(inout) :: area_vector(:, :), area(:)
+    type(kind_type) :: kind
+    type(facet_kind_type) :: shape
+    integer :: nodes(MAX_FACE_NODES), f, n
+    do f = 1, size(surface%element)
+      kind = element_kind(mesh%kind(surface%element(f)))
+      shape = facet_kind(kind%face_kind(surface%face(f)))
+      n = shape%n_nodes
+      nodes(:n) = mesh%nodes(mesh%first(surface%element(f)) - 1 + kind%face_nodes(:n, surface%face(f)))
+      call add_shares(x, kind%face_kind(surface%face(f)), nodes(:n), shape%n_corners, area_vector, area)
+    end do
+  end subroutine sum_shares
+
+end module amontons_areas

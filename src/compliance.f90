@@ -1,0 +1,136 @@
+!> Compliance: the laws of surfaces that give: pressure from overclosure, shear from slip, and their derivatives.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/contact.md, "Compliant laws". The laws are those of CalculiX's node-to-surface contact (G. Dhondt,
+!! CalculiX CrunchiX user's manual, "Node-to-face penalty contact"), so that its decks give its answers. h is the
+!! overclosure, minus the gap.
+module amontons_compliance
+  use amontons_kinds, only: DP
+  use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
+  implicit none
+  private
+  public :: law_pressure, law_reach, law_shear, node_shares
+
+  real(DP), parameter :: PI = acos(-1.0_DP)
+  real(DP), parameter :: LOG_HUNDRED = log(100.0_DP)    !< EXPONENTIAL: the pressure at c0 is a hundredth of p0
+  real(DP), parameter :: MOST_EXPONENT = 23.0_DP        !< EXPONENTIAL: goes on as a straight line beyond e**23 p0 [-]
+
+contains
+
+  !> Pressure at an overclosure, its slope, and the energy that it took per area.
+  !!
+  !! | law | pressure |
+  !! |---|---|
+  !! | LINEAR | K h (1/2 + atan(h/eps)/pi), eps = pi sigma_inf/K: K h for h >> eps, -sigma_inf for h << -eps |
+  !! | EXPONENTIAL | p0 exp(ln(100) h/c0) |
+  !! | TABULAR | linear between the points, constant outside |
+  !! | TIED | K h |
+  pure subroutine law_pressure(law, h, p, slope, energy)
+    type(interaction_type), intent(in) :: law
+    real(DP), intent(in) :: h                      !< overclosure [length]
+    real(DP), intent(out) :: p                     !< [stress]
+    real(DP), intent(out) :: slope                 !< dp/dh [stress/length]
+    real(DP), intent(out) :: energy                !< integral of p dh from h = 0, or from the far side where p vanishes [stress length]
+    real(DP) :: eps, share, beta, x
+    p = 0.0_DP
+    slope = 0.0_DP
+    energy = 0.0_DP
+    select case (law%behavior)
+    case (BEHAVIOR_LINEAR)
+      eps = PI * law%tension / law%stiffness
+      share = 0.5_DP + atan2(h, eps) / PI
+      p = law%stiffness * h * share
+      slope = law%stiffness * (share + h * eps / (PI * (eps**2 + h**2)))
+      energy = 0.5_DP * law%stiffness * (h**2 * share + eps * (eps * atan2(h, eps) - h) / PI)
+    case (BEHAVIOR_EXPONENTIAL)
+      beta = LOG_HUNDRED / law%reach
+      x = min(beta * h, MOST_EXPONENT)
+      p = law%pressure * exp(x)
+      slope = beta * p
+      energy = p / beta
+      if (x < MOST_EXPONENT) return
+      x = h - MOST_EXPONENT / beta
+      energy = energy + x * (p + 0.5_DP * slope * x)
+      p = p + slope * x
+    case (BEHAVIOR_TABULAR)
+      call table_pressure(law%table_overclosure, law%table_pressure, h, p, slope, energy)
+    case (BEHAVIOR_TIED)
+      p = law%stiffness * h
+      slope = law%stiffness
+      energy = 0.5_DP * law%stiffness * h**2
+    end select
+  end subroutine law_pressure
+
+
+  !> A table, linear between its points and constant outside; the energy counts from the first point.
+  pure subroutine table_pressure(at, value, h, p, slope, energy)
+    real(DP), intent(in) :: at(:)                  !< (n) overclosures, ascending [length]
+    real(DP), intent(in) :: value(:)               !< (n) [stress]
+    real(DP), intent(in) :: h                      !< [length]
+    real(DP), intent(out) :: p, slope, energy
+    integer :: i, n
+    n = size(at)
+    slope = 0.0_DP
+    energy = 0.0_DP
+    p = value(1)
+    if (h <= at(1)) then
+      energy = p * (h - at(1))
+      return
+    end if
+    do i = 2, n
+      if (h <= at(i)) then
+        slope = (value(i) - value(i - 1)) / (at(i) - at(i - 1))
+        p = value(i - 1) + slope * (h - at(i - 1))
+        energy = energy + 0.5_DP * (p + value(i - 1)) * (h - at(i - 1))
+        return
+      end if
+      energy = energy + 0.5_DP * (value(i) + value(i - 1)) * (at(i) - at(i - 1))
+    end do
+    p = value(n)
+    energy = energy + p * (h - at(n))
+  end subroutine table_pressure
+
+
+  !> The largest gap at which the law still acts. LINEAR and TABULAR: c0 times the root of the area; TIED: any.
+  pure real(DP) function law_reach(law, area) result(reach)
+    type(interaction_type), intent(in) :: law
+    real(DP), intent(in) :: area                   !< of the slave node [length^2]
+    reach = huge(1.0_DP)
+    if (law%behavior == BEHAVIOR_EXPONENTIAL) reach = law%reach
+    if (law%behavior == BEHAVIOR_LINEAR .or. law%behavior == BEHAVIOR_TABULAR) reach = law%reach * sqrt(area)
+  end function law_reach
+
+
+  !> Friction by return mapping: shear is lambda times the elastic slip, up to the limit; what is beyond is slip for good.
+  !!
+  !! After: the force on the slave is -stiffness times the new elastic slip.
+  pure subroutine law_shear(trial, stiffness, limit, elastic, slip, is_slipping)
+    real(DP), intent(in) :: trial(3)               !< tangential: elastic slip if all of it were elastic [length]
+    real(DP), intent(in) :: stiffness              !< lambda times the area [force/length]
+    real(DP), intent(in) :: limit                  !< largest shear force, not negative [force]
+    real(DP), intent(out) :: elastic(3)            !< what is elastic of it [length]
+    real(DP), intent(out) :: slip(3)               !< what is not [length]
+    logical, intent(out) :: is_slipping
+    real(DP) :: length
+    elastic = trial
+    slip = 0.0_DP
+    length = norm2(trial)
+    is_slipping = stiffness * length > limit .or. stiffness <= 0.0_DP
+    if (.not. is_slipping) return
+    elastic = 0.0_DP
+    if (stiffness > 0.0_DP) elastic = limit / (stiffness * length) * trial
+    slip = trial - elastic
+  end subroutine law_shear
+
+
+  !> The part of a face's area that each of its nodes takes, as CalculiX shares it: it never pulls on a corner.
+  pure function node_shares(n_corners, n_nodes) result(share)
+    integer, intent(in) :: n_corners, n_nodes
+    real(DP) :: share(n_nodes)                     !< [-]
+    share = 1.0_DP / real(n_corners, DP)
+    if (n_nodes == n_corners) return
+    share = merge(0.24_DP, 1.0_DP / 3.0_DP, n_corners == 4)
+    share(:n_corners) = merge(0.01_DP, 0.0_DP, n_corners == 4)
+  end function node_shares
+
+end module amontons_compliance

@@ -1,0 +1,491 @@
+!> Deck contact: the cards of interactions and contact pairs to the model, and what steps change of them.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_contact
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text
+  use amontons_card_form, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, is_card, &
+    check_name
+  use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_steps, only: step_type
+  use amontons_surfaces, only: interaction_type, contact_pair_type, is_compliant, BEHAVIOR_HARD, BEHAVIOR_LINEAR, &
+    BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, ROUGH_FRICTION, NO_SHEAR_LIMIT
+  use amontons_text, only: text_of, parse_real, NUMBER_OK
+  implicit none
+  private
+  public :: read_interactions, read_pairs, read_clearances, read_contact_change
+
+  ! CalculiX's defaults, in terms of Young's modulus E of the first material
+  real(DP), parameter :: HARD_STIFFNESS = 50.0_DP        !< K/E [1/length]
+  real(DP), parameter :: TENSION = 1.0_DP / 70000.0_DP   !< sigma_inf/E [-]
+  real(DP), parameter :: REACH = 1.0e-3_DP               !< c0 over the root of the area [-]
+  real(DP), parameter :: STICK_SLOPE = 0.5_DP            !< lambda/E [1/length]
+
+contains
+
+  !> SURFACE INTERACTION with SURFACE BEHAVIOR and FRICTION.
+  subroutine read_interactions(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(interaction_type) :: interaction
+    integer :: c, k
+    logical :: is_new
+    allocate (model%interactions(0))
+    k = 0
+    do c = 1, reader%cards%n_cards
+      if (reader%step_of_card(c) > 0) cycle
+      if (is_card(reader, c, 'SURFACEINTERACTION')) then
+        call open_card(reader, c, parameters, row)
+        interaction%name = parameter_text(parameters, 'NAME')
+        if (interaction%name == '') cycle
+        call check_name(reader, c, interaction%name)
+        call reader%interactions%add(interaction%name, k, is_new)
+        if (is_new) then
+          model%interactions = [model%interactions, interaction]
+        else
+          call complain(reader, reader%cards%cards(c)%line, 'The surface interaction ''' // interaction%name // &
+            ''' is defined twice.')
+        end if
+        if (next_row(reader%cards, row)) call need_at_most(reader, row, 1)
+      else if (k > 0 .and. is_card(reader, c, 'SURFACEBEHAVIOR')) then
+        call read_behavior(reader, model, c, model%interactions(k))
+      else if (k > 0 .and. is_card(reader, c, 'FRICTION')) then
+        call read_friction(reader, c, model%interactions(k))
+      end if
+    end do
+    do k = 1, size(model%interactions)
+      call complete_law(reader, model, model%interactions(k))
+    end do
+  end subroutine read_interactions
+
+
+  !> Young's modulus of the first material, by which CalculiX scales its defaults; 0 if there is none.
+  pure real(DP) function first_modulus(model) result(modulus)
+    type(model_type), intent(in) :: model
+    modulus = 0.0_DP
+    if (size(model%materials) > 0) modulus = model%materials(1)%youngs_modulus
+  end function first_modulus
+
+
+  !> A compliant law with friction needs a stick slope.
+  subroutine complete_law(reader, model, law)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(interaction_type), intent(inout) :: law
+    if (.not. is_compliant(law) .or. law%stick_slope > 0.0_DP) return
+    if (law%behavior == BEHAVIOR_TIED) law%stick_slope = law%stiffness
+    if (law%friction <= 0.0_DP .or. law%behavior == BEHAVIOR_TIED) return
+    law%stick_slope = STICK_SLOPE * first_modulus(model)
+    call note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; half of Young''s modulus ' // &
+      'of the first material is taken: ' // text_of(law%stick_slope) // '.')
+  end subroutine complete_law
+
+
+  !> SURFACE BEHAVIOR: the law of pressure.
+  subroutine read_behavior(reader, model, c, law)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(interaction_type), intent(inout) :: law
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    logical :: has_row
+    call open_card(reader, c, parameters, row)
+    select case (parameter_word(parameters, 'PRESSURE-OVERCLOSURE', 'HARD'))
+    case ('LINEAR')
+      has_row = next_row(reader%cards, row)
+      call read_linear(reader, model, row, has_row, law)
+    case ('TIED')
+      has_row = next_row(reader%cards, row)
+      call read_linear(reader, model, row, has_row, law)
+      law%behavior = BEHAVIOR_TIED
+    case ('EXPONENTIAL')
+      has_row = next_row(reader%cards, row)
+      call read_exponential(reader, row, has_row, law)
+    case ('TABULAR')
+      call read_table(reader, row, law)
+      has_row = .false.
+    case default
+      law%behavior = BEHAVIOR_HARD
+      has_row = next_row(reader%cards, row)
+      if (has_row .and. row%n > 0) call need_no_data(reader, row)
+      if (reader%dialect == DIALECT_CALCULIX) call soften(reader, model, c, law)
+    end select
+    if (has_row) has_row = next_row(reader%cards, row)
+    if (has_row) call need_no_data(reader, row)
+  end subroutine read_behavior
+
+
+  !> HARD as CalculiX takes it: LINEAR with 50 times Young's modulus of the first material.
+  subroutine soften(reader, model, c, law)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(interaction_type), intent(inout) :: law
+    if (first_modulus(model) <= 0.0_DP) return
+    law%behavior = BEHAVIOR_LINEAR
+    law%stiffness = HARD_STIFFNESS * first_modulus(model)
+    law%tension = TENSION * first_modulus(model)
+    law%reach = REACH
+    call note(reader, reader%cards%cards(c)%line, 'HARD is LINEAR under the calculix dialect, with K = ' // &
+      text_of(law%stiffness) // ', 50 times Young''s modulus of the first material; the abaqus dialect enforces it exactly.')
+  end subroutine soften
+
+
+  !> LINEAR and TIED: K, sigma_inf, c0, the last two and a K that is missing by CalculiX's defaults.
+  subroutine read_linear(reader, model, row, has_row, law)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(inout) :: row
+    logical, intent(in) :: has_row
+    type(interaction_type), intent(inout) :: law
+    logical :: is_ok
+    is_ok = .true.
+    if (.not. has_row) row%n = 0
+    law%behavior = BEHAVIOR_LINEAR
+    call need_at_most(reader, row, 3)
+    call need_real(reader, row, 1, 'stiffness', law%stiffness, is_ok, 0.0_DP)
+    call need_real(reader, row, 2, 'tension at large gaps', law%tension, is_ok, 0.0_DP)
+    call need_real(reader, row, 3, 'reach', law%reach, is_ok, 0.0_DP)
+    if (law%tension <= 0.0_DP) law%tension = TENSION * first_modulus(model)
+    if (law%reach <= 0.0_DP) law%reach = REACH
+    if (law%stiffness > 0.0_DP .or. .not. is_ok) return
+    law%stiffness = HARD_STIFFNESS * first_modulus(model)
+    call note(reader, row%line, 'The stiffness must be positive; 50 times Young''s modulus of the first material is ' // &
+      'taken: ' // text_of(law%stiffness) // '.')
+  end subroutine read_linear
+
+
+  !> EXPONENTIAL: c0, p0.
+  subroutine read_exponential(reader, row, has_row, law)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    logical, intent(in) :: has_row
+    type(interaction_type), intent(inout) :: law
+    logical :: is_ok
+    is_ok = has_row
+    law%behavior = BEHAVIOR_EXPONENTIAL
+    law%reach = 1.0_DP
+    if (has_row) then
+      call need_at_most(reader, row, 2)
+      call need_real(reader, row, 1, 'gap c0 where the pressure begins', law%reach, is_ok)
+      call need_real(reader, row, 2, 'pressure p0 at gap zero', law%pressure, is_ok)
+      if (is_ok .and. (law%reach <= 0.0_DP .or. law%pressure < 0.0_DP)) call complain(reader, row%line, &
+        'EXPONENTIAL needs a positive gap c0 and a pressure p0 that is not negative.')
+    else
+      call complain(reader, row%line, 'EXPONENTIAL needs a data line: c0, p0.')
+    end if
+  end subroutine read_exponential
+
+
+  !> TABULAR: pressure, overclosure; the overclosures ascend.
+  subroutine read_table(reader, row, law)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    type(interaction_type), intent(inout) :: law
+    real(DP) :: p, h
+    logical :: is_ok
+    is_ok = .true.
+    law%behavior = BEHAVIOR_TABULAR
+    law%reach = REACH
+    allocate (law%table_pressure(0), law%table_overclosure(0))
+    do while (next_row(reader%cards, row))
+      call need_at_most(reader, row, 3)
+      call need_real(reader, row, 1, 'pressure', p, is_ok)
+      call need_real(reader, row, 2, 'overclosure', h, is_ok)
+      if (.not. is_ok) cycle
+      if (size(law%table_pressure) > 0) then
+        if (h <= law%table_overclosure(size(law%table_overclosure))) call complain(reader, row%line, &
+          'The overclosures of the table must ascend.')
+      end if
+      law%table_pressure = [law%table_pressure, p]
+      law%table_overclosure = [law%table_overclosure, h]
+    end do
+    if (size(law%table_pressure) == 0 .and. is_ok) call complain(reader, row%line, &
+      'TABULAR needs data lines: pressure, overclosure.')
+    if (size(law%table_pressure) == 0) then
+      law%table_pressure = [0.0_DP]
+      law%table_overclosure = [0.0_DP]
+    end if
+  end subroutine read_table
+
+
+  !> FRICTION: mu >= 0; the second value is a stick slope (calculix) or a slip rate (abaqus).
+  subroutine read_friction(reader, c, law)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(interaction_type), intent(inout) :: law
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    real(DP) :: second
+    integer :: status
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    law%shear_limit = NO_SHEAR_LIMIT
+    if (has_parameter(parameters, 'TAUMAX')) then
+      call parse_real(parameter_text(parameters, 'TAUMAX'), law%shear_limit, status)
+      if (status == NUMBER_OK .and. law%shear_limit <= 0.0_DP) call complain(reader, reader%cards%cards(c)%line, &
+        'TAUMAX must be positive.')
+    end if
+    if (has_parameter(parameters, 'ROUGH')) law%friction = ROUGH_FRICTION
+    if (.not. next_row(reader%cards, row)) then
+      if (.not. has_parameter(parameters, 'ROUGH')) call complain(reader, row%line, &
+        '*FRICTION needs a data line: the coefficient of friction.')
+      return
+    end if
+    if (has_parameter(parameters, 'ROUGH')) then
+      call need_no_data(reader, row)
+      return
+    end if
+    is_ok = .true.
+    call need_real(reader, row, 1, 'coefficient of friction', law%friction, is_ok)
+    call need_real(reader, row, 2, merge('slip rate  ', 'stick slope', reader%dialect == DIALECT_ABAQUS), second, &
+      is_ok, 0.0_DP)
+    call need_at_most(reader, row, merge(4, 2, reader%dialect == DIALECT_ABAQUS))
+    if (is_ok .and. law%friction < 0) call complain(reader, row%line, &
+      'The coefficient of friction must not be negative; 0 is frictionless.')
+    if (is_ok .and. abs(second) > 0) call take_second(reader, row, second, law)
+    if (next_row(reader%cards, row)) call complain(reader, row%line, 'A second line would be for another slip ' // &
+      'rate, pressure or temperature; the coefficient of friction is a constant.')
+  end subroutine read_friction
+
+
+  !> The second value of FRICTION.
+  subroutine take_second(reader, row, second, law)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    real(DP), intent(in) :: second
+    type(interaction_type), intent(inout) :: law
+    if (reader%dialect == DIALECT_ABAQUS) then
+      call complain(reader, row%line, 'The second value is a slip rate (abaqus dialect), on which friction ' // &
+        'cannot depend; leave it out. If it is the stick slope of CalculiX, put ''** dialect: calculix'' at the ' // &
+        'top of the deck.')
+      return
+    end if
+    law%stick_slope = second
+    if (second < 0.0_DP) call complain(reader, row%line, 'The stick slope must not be negative.')
+    if (.not. is_compliant(law)) call note(reader, row%line, 'The second value is taken as the stick slope (calculix ' // &
+      'dialect); without a *SURFACE BEHAVIOR before it, sticking is enforced exactly and does not use it.')
+  end subroutine take_second
+
+
+  !> CONTACT PAIR: slave, master; several rows give several pairs.
+  subroutine read_pairs(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(contact_pair_type) :: common
+    integer :: c, n
+    allocate (model%pairs(0))
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'CONTACTPAIR')) cycle
+      call open_card(reader, c, parameters, row)
+      common = contact_pair_type()
+      common%interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
+      if (common%interaction == 0 .and. parameter_text(parameters, 'INTERACTION') /= '') call complain(reader, &
+        reader%cards%cards(c)%line, 'There is no surface interaction ''' // parameter_text(parameters, 'INTERACTION') &
+        // '''.')
+      common%is_small_sliding = has_parameter(parameters, 'SMALL SLIDING')
+      call read_adjust(reader, c, parameters, common)
+      n = 0
+      do while (next_row(reader%cards, row))
+        n = n + 1
+        call need_at_most(reader, row, 2)
+        call read_pair(reader, row, common, model)
+      end do
+      if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*CONTACT PAIR needs a data line: slave, master.')
+    end do
+  end subroutine read_pairs
+
+
+  !> The parameter ADJUST: a distance.
+  subroutine read_adjust(reader, c, parameters, pair)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(parameter_type), intent(in) :: parameters(:)
+    type(contact_pair_type), intent(inout) :: pair
+    integer :: status
+    pair%has_adjust = has_parameter(parameters, 'ADJUST')
+    if (.not. pair%has_adjust) return
+    call parse_real(parameter_text(parameters, 'ADJUST'), pair%adjust, status)
+    if (status /= NUMBER_OK .or. pair%adjust < 0) call complain(reader, reader%cards%cards(c)%line, 'ADJUST=' // &
+      parameter_text(parameters, 'ADJUST') // ' must be a distance that is not negative; a node set is not ' // &
+      'supported there.')
+  end subroutine read_adjust
+
+
+  !> One row of CONTACT PAIR.
+  subroutine read_pair(reader, row, common, model)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(contact_pair_type), intent(in) :: common
+    type(model_type), intent(inout) :: model
+    type(contact_pair_type) :: pair
+    character(:), allocatable :: slave, master
+    slave = field_text(reader%cards, row, 1)
+    master = field_text(reader%cards, row, 2)
+    if (slave == '' .or. master == '') then
+      call complain(reader, row%line, 'A contact pair needs two surfaces: slave, master.')
+      return
+    end if
+    pair = common
+    pair%name = slave // ' / ' // master
+    pair%slave = reader%surfaces%find(slave)
+    pair%master = reader%surfaces%find(master)
+    if (pair%slave == 0) call complain(reader, row%line, 'There is no surface ''' // slave // '''.')
+    if (pair%master == 0) call complain(reader, row%line, 'There is no surface ''' // master // '''.')
+    if (pair%slave > 0 .and. pair%slave == pair%master) call complain(reader, row%line, &
+      'A surface cannot be in contact with itself; name two surfaces.')
+    if (pair%master > 0) then
+      if (model%surfaces(pair%master)%is_node_based) call complain(reader, row%line, 'The master surface ''' // master &
+        // ''' is made of nodes; a master needs element faces.')
+    end if
+    model%pairs = [model%pairs, pair]
+  end subroutine read_pair
+
+
+  !> CLEARANCE: the gap of a pair at the start, whatever the mesh says.
+  subroutine read_clearances(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: c, p, status
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'CLEARANCE')) cycle
+      call open_card(reader, c, parameters, row)
+      p = find_pair(reader, model, parameter_text(parameters, 'SLAVE'), parameter_text(parameters, 'MASTER'), &
+        reader%cards%cards(c)%line)
+      if (p == 0) cycle
+      model%pairs(p)%has_clearance = .true.
+      call parse_real(parameter_text(parameters, 'VALUE'), model%pairs(p)%clearance, status)
+      if (status == NUMBER_OK .and. model%pairs(p)%has_adjust) call complain(reader, reader%cards%cards(c)%line, &
+        'The pair has both ADJUST and CLEARANCE; give one of them.')
+    end do
+  end subroutine read_clearances
+
+
+  !> The pair of two surfaces; tells it if there is none.
+  integer function find_pair(reader, model, slave, master, line) result(pair)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    character(*), intent(in) :: slave, master
+    integer, intent(in) :: line                  !< of the deck
+    integer :: p
+    pair = 0
+    do p = 1, size(model%pairs)
+      if (model%pairs(p)%slave == 0 .or. model%pairs(p)%slave /= reader%surfaces%find(slave)) cycle
+      if (model%pairs(p)%master == reader%surfaces%find(master)) pair = p
+    end do
+    if (pair == 0) call complain(reader, line, 'There is no contact pair of the slave ''' // slave // &
+      ''' and the master ''' // master // '''.')
+  end function find_pair
+
+
+  !> What a step changes: CHANGE FRICTION, CHANGE SURFACE BEHAVIOR and the cards below them, MODEL CHANGE, CONTACT
+  !! INTERFERENCE. What is changed stays so in later steps, but an interference is of one step.
+  subroutine read_contact_change(reader, model, c, interaction, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(inout) :: interaction        !< the one that a CHANGE card names; its FRICTION or BEHAVIOR follows
+    type(step_type), intent(inout) :: step
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    call open_card(reader, c, parameters, row)
+    if (is_card(reader, c, 'CHANGEFRICTION') .or. is_card(reader, c, 'CHANGESURFACEBEHAVIOR')) then
+      interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
+      if (interaction == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no surface interaction ''' // &
+        parameter_text(parameters, 'INTERACTION') // '''.')
+      return
+    end if
+    if (is_card(reader, c, 'MODELCHANGE')) then
+      call change_pairs(reader, model, c, parameters, row, step)
+    else if (is_card(reader, c, 'CONTACTINTERFERENCE')) then
+      call read_interference(reader, model, c, parameters, row, step)
+    else if (interaction > 0) then
+      call change_law(reader, model, c, interaction, step)
+    end if
+  end subroutine read_contact_change
+
+
+  !> FRICTION or SURFACE BEHAVIOR of an interaction from this step on.
+  subroutine change_law(reader, model, c, interaction, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: interaction
+    type(step_type), intent(inout) :: step
+    type(interaction_type) :: law
+    if (.not. allocated(step%interactions)) step%interactions = model%interactions
+    law = step%interactions(interaction)
+    if (is_card(reader, c, 'FRICTION')) then
+      law%stick_slope = 0.0_DP
+      call read_friction(reader, c, law)
+    else
+      if (allocated(law%table_pressure)) deallocate (law%table_pressure, law%table_overclosure)
+      call read_behavior(reader, model, c, law)
+      if (is_compliant(law) .neqv. is_compliant(step%interactions(interaction))) call complain(reader, &
+        reader%cards%cards(c)%line, 'A step cannot change a HARD interaction to a compliant one, or back: their slave ' // &
+        'nodes are not the same. Use one kind in all steps.')
+    end if
+    call complete_law(reader, model, law)
+    step%interactions(interaction) = law
+  end subroutine change_law
+
+
+  !> MODEL CHANGE, TYPE=CONTACT PAIR: takes pairs out or puts them back.
+  subroutine change_pairs(reader, model, c, parameters, row, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    type(step_type), intent(inout) :: step
+    integer :: p
+    if (has_parameter(parameters, 'ADD') .eqv. has_parameter(parameters, 'REMOVE')) then
+      call complain(reader, reader%cards%cards(c)%line, '*MODEL CHANGE needs either ADD or REMOVE.')
+      return
+    end if
+    if (parameter_word(parameters, 'TYPE', 'CONTACTPAIR') /= 'CONTACTPAIR') return
+    if (.not. allocated(step%is_removed)) allocate (step%is_removed(size(model%pairs)), source=.false.)
+    do while (next_row(reader%cards, row))
+      call need_at_most(reader, row, 2)
+      p = find_pair(reader, model, field_text(reader%cards, row, 1), field_text(reader%cards, row, 2), row%line)
+      if (p > 0) step%is_removed(p) = has_parameter(parameters, 'REMOVE')
+    end do
+  end subroutine change_pairs
+
+
+  !> CONTACT INTERFERENCE: an overclosure that is allowed at the start of the step and gone at its end.
+  subroutine read_interference(reader, model, c, parameters, row, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    type(step_type), intent(inout) :: step
+    logical :: is_ok
+    integer :: p, n
+    is_ok = .true.
+    n = 0
+    if (.not. allocated(step%interference)) then
+      allocate (step%interference(size(model%pairs)), source=0.0_DP)
+      allocate (step%is_shrink(size(model%pairs)), source=.false.)
+    end if
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      call need_at_most(reader, row, 3)
+      p = find_pair(reader, model, field_text(reader%cards, row, 1), field_text(reader%cards, row, 2), row%line)
+      if (p == 0) cycle
+      step%is_shrink(p) = has_parameter(parameters, 'SHRINK')
+      call need_real(reader, row, 3, 'allowed interference', step%interference(p), is_ok, 0.0_DP)
+    end do
+    if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*CONTACT INTERFERENCE needs data lines: slave, ' // &
+      'master, interference.')
+  end subroutine read_interference
+
+end module amontons_deck_contact
