@@ -1,0 +1,137 @@
+"""Reads the printed results of CalculiX (.dat) and its fields (.frd), and compares block by block.
+
+A block is one table: a title, a set, a time, and rows of numbers by their labels (node; element and point). The
+deviation of a block is the largest difference over the largest absolute value of the reference's block.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+Key = tuple[int, ...]
+
+NUMBER = re.compile(r"[+-]?(?:\d+\.\d*|\.\d+)(?:[EeDd]?[+-]\d+)?|[+-]?(?:NaN|Inf\w*)|[+-]?\d+")
+TIME = re.compile(r"time\s+(\S+)")
+SET = re.compile(r"for (?:set|surface set) (\S+)")
+
+
+@dataclass
+class Block:
+    """One table."""
+
+    title: str
+    set_name: str
+    time: float
+    rows: dict[Key, list[float]] = field(default_factory=dict)
+
+    @property
+    def name(self) -> tuple[str, str, float]:
+        """What tells it from other blocks."""
+        return self.title, self.set_name, round(self.time, 6)
+
+
+def read_dat(path: Path) -> list[Block]:
+    """All blocks of a .dat file, in their order."""
+    blocks: list[Block] = []
+    for line in path.read_text().splitlines():
+        words = line.split()
+        if not words or line.replace(" ", "").startswith(("STEP", "INCREMENT")):
+            continue
+        if re.match(r"\s*[a-z]", line):
+            blocks.append(make_block(line))
+        elif blocks:
+            add_row(blocks[-1], line)
+    return blocks
+
+
+def make_block(line: str) -> Block:
+    """The head of a block."""
+    time = TIME.search(line)
+    name = SET.search(line)
+    title = re.split(r"\(| for ", line.strip())[0].strip()
+    return Block(title, name.group(1).rstrip(",").upper() if name else "", float(time.group(1)) if time else 0.0)
+
+
+def add_row(block: Block, line: str) -> None:
+    """One row: whole numbers in front are its label."""
+    key: list[int] = []
+    values: list[float] = []
+    for word in NUMBER.findall(line):
+        if not values and re.fullmatch(r"\d+", word):
+            key.append(int(word))
+        else:
+            values.append(float(re.sub(r"(?<=[\d.])([+-]\d+)$", r"e\1", word.replace("D", "E")) if "E" not in word.upper()
+                                else word.replace("D", "E")))
+    if values:
+        block.rows[tuple(key) or (len(block.rows) + 1,)] = values
+
+
+@dataclass
+class Deviation:
+    """How far a block is from its reference."""
+
+    title: str
+    set_name: str
+    time: float
+    largest: float  # of the reference
+    deviation: float  # over the largest; infinite if it is not there
+    where: Key = ()
+    missing: int = 0  # rows of the reference that are not there
+
+
+def compare(ours: list[Block], reference: list[Block]) -> list[Deviation]:
+    """The deviation of every block of the reference, which is looked up by title, set and time."""
+    found: dict[tuple[str, str, float], list[Block]] = {}
+    for block in ours:
+        found.setdefault(block.name, []).append(block)
+    result = []
+    for block in reference:
+        candidates = found.get(block.name, [])
+        result.append(compare_block(candidates.pop(0) if candidates else None, block))
+    return result
+
+
+def compare_block(ours: Block | None, reference: Block) -> Deviation:
+    """One block against its reference."""
+    largest = max((abs(v) for row in reference.rows.values() for v in row), default=0.0)
+    result = Deviation(reference.title, reference.set_name, reference.time, largest, 0.0)
+    if ours is None:
+        result.deviation = np.inf
+        return result
+    for key, row in reference.rows.items():
+        if key not in ours.rows:
+            result.missing += 1
+            continue
+        n = min(len(row), len(ours.rows[key]))
+        difference = float(np.max(np.abs(np.array(row[:n]) - ours.rows[key][:n])))
+        if largest > 0:
+            difference /= largest
+        if not difference <= result.deviation:
+            result.deviation, result.where = difference, key
+    if result.missing:
+        result.deviation = np.inf
+    return result
+
+
+def read_frd(path: Path) -> list[Block]:
+    """The nodal fields of a .frd file in text form, in their order; the title is the field's name."""
+    blocks: list[Block] = []
+    time, is_open = 0.0, False
+    for line in path.read_text(errors="replace").splitlines():
+        if line.startswith("  100C"):
+            time = float(line[12:24])
+        elif line.startswith(" -4"):
+            blocks.append(Block(line[5:13].strip(), "", time))
+            is_open = True
+        elif line.startswith(" -3"):
+            is_open = False
+        elif is_open and line.startswith(" -1"):
+            values = [float(line[i : i + 12]) for i in range(13, len(line.rstrip()) - 11, 12)]
+            blocks[-1].rows[(int(line[3:13]),)] = values
+    return [block for block in blocks if block.rows]

@@ -1,0 +1,130 @@
+"""CalculiX's own decks under --dialect=calculix against its printed references, block by block.
+
+The decks are read in place: beside the repository in ../shared/decks, or where AMONTONS_DECKS says. A deck with a card
+that we refuse is skipped with our message. A reference in a .dat file is compared table by table; where there is only a
+.frd file, its displacements and nodal stresses are. A block agrees if the largest difference is within 1 % of its
+largest value; blocks of nothing but rounding (below 1e-7 of the largest value of their kind) are left out.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from dat import Block, Deviation, compare, read_dat, read_frd  # noqa: E402
+
+DECKS = Path(os.environ.get("AMONTONS_DECKS", Path(__file__).resolve().parents[3] / "shared" / "decks"))
+AGREES = 0.01  # of the largest value of a block
+
+# References that CalculiX's own release does not reproduce, or that need code compiled into it: told, not judged.
+NOT_JUDGED = {
+    "beampl": "the release itself deviates by 1.1 %",
+    "patch_c3d8i": "not reproduced by the release",
+    "pret4": "not reproduced by the release",
+    "segment1": "not reproduced by the release",
+    "cubesmortar2": "not reproduced by the release",
+    "beamcontact": "the CONTACT blocks are not reproduced by the release",
+    "cubef2f1": "the CONTACT blocks are not reproduced by the release",
+    "cubef2f2": "the CONTACT blocks are not reproduced by the release",
+    "cubef2f3": "the CONTACT blocks are not reproduced by the release",
+    "contactdeleteelement": "crashes the release",
+    "resstress2": "needs a subroutine compiled into CalculiX",
+    "resstress3": "needs a subroutine compiled into CalculiX",
+}
+
+FOLDERS = [folder for folder in ("static", "contact") if (DECKS / folder).is_dir()]
+FILES = [deck for folder in FOLDERS for deck in sorted((DECKS / folder).glob("*.inp"))]
+SLOW = {"hueeber1", "hueeber3_mortar", "hueeber4", "hueeber4_mortar", "cubef2f1", "cubef2f2", "cubef2f3", "metalforming"}
+
+pytestmark = pytest.mark.skipif(not FILES, reason=f"no decks in {DECKS}; AMONTONS_DECKS says where they are")
+
+
+def parameters() -> list[object]:
+    """One test for each deck."""
+    return [pytest.param(deck, id=f"{deck.parent.name}-{deck.stem}", marks=[pytest.mark.slow] if deck.stem in SLOW else [])
+            for deck in FILES]
+
+
+def refusal(text: str) -> str:
+    """The first error that the program tells."""
+    errors = [line.strip() for line in text.splitlines() if re.search(r"error|not supported|no section", line, re.I)]
+    return (errors or ["no message"])[0][:200]
+
+
+def references(deck: Path) -> tuple[list[Block], list[Block]]:
+    """Tables and fields that the deck has references of."""
+    dat, frd = deck.with_suffix(".dat.ref"), deck.with_suffix(".frd.ref")
+    tables = read_dat(dat) if dat.exists() else []
+    fields = read_frd(frd) if frd.exists() and not tables else []
+    return tables, [block for block in fields if block.title in ("DISP", "STRESS")]
+
+
+def read_our_fields(path: Path, wanted: list[Block]) -> list[Block]:
+    """Displacements and nodal stresses of the result file at the times wanted, in the order of .frd."""
+    result = []
+    with h5py.File(path) as file:
+        times = file["VTKHDF/Steps/Values"][:]
+        points = file["VTKHDF/PointData"]
+        labels = file["AMONTONS/mesh/node_label"][:]
+        n = int(file["VTKHDF/NumberOfPoints"][0])
+        for block in wanted:
+            k = int(np.argmin(np.abs(times - block.time)))
+            name = {"DISP": "U", "STRESS": "S"}[block.title]
+            if name not in points:
+                continue
+            values = points[name][k * n : (k + 1) * n]
+            result.append(Block(block.title, "", block.time,
+                                {(int(label),): list(map(float, row)) for label, row in zip(labels, values)}))
+    return result
+
+
+def leave_out_noise(deviations: list[Deviation]) -> list[Deviation]:
+    """Without blocks whose reference is rounding only."""
+    top: dict[str, float] = {}
+    for d in deviations:
+        top[d.title] = max(top.get(d.title, 0.0), d.largest)
+    return [d for d in deviations if d.largest > 1e-7 * top[d.title]]
+
+
+@pytest.mark.parametrize("deck", parameters())
+def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, tell: Callable[..., None]) -> None:
+    """Every block of a deck that runs is within 1 % of its largest value."""
+    name = f"{deck.parent.name}/{deck.stem}"
+    result = run(["--dialect=calculix", "--outdir", tmp_path, deck])
+    output = result.stdout + result.stderr
+    if result.returncode == 3:
+        tell(name, f"{name:28s} refused  {refusal(output)}")
+        pytest.skip(refusal(output))
+    tables, fields = references(deck)
+    if result.returncode != 0:
+        tell(name, f"{name:28s} exit {result.returncode}   {output.strip().splitlines()[-1][:150] if output.strip() else ''}")
+        assert deck.stem in NOT_JUDGED, output[-2000:]
+        pytest.skip(NOT_JUDGED[deck.stem])
+    deviations: list[Deviation] = []
+    if tables:
+        dat = tmp_path / (deck.stem + ".dat")
+        deviations = compare(read_dat(dat) if dat.exists() else [], tables)
+    if fields:
+        deviations += compare(read_our_fields(tmp_path / (deck.stem + ".vtkhdf"), fields), fields)
+    deviations = leave_out_noise(deviations)
+    for d in deviations:
+        tell(name, f"{name:28s} {100 * d.deviation:9.4f} %  {d.title} {d.set_name} t={d.time:g} largest {d.largest:.3e} at {d.where}"
+             + (f", {d.missing} rows missing" if d.missing else ""))
+    if not deviations:
+        tell(name, f"{name:28s} has no reference")
+        pytest.skip("no reference to compare with")
+    if deck.stem in NOT_JUDGED:
+        pytest.skip(NOT_JUDGED[deck.stem])
+    bad = [d for d in deviations if not d.deviation <= AGREES]
+    assert not bad, "\n".join(f"{d.title} {d.set_name} t={d.time:g}: {100 * d.deviation:.3g} % of {d.largest:.3e}" for d in bad)
