@@ -61,8 +61,8 @@ contains
 
     call table%card('ELEMENT', IN_MODEL, 'Defines elements; a row of nodes may go on in further lines.', &
       data='number, node, node, ...')
-    call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D10, C3D20 or C3D20R.', default= &
-      'required')
+    call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; ' // &
+      'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; MASS.', default='required')
     call table%option('ELSET', VALUE_NAME, 'Puts the elements into this element set as well.')
     call table%option('INPUT', VALUE_TEXT, 'Write *ELEMENT, TYPE=... and below it *INCLUDE, INPUT=file.', &
       status=STATUS_REFUSED)
@@ -117,7 +117,7 @@ contains
     call table%option('DEPENDENCIES', VALUE_TEXT, 'Properties cannot depend on field variables.', status=STATUS_REFUSED)
 
     call table%card('SOLID SECTION', IN_MODEL, 'Gives the elements of a set their material.', data= &
-      'one line, which is ignored')
+      'thickness of plane elements or cross-section of trusses, default 1; of no meaning for the others')
     call table%option('ELSET', VALUE_NAME, 'The elements.', default='required')
     call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
     call table%option('ORIENTATION', VALUE_NAME, 'Isotropic materials have no direction.', status=STATUS_NOTED)
@@ -125,6 +125,18 @@ contains
       'The elements are chosen by their type alone.', status=STATUS_NOTED)
     call table%option('COMPOSITE|SYMMETRIC', VALUE_TEXT, 'Layered solids do not exist here.', status=STATUS_REFUSED)
     call table%option('REF NODE', VALUE_TEXT, 'Generalised plane strain does not exist here.', status=STATUS_REFUSED)
+
+    call table%card('SPRING', IN_MODEL, 'Gives springs their constant.', data= &
+      'SPRING1, SPRING2: direction at the first node, at the second; then, and for SPRINGA at once: spring constant')
+    call table%option('ELSET', VALUE_NAME, 'The springs.', default='required')
+    call table%option('NONLINEAR', VALUE_NONE, 'Springs are linear.', status=STATUS_REFUSED)
+    call table%option('ORIENTATION|DEPENDENCIES|COMPLEX STIFFNESS', VALUE_TEXT, 'Springs act along global axes and are ' // &
+      'the same at all times.', status=STATUS_REFUSED)
+    call table%option('RTOL', VALUE_TEXT, '', status=STATUS_NOTED)
+
+    call table%card('MASS', IN_MODEL, 'Gives point masses their mass; it counts for gravity.', data='mass')
+    call table%option('ELSET', VALUE_NAME, 'The masses.', default='required')
+    call table%option('ALPHA|COMPOSITE|TYPE|ORIENTATION|DEPENDENCIES', VALUE_TEXT, 'A mass is one number.', status=STATUS_REFUSED)
   end subroutine describe_materials
 
 
@@ -465,8 +477,8 @@ contains
       'PRE-TENSION SECTION|RELEASE|TIE COEFFICIENT', 'Use *EQUATION, or mesh the bodies together.')
     call table%cards_with(STATUS_REFUSED, 'BEAM SECTION|BEAM GENERAL SECTION|SHELL SECTION|SHELL GENERAL SECTION|' // &
       'MEMBRANE SECTION|COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|NODAL ' // &
-      'THICKNESS|NORMAL|TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|HOURGLASS STIFFNESS|REBAR|REBAR LAYER|SPRING|' // &
-      'DASHPOT|GAP|MASS|ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
+      'THICKNESS|NORMAL|TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|HOURGLASS STIFFNESS|REBAR|REBAR LAYER|' // &
+      'DASHPOT|GAP|ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
       'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'All bodies are meshed with solid elements and *SOLID SECTION.')
     call table%cards_with(STATUS_REFUSED, 'PART|END PART|ASSEMBLY|END ASSEMBLY|INSTANCE|END INSTANCE', &

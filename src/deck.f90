@@ -6,7 +6,8 @@ module amontons_deck
   use amontons_card_form, only: find_entry, match_parameters, IN_MODEL, IN_STEP, IN_BOTH, STATUS_USED, STATUS_NOTED, &
     STATUS_REFUSED
   use amontons_card_table, only: make_card_table
-  use amontons_deck_mesh, only: draft_type, read_nodes, read_elements, read_sections, keep_solids
+  use amontons_deck_mesh, only: draft_type, read_nodes, read_elements, read_sections, read_constants, &
+    keep_elements
   use amontons_deck_model, only: read_heading, read_materials, read_amplitudes, read_surfaces, read_equations
   use amontons_deck_contact, only: read_interactions, read_pairs, read_clearances
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
@@ -72,7 +73,8 @@ contains
     call read_sets(reader, draft, model%mesh)
     call read_materials(reader, model)
     call read_sections(reader, model, draft)
-    call keep_solids(reader, model, draft)
+    call read_constants(reader, model, draft)
+    call keep_elements(reader, model, draft)
     call read_amplitudes(reader, model)
     call read_surfaces(reader, model)
     call read_interactions(reader, model)

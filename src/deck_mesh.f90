@@ -1,4 +1,4 @@
-!> Deck mesh: the cards NODE, ELEMENT and SOLID SECTION to nodes, elements and their materials.
+!> Deck mesh: the cards NODE, ELEMENT, SOLID SECTION, SPRING and MASS to nodes, elements and their sections.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Elements are first gathered as they stand (drafts), also those of kinds that we do not have: mesh generators write
@@ -8,15 +8,21 @@ module amontons_deck_mesh
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, row_type, next_row, field_integer, field_text
   use amontons_card_form, only: parameter_text, parameter_word
-  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, is_card
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, &
+    need_at_most, need_no_data, is_card
   use amontons_lookup, only: integer_list_type, label_table_type
+  use amontons_materials, only: material_type
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: text_of, plural, NUMBER_OK
-  use amontons_topology, only: kind_type, element_kind, kind_of_name, KIND_C3D8, KIND_C3D8_FULL
+  use amontons_topology, only: kind_type, element_kind, kind_of_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_CPE4, &
+    KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_SPRING1, KIND_SPRING2, FAMILY_SOLID, &
+    FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS
   implicit none
   private
-  public :: draft_type, read_nodes, read_elements, read_sections, keep_solids
+  public :: draft_type, read_nodes, read_elements, read_sections, read_constants, keep_elements
+
+  real(DP), parameter :: NOT_GIVEN = -huge(1.0_DP)   !< spring constant or mass
 
   !> All elements of the deck as they stand.
   type :: draft_type
@@ -28,6 +34,8 @@ module amontons_deck_mesh
     integer, allocatable :: first(:)             !< (n + 1) start of its nodes
     type(integer_list_type) :: nodes             !< node indices, 0: no such node
     integer, allocatable :: material(:)          !< (n) index of the material, 0: no section
+    real(DP), allocatable :: section(:)          !< (n) thickness, cross-section, spring constant, mass; or NOT_GIVEN
+    integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
     integer, allocatable :: kept(:)              !< (n) index in the mesh, 0: dropped
     integer, allocatable :: node_first(:)        !< (n_cards) first node of a NODE card
     integer, allocatable :: node_last(:)         !< (n_cards) last node of a NODE card
@@ -67,7 +75,7 @@ contains
   end subroutine read_nodes
 
 
-  !> One node: number, x, y, z; missing coordinates are zero.
+  !> One node: number, x, y, z; missing coordinates are zero. Up to three values more are passed over: a normal.
   subroutine read_node(reader, row, mesh, line)
     type(reader_type), intent(inout) :: reader
     type(row_type), intent(in) :: row
@@ -78,7 +86,7 @@ contains
     logical :: is_ok
     is_ok = .true.
     call need_label(reader, row, 'node', label, is_ok)
-    call need_at_most(reader, row, 4)
+    call need_at_most(reader, row, 7)            ! three more for a normal, which solids do not need
     mesh%n_nodes = mesh%n_nodes + 1
     do i = 1, 3
       call need_real(reader, row, i + 1, AXES(i), mesh%coordinates(i, mesh%n_nodes), is_ok, 0.0_DP)
@@ -167,6 +175,8 @@ contains
     call tell_doubled(reader, draft%labels, draft%label, draft%line, 'element')
     call check_connectivity(reader, mesh, draft)
     allocate (draft%material(draft%n), source=0)
+    allocate (draft%section(draft%n), source=1.0_DP)
+    allocate (draft%directions(2, draft%n), source=0)
     if (draft%n == 0) call complain(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
   end subroutine read_elements
 
@@ -181,26 +191,30 @@ contains
   end function node_count
 
 
-  !> The kind of an element type; 0 if we do not have it. Names that meshio writes for a shape are taken with a note.
+  !> The kind of an element type; 0 if we do not have it. Hybrid (H) and modified (M) kinds are taken as the default of
+  !! their shape, with a note.
   function kind_of_type(reader, c, type) result(kind)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     character(*), intent(in) :: type             !< upper case
     integer :: kind
+    character(2), parameter :: ENDINGS(4) = ['RH', 'MH', 'H ', 'M ']
     character(:), allocatable :: taken
+    integer :: i
     taken = type
-    select case (type)
-    case ('C3D8RH')
-      taken = 'C3D8'
-    case ('C3D20RH')
-      taken = 'C3D20'
-    case ('C3D10MH')
-      taken = 'C3D10'
-    end select
+    do i = 1, size(ENDINGS)
+      if (kind_of_name(taken) > 0) exit
+      if (.not. ends(type, trim(ENDINGS(i)))) cycle
+      taken = type(:len(type) - len_trim(ENDINGS(i)))
+    end do
+    kind = kind_of_name(taken)
+    if (kind == 0) return
     if (taken /= type) call note(reader, reader%cards%cards(c)%line, 'The elements ' // type // ' are taken as ' // &
       taken // '.')
-    kind = kind_of_name(taken)
-    if (kind == KIND_C3D8 .and. reader%dialect == DIALECT_CALCULIX) kind = KIND_C3D8_FULL
+    if (reader%dialect /= DIALECT_CALCULIX) return
+    if (kind == KIND_C3D8) kind = KIND_C3D8_FULL
+    if (kind == KIND_CPE4) kind = KIND_CPE4_FULL
+    if (kind == KIND_CAX4) kind = KIND_CAX4_FULL
   end function kind_of_type
 
 
@@ -226,6 +240,8 @@ contains
       call take_nodes(reader, row, 1, draft%nodes, is_ok)
     end do
     if (.not. is_ok) return
+    ! Old decks of CalculiX give a C3D8I up to three nodes more, for its modes; here they are inside.
+    if (kind == KIND_C3D8I .and. draft%nodes%n - start <= n_wanted + 3) draft%nodes%n = min(draft%nodes%n, start + n_wanted)
     if (kind > 0 .and. draft%nodes%n - start /= n_wanted) then
       is_ok = .false.
       call complain(reader, line, 'The element ' // text_of(label) // ' has ' // plural(draft%nodes%n - start, 'node') &
@@ -294,7 +310,9 @@ contains
     type(draft_type), intent(inout) :: draft
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
+    real(DP) :: thickness
     integer :: c, set, material, n_overridden, i, e
+    logical :: is_thick
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'SOLIDSECTION')) cycle
       call open_card(reader, c, parameters, row)
@@ -305,7 +323,13 @@ contains
           // '''.')
         if (material == 0) call complain(reader, line, 'There is no material ''' // &
           parameter_text(parameters, 'MATERIAL') // '''.')
+        thickness = 1
         if (next_row(reader%cards, row)) then
+          is_thick = .true.
+          if (needs_thickness(model, draft, set)) then
+            call need_real(reader, row, 1, 'thickness or cross-section', thickness, is_thick, 1.0_DP)
+            if (.not. thickness > 0) call complain(reader, row%line, 'The thickness or cross-section must be positive.')
+          end if
           if (next_row(reader%cards, row)) call need_no_data(reader, row)
         end if
         if (set == 0) cycle
@@ -315,6 +339,7 @@ contains
             e = members(i)
             if (draft%material(e) > 0 .and. draft%material(e) /= material) n_overridden = n_overridden + 1
             draft%material(e) = merge(material, -1, material > 0)
+            if (is_thin(draft%kind(e))) draft%section(e) = thickness
           end do
         end associate
         if (n_overridden > 0) call note(reader, line, plural(n_overridden, 'element') // &
@@ -324,12 +349,146 @@ contains
   end subroutine read_sections
 
 
-  !> Builds the mesh from the drafts that are solids with a section; drops leftovers; tells what cannot stay.
-  subroutine keep_solids(reader, model, draft)
+  !> Whether a kind has a thickness or a cross-section.
+  pure function is_thin(kind) result(is_so)
+    integer, intent(in) :: kind                  !< KIND_..., 0: unknown
+    logical :: is_so
+    type(kind_type) :: entry
+    is_so = .false.
+    if (kind == 0) return
+    entry = element_kind(kind)
+    is_so = all(entry%family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS])
+  end function is_thin
+
+
+  !> Whether a set holds elements with a thickness or a cross-section.
+  pure function needs_thickness(model, draft, set) result(does_so)
+    type(model_type), intent(in) :: model        !< with the element sets of drafts
+    type(draft_type), intent(in) :: draft
+    integer, intent(in) :: set                   !< 0: none
+    logical :: does_so
+    integer :: i
+    does_so = .false.
+    if (set == 0) return
+    associate (members => model%mesh%element_sets(set)%members)
+      do i = 1, size(members)
+        does_so = is_thin(draft%kind(members(i)))
+        if (does_so) return
+      end do
+    end associate
+  end function needs_thickness
+
+
+  !> Reads all SPRING and MASS cards: element to constant and directions.
+  subroutine read_constants(reader, model, draft)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model        !< with the element sets of drafts
+    type(draft_type), intent(inout) :: draft
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: c, set, e
+    do e = 1, draft%n
+      if (is_of(draft%kind(e), FAMILY_SPRING) .or. is_of(draft%kind(e), FAMILY_MASS)) draft%section(e) = NOT_GIVEN
+    end do
+    do c = 1, reader%cards%n_cards
+      if (.not. (is_card(reader, c, 'SPRING') .or. is_card(reader, c, 'MASS'))) cycle
+      call open_card(reader, c, parameters, row)
+      set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
+      if (set == 0) then
+        call complain(reader, reader%cards%cards(c)%line, 'There is no element set ''' // &
+          parameter_text(parameters, 'ELSET') // '''.')
+      else
+        call read_constant(reader, c, model%mesh%element_sets(set)%members, row, draft)
+      end if
+    end do
+  end subroutine read_constants
+
+
+  !> The data of one SPRING or MASS card: directions of SPRING1 and SPRING2, then the constant.
+  subroutine read_constant(reader, c, members, row, draft)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: members(:)            !< drafts
+    type(row_type), intent(inout) :: row
+    type(draft_type), intent(inout) :: draft
+    real(DP) :: constant
+    integer :: i, n, family, directions(2)
+    logical :: is_ok
+    family = merge(FAMILY_SPRING, FAMILY_MASS, is_card(reader, c, 'SPRING'))
+    directions = 0
+    n = 0                                        ! directions to read
+    do i = 1, size(members)
+      associate (kind => draft%kind(members(i)))
+        if (kind == KIND_SPRING1) n = max(n, 1)
+        if (kind == KIND_SPRING2) n = 2
+        if (is_of(kind, family)) cycle
+        call complain(reader, reader%cards%cards(c)%line, 'The element ' // text_of(draft%label(members(i))) // &
+          ' is no ' // trim(merge('spring', 'mass  ', family == FAMILY_SPRING)) // '.')
+        return
+      end associate
+    end do
+    draft%section(members) = 1                   ! named by a card, whatever its data are worth
+    is_ok = next_row(reader%cards, row)
+    if (is_ok .and. n > 0) then
+      call read_directions(reader, row, n, directions, is_ok)
+      if (.not. is_ok) return
+      is_ok = next_row(reader%cards, row)
+    end if
+    if (.not. is_ok) then
+      call complain(reader, reader%cards%cards(c)%line, 'The data are missing: ' // trim(merge( &
+        'directions (SPRING1, SPRING2), then the spring constant.', &
+        'the mass.                                               ', family == FAMILY_SPRING)))
+      return
+    end if
+    call need_real(reader, row, 1, 'constant', constant, is_ok)
+    if (.not. is_ok) return
+    if (next_row(reader%cards, row)) call complain(reader, row%line, 'One constant is all that can stand here; it does ' &
+      // 'not depend on temperature or elongation.')
+    draft%section(members) = constant
+    draft%directions(:, members) = spread(directions, 2, size(members))
+  end subroutine read_constant
+
+
+  !> The directions of SPRING1 or SPRING2: 1 to 3.
+  subroutine read_directions(reader, row, n, directions, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: n                     !< 1 or 2
+    integer, intent(out) :: directions(2)
+    logical, intent(out) :: is_ok
+    integer :: i
+    directions = 0
+    is_ok = .true.
+    do i = 1, n
+      call need_integer(reader, row, i, 'direction', directions(i), is_ok, 1)
+      if (.not. is_ok) return
+      if (directions(i) >= 1 .and. directions(i) <= 3) cycle
+      call complain(reader, row%line, 'A spring acts in direction 1, 2 or 3; nodes do not turn.')
+      directions(i) = 1
+    end do
+  end subroutine read_directions
+
+
+  !> Whether a kind belongs to a family.
+  pure function is_of(kind, family) result(is_so)
+    integer, intent(in) :: kind                  !< KIND_..., 0: unknown
+    integer, intent(in) :: family                !< FAMILY_...
+    logical :: is_so
+    type(kind_type) :: entry
+    is_so = .false.
+    if (kind == 0) return
+    entry = element_kind(kind)
+    is_so = entry%family == family
+  end function is_of
+
+
+  !> Builds the mesh from the drafts; drops leftovers; tells what cannot stay.
+  subroutine keep_elements(reader, model, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     type(draft_type), intent(inout) :: draft
     integer :: e, n
+    call disown_leftovers(reader, model%mesh%n_nodes, draft)
     allocate (draft%kept(draft%n), source=0)
     n = 0
     do e = 1, draft%n
@@ -339,12 +498,52 @@ contains
     end do
     call build_mesh(draft, n, model%mesh)
     call finish_mesh(model%mesh)
+    if (size(model%materials) == 0) model%materials = [material_type(name='')]   ! springs and masses need none
     call reader%element_labels%build(model%mesh%element_label)
     reader%draft_labels = draft%labels
     call tell_without_section(reader, draft)
     call tell_leftovers(reader, model%mesh, draft)
     call keep_set_members(reader, model%mesh, draft)
-  end subroutine keep_solids
+  end subroutine keep_elements
+
+
+  !> Faces and lines that mesh generators write beside a body: the elements of a card without any section, all of whose
+  !! nodes belong to elements of more dimensions, count as of no kind.
+  subroutine disown_leftovers(reader, n_nodes, draft)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: n_nodes
+    type(draft_type), intent(inout) :: draft
+    integer, allocatable :: dimensions(:)        ! (0:n_nodes) most of the elements at a node
+    integer :: c, e, i, n
+    allocate (dimensions(0:n_nodes), source=0)
+    do e = 1, draft%n
+      n = n_dimensions(draft%kind(e))
+      if (n < 3 .and. draft%material(e) == 0) cycle
+      do i = draft%first(e), draft%first(e + 1) - 1
+        dimensions(draft%nodes%items(i)) = max(dimensions(draft%nodes%items(i)), n)
+      end do
+    end do
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'ELEMENT')) cycle
+      associate (first => draft%element_first(c), last => draft%element_last(c))
+        if (first > last) cycle
+        n = n_dimensions(draft%kind(first))
+        if (n == 0 .or. n == 3 .or. any(draft%material(first:last) /= 0)) cycle
+        if (all(dimensions(draft%nodes%items(draft%first(first):draft%first(last + 1) - 1)) > n)) draft%kind(first:last) = 0
+      end associate
+    end do
+  end subroutine disown_leftovers
+
+
+  !> Dimensions of the body that an element is a piece of: 3 solids, 2 plane kinds, 1 trusses, 0 the rest.
+  pure function n_dimensions(kind) result(n)
+    integer, intent(in) :: kind                  !< KIND_..., 0: unknown
+    integer :: n
+    n = 0
+    if (is_thin(kind)) n = 2
+    if (is_of(kind, FAMILY_TRUSS)) n = 1
+    if (is_of(kind, FAMILY_SOLID)) n = 3
+  end function n_dimensions
 
 
   !> Copies the kept drafts into the mesh.
@@ -353,7 +552,9 @@ contains
     integer, intent(in) :: n                     !< elements kept
     type(mesh_type), intent(inout) :: mesh
     integer :: e, k, n_nodes, start
+    integer, parameter :: MIDDLE_LAST(3) = [1, 3, 2]   ! a deck gives the middle node of T3D3 as the second
     mesh%n_elements = n
+    allocate (mesh%section(n), mesh%directions(2, n))
     allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n))
     n_nodes = 0
     do e = 1, draft%n
@@ -367,29 +568,37 @@ contains
       mesh%element_label(k) = draft%label(e)
       mesh%kind(k) = draft%kind(e)
       mesh%material(k) = max(0, draft%material(e))
+      mesh%section(k) = draft%section(e)
+      mesh%directions(:, k) = draft%directions(:, e)
       start = mesh%first(k)
       mesh%first(k + 1) = start + draft%first(e + 1) - draft%first(e)
       mesh%nodes(start:mesh%first(k + 1) - 1) = draft%nodes%items(draft%first(e):draft%first(e + 1) - 1)
+      if (mesh%kind(k) == KIND_T3D3) mesh%nodes(start:start + 2) = mesh%nodes(start - 1 + MIDDLE_LAST)
     end do
   end subroutine build_mesh
 
 
-  !> Tells solids without a section, once for each ELEMENT card.
+  !> Tells elements without a section, once for each ELEMENT card.
   subroutine tell_without_section(reader, draft)
     type(reader_type), intent(inout) :: reader
     type(draft_type), intent(in) :: draft
+    character(:), allocatable :: card
     integer :: e, c, n, first
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'ELEMENT')) cycle
       n = 0
       first = 0
+      card = 'SOLID SECTION'
       do e = draft%element_first(c), draft%element_last(c)
-        if (draft%kind(e) == 0 .or. draft%material(e) /= 0) cycle
+        if (draft%kind(e) == 0) cycle
+        if (is_of(draft%kind(e), FAMILY_SPRING)) card = 'SPRING'
+        if (is_of(draft%kind(e), FAMILY_MASS)) card = 'MASS'
+        if (merge(draft%material(e) /= 0, draft%section(e) > NOT_GIVEN, card == 'SOLID SECTION')) cycle
         n = n + 1
         if (first == 0) first = draft%label(e)
       end do
       if (n > 0) call complain(reader, reader%cards%cards(c)%line, plural(n, 'element') // &
-        ' of this card (the first is ' // text_of(first) // ') have no section: no *SOLID SECTION names a set ' // &
+        ' of this card (the first is ' // text_of(first) // ') have no section: no *' // card // ' names a set ' // &
         'that holds them.')
     end do
   end subroutine tell_without_section
@@ -444,15 +653,20 @@ contains
     character(:), allocatable :: advice
     reader%has_refused_kinds = .true.
     if (type == '') return
-    advice = 'The kinds are C3D4, C3D6, C3D8, C3D10, C3D20 and C3D20R.'
-    if (begins(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking.'
+    advice = 'The kinds are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; CPS, CPE, CAX with 3, 4, 4R, ' // &
+      '6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; MASS.'
+    if (begins(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking, or C3D8I.'
     if (begins(type, 'C3D20')) advice = 'Use C3D20 or C3D20R.'
     if (begins(type, 'C3D10')) advice = 'Use C3D10.'
     if (begins(type, 'C3D4')) advice = 'Use C3D4, or better C3D10.'
     if (begins(type, 'C3D6')) advice = 'Use C3D6.'
-    if (begins(type, 'C3D15')) advice = 'Mesh with C3D10, C3D20 or C3D20R, or with linear wedges C3D6.'
-    if (is_lower_dimensional(type)) advice = 'Only solids are: mesh the body with C3D4, C3D6, C3D8, C3D10, C3D20 ' // &
-      'or C3D20R.'
+    if (begins(type, 'C3D15')) advice = 'Use C3D15.'
+    if (begins(type, 'CPS') .or. begins(type, 'CPE') .or. begins(type, 'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
+      // '8 or 8R nodes: CPE4, CPE8R and so on.'
+    if (begins(type, 'T2D')) advice = 'Use T3D2 or T3D3 and hold the third displacement.'
+    if (is_structural(type)) advice = 'Shells, beams and membranes are not there yet: mesh the body with solids (C3D8I ' // &
+      'or C3D20R bend well).'
+    if (begins(type, 'GAP')) advice = 'Use *CONTACT PAIR.'
     call complain(reader, reader%cards%cards(c)%line, 'The element type ' // type // ' is not supported. ' // advice)
   end subroutine refuse_type
 
@@ -461,12 +675,30 @@ contains
   pure function is_lower_dimensional(type) result(is_so)
     character(*), intent(in) :: type             !< upper case
     logical :: is_so
-    character(6), parameter :: BEGINNINGS(13) = [character(6) :: 'T2D', 'T3D', 'B2', 'B3', 'CPS', 'CPE', 'CAX', 'M3D', &
-      'R3D', 'R2D', 'STRI', 'SFM3D', 'SC']
+    character(3), parameter :: BEGINNINGS(5) = ['T2D', 'T3D', 'CPS', 'CPE', 'CAX']
+    integer :: i
+    is_so = is_structural(type) .or. any([(begins(type, BEGINNINGS(i)), i=1, size(BEGINNINGS))])
+  end function is_lower_dimensional
+
+
+  !> Whether a type is a beam, a shell, a membrane, or a rigid or surface element.
+  pure function is_structural(type) result(is_so)
+    character(*), intent(in) :: type             !< upper case
+    logical :: is_so
+    character(5), parameter :: BEGINNINGS(8) = [character(5) :: 'B2', 'B3', 'M3D', 'R3D', 'R2D', 'STRI', 'SFM3D', 'SC']
     integer :: i
     is_so = any([(begins(type, trim(BEGINNINGS(i))), i=1, size(BEGINNINGS))])
     if (.not. is_so .and. len(type) >= 2) is_so = type(1:1) == 'S' .and. scan(type(2:2), '3468') == 1
-  end function is_lower_dimensional
+  end function is_structural
+
+
+  !> Whether a word ends with another one.
+  pure function ends(word, ending) result(does_so)
+    character(*), intent(in) :: word, ending
+    logical :: does_so
+    does_so = len(word) > len(ending)
+    if (does_so) does_so = word(len(word) - len(ending) + 1:) == ending
+  end function ends
 
 
   !> Whether a word starts with another one.

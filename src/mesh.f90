@@ -30,7 +30,8 @@ module amontons_mesh
     real(DP), allocatable :: section(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
                                                    !< constant [force/length] or mass [mass], by the kind; else 1
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
-    logical, allocatable :: is_idle(:, :)          !< (3, n_nodes) no element at the node resists this displacement
+    logical, allocatable :: has_elements(:)        !< (n_nodes)
+    logical, allocatable :: is_idle(:, :)          !< (3, n_nodes) has elements, but none resists this displacement
     type(set_type), allocatable :: node_sets(:)
     type(set_type), allocatable :: element_sets(:)
   end type mesh_type
@@ -54,7 +55,8 @@ contains
     if (.not. allocated(mesh%section)) allocate (mesh%section(mesh%n_elements), source=1.0_DP)
     if (.not. allocated(mesh%directions)) allocate (mesh%directions(2, mesh%n_elements), source=0)
     if (allocated(mesh%is_idle)) deallocate (mesh%is_idle)
-    allocate (mesh%is_idle(3, mesh%n_nodes), source=.false.)
+    if (allocated(mesh%has_elements)) deallocate (mesh%has_elements)
+    allocate (mesh%has_elements(mesh%n_nodes), mesh%is_idle(3, mesh%n_nodes), source=.false.)
     if (allocated(mesh%nodes)) call find_idle(mesh)
   end subroutine finish_mesh
 
@@ -68,7 +70,8 @@ contains
     integer :: e, i
     allocate (is_used(0:mesh%n_nodes), source=.false.)   ! 0: a node that the deck has not; its error is on its way
     is_used(mesh%nodes) = .true.
-    mesh%is_idle = spread(is_used(1:), 1, 3)
+    mesh%has_elements = is_used(1:)
+    mesh%is_idle = spread(mesh%has_elements, 1, 3)
     do e = 1, mesh%n_elements
       entry = element_kind(mesh%kind(e))
       do i = mesh%first(e), mesh%first(e + 1) - 1

@@ -72,6 +72,7 @@ module amontons_system
     logical, allocatable :: is_contact(:)          !< (n_unknowns) on the interface
     integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while it serves
     real(DP) :: best_entries = 0                   !< entries of the factor when that order was made
+    integer, allocatable :: idle(:)                !< unknowns that no element resists: held at zero
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
     real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
@@ -114,6 +115,7 @@ contains
     if (allocated(error)) return
     call create_assembly(system%assembly, model%mesh, error)
     if (allocated(error)) return
+    call find_idle(model, system%idle)
     allocate (system%u_start(3, model%mesh%n_nodes), system%imbalance(3, model%mesh%n_nodes), &
       system%residual(3, model%mesh%n_nodes), source=0.0_DP)
   end subroutine create_system
@@ -171,7 +173,9 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: i
     call start_constraints(system%base, 3 * model%mesh%n_nodes)
-    call hold_idle(system%base, model, fields%u)
+    do i = 1, size(system%idle)
+      call fix_unknown(system%base, system%idle(i), -fields%u(modulo(system%idle(i) - 1, 3) + 1, (system%idle(i) + 2) / 3))
+    end do
     do i = 1, size(step%prescribed)
       associate (load => step%prescribed(i))
         call fix_unknown(system%base, 3 * (load%node - 1) + load%dof, &
@@ -185,20 +189,26 @@ contains
   end subroutine prescribe
 
 
-  !> Displacements that no element resists (the third of plane models) stay at zero, unless a support moves them.
-  subroutine hold_idle(base, model, u)
-    type(constraints_type), intent(inout) :: base
+  !> Displacements that no element resists stay at zero, unless a support moves them: the third of plane models, and all
+  !! of nodes without elements that no equation names.
+  subroutine find_idle(model, idle)
     type(model_type), intent(in) :: model
-    real(DP), intent(in) :: u(:, :)
+    integer, allocatable, intent(out) :: idle(:)   !< unknowns
+    logical, allocatable :: is_idle(:, :)
     integer :: i, k
-    if (.not. allocated(model%mesh%is_idle)) return
-    if (.not. any(model%mesh%is_idle)) return
+    is_idle = model%mesh%is_idle
     do i = 1, model%mesh%n_nodes
-      do k = 1, 3
-        if (model%mesh%is_idle(k, i)) call fix_unknown(base, 3 * (i - 1) + k, -u(k, i))
-      end do
+      if (.not. model%mesh%has_elements(i)) is_idle(:, i) = .true.
     end do
-  end subroutine hold_idle
+    do i = 1, size(model%equations)
+      associate (equation => model%equations(i))
+        do k = 1, size(equation%node)
+          if (.not. model%mesh%has_elements(equation%node(k))) is_idle(equation%dof(k), equation%node(k)) = .false.
+        end do
+      end associate
+    end do
+    idle = pack([(i, i=1, 3 * model%mesh%n_nodes)], reshape(is_idle, [3 * model%mesh%n_nodes]))
+  end subroutine find_idle
 
 
   !> The displacement of a support now. One new in this step runs straight from where it was at the start of the step.

@@ -153,7 +153,7 @@ contains
     character(*), intent(in) :: name          !< e.g. 'C3D8'
     integer :: kind
     type(kind_type) :: entry
-    do kind = 1, N_SOLID_KINDS   ! the reader does not know sections of the others yet
+    do kind = 1, N_KINDS
       entry = element_kind(kind)
       if (entry%name == name) return
     end do

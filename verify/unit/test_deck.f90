@@ -10,7 +10,8 @@ program test_deck
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_steps, only: step_type, SEARCH_AUTO, SEARCH_NODAL, SEARCH_NONE, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT
   use amontons_text, only: NEWLINE, text_of
-  use amontons_topology, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20
+  use amontons_topology, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D20, KIND_CPS4, &
+    KIND_CPE4, KIND_T3D3, KIND_SPRINGA, KIND_SPRING2, KIND_MASS
   use check, only: suite_type
   implicit none
   character(*), parameter :: NL = NEWLINE
@@ -33,6 +34,7 @@ program test_deck
   call test_dialect(suite)
   call test_nodes(suite)
   call test_elements(suite)
+  call test_sections(suite)
   call test_leftovers(suite)
   call test_sets(suite)
   call test_materials(suite)
@@ -240,7 +242,7 @@ contains
     call expect_error(suite, MODEL_PART // '*NODE;0,5,5,5;' // STEP_PART, 'positive integer')
     call expect_error(suite, MODEL_PART // '*NODE;99,x,5,5;' // STEP_PART, 'Field 2 (x) is ''x''')
     call expect_error(suite, MODEL_PART // '*NODE;99,0,0,NaN;' // STEP_PART, 'finite')
-    call expect_error(suite, MODEL_PART // '*NODE;99,0,0,0,1;' // STEP_PART, '5 values')
+    call expect_error(suite, MODEL_PART // '*NODE;99,0,0,0,1,0,0,1;' // STEP_PART, '8 values')
     call expect_error(suite, MODEL_PART // '*NODE, SYSTEM=C;99,0,0,0;' // STEP_PART, 'Cartesian')
   end subroutine test_nodes
 
@@ -277,9 +279,47 @@ contains
       'have no section', '*ELEMENT, TYPE=C3D8, ELSET=F')
     call expect_error(suite, MODEL_PART // '*ELEMENT, TYPE=C3D8P, ELSET=E;3,1,2,3,4,5,6,7,8;' // STEP_PART, &
       'C3D8P is not supported. Use C3D8')
-    call expect_error(suite, MODEL_PART // '*ELEMENT, TYPE=SPRINGA;3,1,2;' // STEP_PART, 'SPRINGA is not')
+    call expect_error(suite, MODEL_PART // '*ELEMENT, TYPE=SPRINGA;3,1,2;' // STEP_PART, 'no *SPRING names')
     call expect_error(suite, NODES // '*ELEMENT, ELSET=E;' // CUBES // STEEL // SETS // STEP_PART, 'TYPE=text')
   end subroutine test_elements
+
+
+  !> Plane elements, trusses, springs and masses: names, sections, constants.
+  subroutine test_sections(suite)
+    type(suite_type), intent(inout) :: suite
+    type(model_type) :: model
+    character(*), parameter :: T = '*ELEMENT, TYPE=T3D3, ELSET=T;11,1,2,3;', A = '*ELEMENT, TYPE=SPRINGA, ELSET=A;12,1,2;', &
+      B = '*ELEMENT, TYPE=SPRING2, ELSET=B;13,1,2;', M = '*ELEMENT, TYPE=MASS, ELSET=M;14,4;'
+    call read_good(suite, 'trusses, springs, masses', MODEL_PART // T // A // B // M // &
+      '*SOLID SECTION,ELSET=T,MATERIAL=steel;0.25,;*SPRING,ELSET=A;;7.5,;*SPRING,ELSET=B;3,1;2.;*MASS,ELSET=M;9.;' // &
+      STEP_PART, model)
+    call suite%that('kinds', all(model%mesh%kind(3:) == [KIND_T3D3, KIND_SPRINGA, KIND_SPRING2, KIND_MASS]))
+    call suite%near('constants', maxval(abs(model%mesh%section - [1.0_DP, 1.0_DP, 0.25_DP, 7.5_DP, 2.0_DP, 9.0_DP])), 0.0_DP, &
+      0.0_DP)
+    call suite%that('directions', all(model%mesh%directions(:, 5) == [3, 1]))
+    call suite%that('the middle of a truss comes last', all(model%mesh%nodes(model%mesh%first(3):model%mesh%first(4) - 1) &
+      == [1, 3, 2]))
+    call read_good(suite, 'plane', NODES // '*ELEMENT,TYPE=CPE4H,ELSET=E;1,1,2,3,4;*ELEMENT,TYPE=T3D2,ELSET=L;2,1,2;' // &
+      STEEL // STEP_START // '*CLOAD;1,1,1.;' // STEP_END, model, n_notes=2)
+    call suite%that('mean dilatation; the line is left out', all(model%mesh%kind == [KIND_CPE4]))
+    call suite%that('the third displacement is idle', all(model%mesh%is_idle(3, :4)) .and. &
+      .not. any(model%mesh%is_idle(:2, :4)))
+    call read_good(suite, 'a C3D8I with nodes for its modes', MODEL_PART // '*ELEMENT,TYPE=C3D8I,ELSET=E;3,1,2,3,4,5,6,7,8,11,' &
+      // '12,;4,1,2,3,4,5,6,7,8;' // STEP_PART, model)
+    call suite%that('eight stay', all(model%mesh%kind(3:) == KIND_C3D8I) .and. size(model%mesh%nodes) == 32)
+    call expect_error(suite, MODEL_PART // T // '*SOLID SECTION,ELSET=T,MATERIAL=steel;-1.;' // STEP_PART, 'positive')
+    call expect_error(suite, MODEL_PART // A // '*SPRING,ELSET=A;' // STEP_PART, 'data are missing')
+    call expect_error(suite, MODEL_PART // A // '*SPRING,ELSET=A;x;' // STEP_PART, 'constant')
+    call expect_error(suite, MODEL_PART // A // '*SPRING,ELSET=A;1.,0.;2.,1.;' // STEP_PART, 'One constant')
+    call expect_error(suite, MODEL_PART // A // '*SPRING,ELSET=A,NONLINEAR;1.;' // STEP_PART, 'NONLINEAR')
+    call expect_error(suite, MODEL_PART // B // '*SPRING,ELSET=B;1,4;1.;' // STEP_PART, 'direction 1, 2 or 3')
+    call expect_error(suite, MODEL_PART // B // '*SPRING,ELSET=B;1,x;1.;' // STEP_PART, 'direction')
+    call expect_error(suite, MODEL_PART // '*SPRING,ELSET=nowhere;1.;' // STEP_PART, 'no element set')
+    call expect_error(suite, MODEL_PART // '*MASS,ELSET=E;1.;' // STEP_PART, 'is no mass')
+    call expect_error(suite, MODEL_PART // M // STEP_PART, 'no *MASS names')
+    call expect_error(suite, MODEL_PART // '*ELEMENT,TYPE=S4R,ELSET=S;15,1,2,3,4;*SOLID SECTION,ELSET=S,MATERIAL=steel;' // &
+      STEP_PART, 'Shells')
+  end subroutine test_sections
 
 
   !> Lines and faces that mesh generators leave beside the solids.
@@ -294,10 +334,12 @@ contains
     call suite%that('sets hold solids only', size(model%mesh%element_sets(4)%members) == 0 .and. &
       all(model%mesh%element_sets(5)%members == [1]))
     call suite%that('nodes of the face', all(model%mesh%node_sets(4)%members == [1, 2, 3, 4]))
-    call expect_error(suite, MODEL_PART // LINES // '*SOLID SECTION, ELSET=Surface1, MATERIAL=steel;' // STEP_PART, &
-      'CPS4 is not supported')
+    call read_good(suite, 'a face with a section stays', MODEL_PART // LINES // &
+      '*SOLID SECTION, ELSET=Surface1, MATERIAL=steel;0.5;' // STEP_PART, model, n_notes=1)
+    call suite%that('with its thickness', model%mesh%kind(3) == KIND_CPS4 .and. abs(model%mesh%section(3) - 0.5_DP) &
+      <= 0)
     call expect_error(suite, MODEL_PART // '*NODE;99,9,9,9;*ELEMENT,TYPE=T3D2;60,1,99;' // STEP_PART, &
-      'T3D2 is not supported')
+      'have no section')
     call expect_error(suite, MODEL_PART // LINES // '*SURFACE,NAME=S;Surface1,S1;' // STEP_PART, 'no solids')
     call expect_error(suite, MODEL_PART // LINES // STEP_START // '*DLOAD;53,P1,1.;' // STEP_END, 'no solid;')
   end subroutine test_leftovers
