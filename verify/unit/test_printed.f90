@@ -3,7 +3,7 @@
 program test_printed
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_IO
-  use amontons_topology, only: element_kind, kind_type, MAX_NODES, N_KINDS
+  use amontons_topology, only: element_kind, kind_type, MAX_NODES, N_SOLID_KINDS
   use amontons_mesh, only: finish_mesh, mesh_type, set_type
   use amontons_steps, only: print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE
   use amontons_model, only: job_options_type, model_type, DIALECT_CALCULIX

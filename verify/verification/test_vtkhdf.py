@@ -1,6 +1,6 @@
 """The result file as others see it: VTK's own reader, pyvista, and h5py on what VTK ignores.
 
-The file is that of the unit test program test_results: two elements of each kind, and fields that are simple functions
+The file is that of the unit test program test_results: two elements of each solid kind, and fields that are simple functions
 of the frame number f: u = f X, stress f (1 to 6), strain a tenth of it (`sample_job.inc`).
 
 SPDX-License-Identifier: GPL-3.0-or-later
@@ -27,8 +27,11 @@ WIDTHS = {
     "CSHEARF": 3, "CSTATUS": 1, "CSCENARIO": 1,
 }  # fmt: skip
 TIMES = [0.0, 0.5, 1.0]
-#: VTK cell type, nodes and volume of the parent element of each kind, in the order of topology.f90
-KINDS = [(10, 4, 1 / 6), (13, 6, 1.0), (12, 8, 8.0), (12, 8, 8.0), (24, 10, 1 / 6), (25, 20, 8.0), (25, 20, 8.0)]
+#: VTK cell type, nodes and volume of the parent element of each kind, in the order of topology.f90: the solids
+KINDS = [
+    (10, 4, 1 / 6), (13, 6, 1.0), (12, 8, 8.0), (12, 8, 8.0), (24, 10, 1 / 6), (25, 20, 8.0), (25, 20, 8.0), (12, 8, 8.0),
+    (12, 8, 8.0), (26, 15, 1.0),
+]  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -231,7 +234,7 @@ def test_model_beside_the_grid(folder: Path) -> None:
         assert ours["steps/title"][:].tolist() == [b"", b"the second"]
         assert ours["mesh/node_label"][:3].tolist() == [10, 20, 30]
         assert ours["mesh/element_label"][:2].tolist() == [101, 102]
-        names = [b"C3D4", b"C3D6", b"C3D8", b"C3D8", b"C3D10", b"C3D20", b"C3D20R"]
+        names = b"C3D4 C3D6 C3D8 C3D8 C3D10 C3D20 C3D20R C3D8I C3D8R C3D15".split()
         assert ours["mesh/element_kind"][:].tolist() == [name for name in names for _ in range(2)]
         sets = ours["mesh/node_sets"]
         assert sets["name"][:].tolist() == [b"Corner", b"Empty"]
