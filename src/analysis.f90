@@ -7,7 +7,7 @@ module amontons_analysis
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, complaints_type, set_error, EXIT_NOT_CONVERGED
   use amontons_posix, only: is_status_asked, stop_signal
-  use amontons_text, only: text_of
+  use amontons_text, only: text_of, plural
   use amontons_journal, only: journal_type
   use amontons_model, only: model_type, job_options_type, job_path
   use amontons_steps, only: step_type
@@ -16,6 +16,7 @@ module amontons_analysis
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, commit_state, restore_state
   use amontons_contact, only: commit_slip
+  use amontons_adjust, only: adjust_slaves
   use amontons_system, only: system_type, create_system, begin_step, begin_increment
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
@@ -87,6 +88,8 @@ contains
     end if
     call journal%complain(analysis%complaints)
     if (allocated(error)) return
+    call adjust(analysis%model, journal, error)
+    if (allocated(error)) return
     call create_system(analysis%system, analysis%model, analysis%state, error)
     if (allocated(error)) return
     if (.not. options%is_resumed) call audit(analysis, journal, error)
@@ -101,6 +104,19 @@ contains
     end if
     analysis%is_open = .not. allocated(error)
   end subroutine start_analysis
+
+
+  !> ADJUST: slave nodes are moved onto their master, and it is told how many and how far.
+  subroutine adjust(model, journal, error)
+    type(model_type), intent(inout) :: model
+    type(journal_type), intent(inout) :: journal
+    type(error_type), allocatable, intent(out) :: error
+    integer :: n_moved
+    real(DP) :: largest
+    call adjust_slaves(model, n_moved, largest, error)
+    if (allocated(error) .or. n_moved == 0) return
+    call journal%say('ADJUST moved ' // plural(n_moved, 'node') // ' onto the master, at most by ' // text_of(largest) // '.')
+  end subroutine adjust
 
 
   !> Opens new result files, and writes the state before the first increment.

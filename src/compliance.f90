@@ -73,7 +73,7 @@ contains
     slope = 0.0_DP
     energy = 0.0_DP
     p = value(1)
-    if (h <= at(1)) then
+    if (h < at(1)) then
       energy = p * (h - at(1))
       return
     end if

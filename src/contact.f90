@@ -45,6 +45,9 @@ module amontons_contact
     logical, allocatable :: is_small(:)           !< (n_pairs) weights and normals kept in this step
     type(interaction_type), allocatable :: laws(:)   !< (n_pairs) as they are in this step
     logical, allocatable :: is_removed(:)         !< (n_pairs) taken out in this step
+    real(DP), allocatable :: interference(:)      !< (n_pairs) overclosure allowed at the start of this step [length]
+    logical, allocatable :: is_shrink(:)          !< (n_pairs) what each node has of it at the start is allowed
+    real(DP) :: period = 1                        !< of the step [time]
     type(faces_type), allocatable :: cover(:)     !< (n_pairs) faces that give the slave nodes of compliant laws their areas
     integer, allocatable :: follower(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
     real(DP), allocatable :: slave_normal(:, :)   !< (3, n_slaves) outward from the slave in the reference; 0 if node based
@@ -72,7 +75,8 @@ contains
     allocate (contact%facets(size(model%pairs)), contact%search(size(model%pairs)))
     allocate (contact%is_small(size(model%pairs)), source=.false.)
     allocate (contact%edge(size(model%pairs)), contact%cover(size(model%pairs)))
-    allocate (contact%is_removed(size(model%pairs)), source=.false.)
+    allocate (contact%is_removed(size(model%pairs)), contact%is_shrink(size(model%pairs)), source=.false.)
+    allocate (contact%interference(size(model%pairs)), source=0.0_DP)
     contact%laws = model%interactions(model%pairs%interaction)
     allocate (slaves(0), contact%follower(3, 0), contact%slave_normal(3, 0))
     do p = 1, size(model%pairs)
@@ -170,6 +174,11 @@ contains
     if (allocated(step%interactions)) contact%laws = step%interactions(model%pairs%interaction)
     contact%is_removed = .false.
     if (allocated(step%is_removed)) contact%is_removed = step%is_removed
+    contact%period = step%period
+    contact%interference = 0.0_DP
+    contact%is_shrink = .false.
+    if (allocated(step%interference)) contact%interference = step%interference
+    if (allocated(step%is_shrink)) contact%is_shrink = step%is_shrink
   end subroutine begin_contact_step
 
 
@@ -183,8 +192,7 @@ contains
     real(DP), allocatable :: x(:, :)
     real(DP) :: reach
     integer :: p, s
-    logical :: is_first
-    is_first = fields%total_time == 0.0_DP
+    logical :: is_new
     allocate (x, source=model%mesh%coordinates)
     if (is_nlgeom) x = x + fields%u
     do p = 1, size(model%pairs)
@@ -202,7 +210,10 @@ contains
         end if
         reach = SEARCH_REACH * contact%edge(p)
         if (.not. contact%is_small(p) .or. is_step_start) call refresh_facet(contact, x, s, reach, slave)
-        if (is_first .and. slave%facet > 0) call start_slave(contact, model, slave)
+        is_new = .not. slave%is_started
+        if (is_new) call start_slave(contact, model, slave)
+        call ramp_interference(contact, is_step_start, fields%step_time, slave)
+        if (is_new .and. slave%facet > 0 .and. slave%gap <= TOUCH * contact%edge(p)) slave%status = STATUS_STICK
         slave%scenario = 0
         slave%slip_increment = 0.0_DP
         slave%origin_facet = 0
@@ -213,22 +224,35 @@ contains
   end subroutine begin_contact_increment
 
 
-  !> The start of the job: a node that touches sticks; the gap of a pair with CLEARANCE is that.
+  !> The start of the job: the gap of a pair with CLEARANCE is that, the gap of a tied one nothing.
   subroutine start_slave(contact, model, slave)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     type(slave_type), intent(inout) :: slave
-    if (model%pairs(slave%pair)%has_clearance) then
-      slave%offset = model%pairs(slave%pair)%clearance - slave%gap
-      slave%gap = model%pairs(slave%pair)%clearance
-    end if
-    if (slave%gap <= TOUCH * contact%edge(slave%pair)) slave%status = STATUS_STICK
-    associate (law => contact%laws(slave%pair))
-      if (.not. is_compliant(law)) return
-      if (law%behavior == BEHAVIOR_TIED) slave%status = STATUS_STICK
-      if (law%behavior == BEHAVIOR_TIED) slave%offset = slave%offset - slave%gap
-    end associate
+    slave%is_started = .true.
+    slave%clearance = 0.0_DP
+    if (slave%facet == 0) return
+    if (model%pairs(slave%pair)%has_clearance) slave%clearance = model%pairs(slave%pair)%clearance - slave%gap
+    if (contact%laws(slave%pair)%behavior == BEHAVIOR_TIED) slave%clearance = -slave%gap
   end subroutine start_slave
+
+
+  !> The overclosure that is allowed: all of it at the start of the step, nothing at its end.
+  subroutine ramp_interference(contact, is_step_start, step_time, slave)
+    type(contact_type), intent(in) :: contact
+    logical, intent(in) :: is_step_start
+    real(DP), intent(in) :: step_time              !< at the end of the increment [time]
+    type(slave_type), intent(inout) :: slave
+    real(DP) :: offset
+    if (is_step_start) then
+      slave%allowed = contact%interference(slave%pair)
+      if (contact%is_shrink(slave%pair) .and. slave%facet > 0) &
+        slave%allowed = max(0.0_DP, -(slave%gap - slave%offset + slave%clearance))
+    end if
+    offset = slave%clearance + slave%allowed * max(0.0_DP, 1.0_DP - step_time / contact%period)
+    if (slave%facet > 0) slave%gap = slave%gap + offset - slave%offset
+    slave%offset = offset
+  end subroutine ramp_interference
 
 
   !> The areas of the slave nodes of compliant pairs as the bodies are deformed now: the laws speak of true pressures. A

@@ -6,6 +6,7 @@ module amontons_deck_contact
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, is_card, &
     check_name
+  use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_steps, only: step_type
   use amontons_surfaces, only: interaction_type, contact_pair_type, is_compliant, BEHAVIOR_HARD, BEHAVIOR_LINEAR, &
@@ -289,7 +290,7 @@ contains
         reader%cards%cards(c)%line, 'There is no surface interaction ''' // parameter_text(parameters, 'INTERACTION') &
         // '''.')
       common%is_small_sliding = has_parameter(parameters, 'SMALL SLIDING')
-      call read_adjust(reader, c, parameters, common)
+      call read_adjust(reader, model%mesh, c, parameters, common)
       n = 0
       do while (next_row(reader%cards, row))
         n = n + 1
@@ -301,19 +302,25 @@ contains
   end subroutine read_pairs
 
 
-  !> The parameter ADJUST: a distance.
-  subroutine read_adjust(reader, c, parameters, pair)
+  !> The parameter ADJUST: a distance, or the nodes that are moved.
+  subroutine read_adjust(reader, mesh, c, parameters, pair)
     type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: c
     type(parameter_type), intent(in) :: parameters(:)
     type(contact_pair_type), intent(inout) :: pair
-    integer :: status
+    integer :: status, set
     pair%has_adjust = has_parameter(parameters, 'ADJUST')
     if (.not. pair%has_adjust) return
     call parse_real(parameter_text(parameters, 'ADJUST'), pair%adjust, status)
+    set = 0
+    if (status /= NUMBER_OK) set = reader%node_sets%find(parameter_text(parameters, 'ADJUST'))
+    if (set > 0) then
+      pair%adjust_nodes = mesh%node_sets(set)%members
+      return
+    end if
     if (status /= NUMBER_OK .or. pair%adjust < 0) call complain(reader, reader%cards%cards(c)%line, 'ADJUST=' // &
-      parameter_text(parameters, 'ADJUST') // ' must be a distance that is not negative; a node set is not ' // &
-      'supported there.')
+      parameter_text(parameters, 'ADJUST') // ' must be a distance that is not negative, or a node set.')
   end subroutine read_adjust
 
 

@@ -28,7 +28,10 @@ module amontons_state
     real(DP) :: shear(3) = 0                !< contact force on the slave node, tangential part [force]
     real(DP) :: slip(3) = 0                 !< accumulated slip vector up to the committed state, plus this increment's [length]
     real(DP) :: elastic(3) = 0              !< elastic part of the slip; compliant laws only, not in slip [length]
-    real(DP) :: offset = 0                  !< added to the distance to give the gap: clearance, interference [length]
+    logical :: is_started = .false.         !< its place at the start of the job was looked at
+    real(DP) :: clearance = 0               !< added to the distance to give the gap, for good [length]
+    real(DP) :: allowed = 0                 !< overclosure that is allowed at the start of the step, ramped down over it [length]
+    real(DP) :: offset = 0                  !< the sum of both, now [length]
     real(DP) :: energy = 0                  !< stored by a compliant law [energy]
     real(DP) :: slip_increment(3) = 0       !< of this increment [length]
     real(DP) :: area = 0                    !< tributary area [length^2]

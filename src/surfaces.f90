@@ -48,6 +48,7 @@ module amontons_surfaces
     logical :: is_small_sliding = .false.       !< weights and normal kept from the start of the step
     logical :: has_adjust = .false.             !< ADJUST given: slave nodes within the distance are moved onto the master
     real(DP) :: adjust = 0                      !< that distance [length]
+    integer, allocatable :: adjust_nodes(:)     !< or the nodes that are moved, wherever they are
     logical :: has_clearance = .false.          !< CLEARANCE given: the gap at the start is not that of the mesh
     real(DP) :: clearance = 0                   !< but this [length]
     character(:), allocatable :: name           !< 'slave / master', for messages
