@@ -397,7 +397,7 @@ contains
     if (size(fields%slaves) == 0) return
     allocate (x, source=model%mesh%coordinates + fields%u)
     do s = 1, size(fields%slaves)
-      call evaluate_slave(contact, model, old%slaves(s), x, imbalance(:, fields%slaves(s)%node), is_frozen, s, fields)
+      call evaluate_slave(contact, model, old%slaves(s), old%u, x, imbalance(:, fields%slaves(s)%node), is_frozen, s, fields)
     end do
     do s = 1, size(fields%slaves)
       call add_contact_force(contact, fields%slaves(s), fields%contact_force)
@@ -406,10 +406,11 @@ contains
 
 
   !> One slave node: where it is, its status by the trial traction, its force.
-  subroutine evaluate_slave(contact, model, old, x, imbalance, is_frozen, s, fields)
+  subroutine evaluate_slave(contact, model, old, u_old, x, imbalance, is_frozen, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: old
+    real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     real(DP), intent(in) :: imbalance(3)           !< Rhat of the node [force]
     logical, intent(in) :: is_frozen
@@ -422,7 +423,7 @@ contains
       before = slave%status
       call locate_slave(contact, x, slave)
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
-        call press_slave(contact, model, old, imbalance, s, fields)
+        call press_slave(contact, model, old, u_old, imbalance, s, fields)
         return
       end if
       free_normal = contact%mask(:, s) * slave%normal
@@ -443,7 +444,7 @@ contains
       call trial_traction(imbalance, slave%gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
       status = merge(before, trial%status, is_frozen)
       if (status /= STATUS_OPEN .and. slave%origin_facet == 0) then
-        call close_slave(contact, model, old, fields%u, slave)
+        call close_slave(contact, model, u_old, fields%u, slave)
         d = contact%mask(:, s) * contact_slip_vector(contact, model, fields%u, slave)
       end if
       if (status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
@@ -461,10 +462,11 @@ contains
 
 
   !> A slave node under a compliant law: its force is the law's, whatever the imbalance; open beyond the law's reach.
-  subroutine press_slave(contact, model, old, imbalance, s, fields)
+  subroutine press_slave(contact, model, old, u_old, imbalance, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: old
+    real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
     real(DP), intent(in) :: imbalance(3)           !< Rhat of the node [force]
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields
@@ -485,7 +487,7 @@ contains
         call count_changes(contact, before, s, slave)
         return
       end if
-      if (slave%origin_facet == 0) call close_slave(contact, model, old, fields%u, slave)
+      if (slave%origin_facet == 0) call close_slave(contact, model, u_old, fields%u, slave)
       call law_pressure(law, -slave%gap, p, slope, energy)
       slave%force = p * slave%area * slave%normal
       slave%energy = energy * slave%area
@@ -546,19 +548,30 @@ contains
 
 
   !> An open node closes: its origin is where its straight path from the committed state first touches.
-  subroutine close_slave(contact, model, old, u, slave)
+  !!
+  !! All points move straight, so the gap falls evenly but for turning normals; a node that touched already stays where it
+  !! was. The master is asked again at both places, because the node may by now be over another facet.
+  subroutine close_slave(contact, model, u_old, u, slave)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: old
-    real(DP), intent(in) :: u(:, :)
+    real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) displacements now [length]
     type(slave_type), intent(inout) :: slave
-    real(DP) :: s, xi(2)
-    xi = slave%xi
-    if (old%facet == slave%facet .and. old%gap > 0.0_DP .and. slave%gap < 0.0_DP) then
-      s = old%gap / (old%gap - slave%gap)
-      xi = old%xi + s * (slave%xi - old%xi)
+    type(slave_type) :: touch
+    real(DP), allocatable :: u_touch(:, :)
+    real(DP) :: gap
+    if (slave%gap < 0.0_DP) then
+      touch = slave
+      call locate_slave(contact, model%mesh%coordinates + u_old, touch)
+      gap = max(touch%gap, 0.0_DP)
+      allocate (u_touch, source=u_old + gap / (gap - slave%gap) * (u - u_old))
+      if (touch%facet > 0) call locate_slave(contact, model%mesh%coordinates + u_touch, touch)
+      if (touch%facet > 0) then
+        call set_origin(contact, model, u_touch, touch%facet, touch%xi, slave)
+        return
+      end if
     end if
-    call set_origin(contact, model, u, slave%facet, xi, slave)
+    call set_origin(contact, model, u, slave%facet, slave%xi, slave)
   end subroutine close_slave
 
 
