@@ -12,7 +12,7 @@ module amontons_audit_motion
   use amontons_text, only: text_of
   use amontons_lookup, only: integer_list_type
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: element_kind, kind_type, KIND_SPRING1, FAMILY_AXISYMMETRIC, MAX_FACE_NODES
+  use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC, MAX_FACE_NODES
   use amontons_dense, only: symmetric_eigen, DENSE_OK
   use amontons_steps, only: step_type
   use amontons_model, only: model_type
@@ -143,6 +143,7 @@ contains
       end associate
     end do
     call hold_by_elements(model, bodies, gram)
+    call hold_lines(model, bodies, gram)
     do b = 1, bodies%n
       call find_null_space(gram(:, :, b), SUPPORT_TOLERANCE, bases%n(b), bases%motion(:, :, b))
     end do
@@ -187,6 +188,40 @@ contains
     end subroutine hold
 
   end subroutine hold_by_elements
+
+
+  !> A body of trusses, springs or masses may be a line or a point: a turn about it moves nothing, and is held.
+  subroutine hold_lines(model, bodies, gram)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    real(DP), intent(inout) :: gram(:, :, :)       !< (6, 6, n_bodies)
+    real(DP), allocatable :: moved(:, :, :)
+    logical :: is_thin(bodies%n)
+    real(DP) :: rows(3, 6), vectors(6, 6)
+    integer :: i, k, b, n
+    is_thin = .false.
+    do i = 1, model%mesh%n_elements
+      if (model%mesh%kind(i) >= KIND_T3D2) is_thin(bodies%of_element(i)) = .true.
+    end do
+    if (.not. any(is_thin)) return
+    allocate (moved(6, 6, bodies%n), source=0.0_DP)
+    do i = 1, model%mesh%n_nodes
+      b = bodies%of_node(i)
+      if (b == 0) cycle
+      if (.not. is_thin(b)) cycle
+      rows = rigid_motion(bodies%list(b), model%mesh%coordinates(:, i))
+      do k = 1, 3
+        call add_product(rows(k, :), rows(k, :), moved(:, :, b))
+      end do
+    end do
+    do b = 1, bodies%n
+      if (.not. is_thin(b)) cycle
+      call find_null_space(moved(:, :, b), SUPPORT_TOLERANCE, n, vectors)
+      do k = 1, n
+        call add_product(vectors(:, k), vectors(:, k), gram(:, :, b))
+      end do
+    end do
+  end subroutine hold_lines
 
 
   !> A node without elements does not turn, and moves only in the directions that equations name.

@@ -24,7 +24,8 @@ module amontons_condition
 
   integer, parameter :: MOST_CORRECTIONS = 40
   real(DP), parameter :: EXACT = 1.0e-13_DP           !< of the largest stress: converged [-]
-  real(DP), parameter :: ACCEPTABLE = 1.0e-9_DP       !< of the largest stress: where rounding stops the corrections [-]
+  real(DP), parameter :: ACCEPTABLE = 1.0e-9_DP       !< of the largest stress: where the corrections end [-]
+  real(DP), parameter :: ROUNDING = 1.0e-14_DP        !< a correction this small over the strains is rounding [-]
   real(DP), parameter :: LARGEST_CORRECTION = 0.5_DP  !< of a logarithmic strain [-]
 
 contains
@@ -39,7 +40,9 @@ contains
     integer, intent(out) :: status                 !< STRESS_...
     real(DP) :: e(3), correction(3), largest
     integer :: first, i, step
+    logical :: is_settled
     first = 4 - condition
+    is_settled = .false.
     e = 0
     do step = 0, MOST_CORRECTIONS
       do i = first, 3
@@ -51,10 +54,11 @@ contains
       largest = maxval(abs(point%stress))
       if (maxval(abs(point%stress(first:3))) <= EXACT * largest) exit
       call correct(first, is_nlgeom, point%stress, point%tangent, correction)
-      if (maxval(abs(correction(first:))) <= epsilon(1.0_DP) * maxval(abs(e(first:)))) exit
+      is_settled = maxval(abs(correction(first:))) <= ROUNDING * maxval(abs(point%H))
+      if (is_settled) exit
       e(first:) = e(first:) + sign(min(abs(correction(first:)), LARGEST_CORRECTION), correction(first:))
     end do
-    if (.not. maxval(abs(point%stress(first:3))) <= ACCEPTABLE * largest) status = STRESS_NOT_FINITE
+    if (.not. (is_settled .or. maxval(abs(point%stress(first:3))) <= ACCEPTABLE * largest)) status = STRESS_NOT_FINITE
     call condense(first, point%tangent)
     point%stress(first:3) = 0
   end subroutine stress_under

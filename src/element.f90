@@ -39,7 +39,8 @@ module amontons_element
   integer, parameter :: N_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9]
   integer, parameter :: MOST_CORRECTIONS = 30      !< of the amplitudes of the incompatible modes
   real(DP), parameter :: EXACT = 1.0e-14_DP        !< their force of the stresses: converged [-]
-  real(DP), parameter :: ACCEPTABLE = 1.0e-9_DP    !< where rounding stops the corrections [-]
+  real(DP), parameter :: ACCEPTABLE = 1.0e-9_DP    !< where the corrections end [-]
+  real(DP), parameter :: ROUNDING = 1.0e-14_DP     !< a correction this small over the displacements is rounding [-]
   logical, parameter :: IS_MEAN(N_SOLID_KINDS) = [.false., .false., .true., .false., .false., .false., .false., .false., &
     .false., .false.]
 
@@ -327,8 +328,8 @@ contains
     real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
     type(motion_type) :: at_rest
     real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), K(3 * MAX_NODES, 3 * MAX_NODES), whole(3, 8 + N_MODES), &
-      correction(3, N_MODES), imbalance
-    integer :: n_rule, step
+      correction(3, N_MODES), imbalance, largest
+    integer :: n_rule, step, a
     logical :: is_regular
     call set_reference(KIND_C3D8I, X, at_rest, status)
     if (status /= ELEMENT_OK) return
@@ -342,7 +343,12 @@ contains
       if (imbalance <= EXACT) exit
       call correct_modes(8, force, K, correction, is_regular)
       if (.not. is_regular) exit
-      if (maxval(abs(correction)) <= epsilon(1.0_DP) * maxval(abs(whole(:, 9:)))) exit
+      largest = maxval(abs(whole(:, 9:)))
+      do a = 2, 8
+        largest = max(largest, maxval(abs(u(:, a) - u(:, 1))))
+      end do
+      if (maxval(abs(correction)) <= ROUNDING * largest) imbalance = 0
+      if (imbalance <= EXACT) exit
       whole(:, 9:) = whole(:, 9:) + correction
     end do
     if (.not. imbalance <= ACCEPTABLE) status = ELEMENT_NOT_FINITE

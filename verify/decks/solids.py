@@ -18,17 +18,21 @@ Ints = NDArray[np.int64]
 
 #: Natural coordinates of the corners of a hexahedron.
 CORNERS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
-KINDS = ["C3D4", "C3D6", "C3D8", "C3D10", "C3D20", "C3D20R"]
-QUADRATIC = {"C3D10", "C3D20", "C3D20R"}
+KINDS = ["C3D4", "C3D6", "C3D8", "C3D8I", "C3D8R", "C3D10", "C3D15", "C3D20", "C3D20R"]
+QUADRATIC = {"C3D10", "C3D15", "C3D20", "C3D20R"}
 
 #: Corner nodes (from 0) of the faces S1, S2, ... as Abaqus numbers them.
 _TET = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]
 _WEDGE = [[0, 1, 2], [3, 4, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]]
 _HEX = [[0, 1, 2, 3], [4, 7, 6, 5], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]]
-FACES = {"C3D4": _TET, "C3D10": _TET, "C3D6": _WEDGE, "C3D8": _HEX, "C3D20": _HEX, "C3D20R": _HEX}
+FACES = {"C3D4": _TET, "C3D10": _TET, "C3D6": _WEDGE, "C3D15": _WEDGE, "C3D8": _HEX, "C3D8I": _HEX, "C3D8R": _HEX,
+         "C3D20": _HEX, "C3D20R": _HEX}
 
 _TET_EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
+_WEDGE_EDGES = [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)]
 _HEX_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+
+_EDGES = {"C3D10": _TET_EDGES, "C3D15": _WEDGE_EDGES}
 
 
 @dataclass
@@ -54,7 +58,7 @@ class Solids:
 
     def boundary_nodes(self) -> Ints:
         """Nodes on the outer faces, mid-sides included."""
-        edges = _TET_EDGES if self.kind == "C3D10" else _HEX_EDGES
+        edges = _EDGES.get(self.kind, _HEX_EDGES)
         outer: set[int] = set()
         for e, f in self.outer_faces():
             local = FACES[self.kind][f - 1]
@@ -81,11 +85,11 @@ def as_kind(mesh: Mesh, kind: str) -> Solids:
     elements = mesh.elements
     if kind in ("C3D4", "C3D10"):
         elements = np.concatenate([elements[:, tet] for tet in _six_tetrahedra()])
-    if kind == "C3D6":
+    if kind in ("C3D6", "C3D15"):
         elements = np.concatenate([elements[:, w] for w in ([0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7])])
     if kind not in QUADRATIC:
         return Solids(kind, mesh.nodes, elements)
-    return _with_mid_sides(kind, mesh.nodes, elements, _TET_EDGES if kind == "C3D10" else _HEX_EDGES)
+    return _with_mid_sides(kind, mesh.nodes, elements, _EDGES.get(kind, _HEX_EDGES))
 
 
 def _six_tetrahedra() -> list[list[int]]:
