@@ -5,8 +5,9 @@
 !! away: `rollback_analysis` makes everything bitwise what it was at the last commit. Only a commit writes fields.
 module amontons_analysis
   use amontons_kinds, only: DP, I64
-  use amontons_errors, only: error_type, complaints_type, set_error, EXIT_NOT_CONVERGED
-  use amontons_posix, only: is_status_asked, stop_signal
+  use amontons_errors, only: error_type, complaints_type, set_error, EXIT_NOT_CONVERGED, EXIT_SOLVER
+  use amontons_posix, only: has_memory, is_status_asked, stop_signal
+  use amontons_dense, only: symmetric_eigen
   use amontons_text, only: text_of, plural
   use amontons_journal, only: journal_type
   use amontons_model, only: model_type, job_options_type, job_path
@@ -36,6 +37,7 @@ module amontons_analysis
   public :: analysis_type, start_analysis, advance_analysis, finish_analysis
   public :: solve_increment, enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
 
+  integer, parameter :: BLAS_BUFFER = 160          !< what OpenBLAS takes at its first call, and some more [megabytes]
   real(DP), parameter :: GUARD_SHARE = 0.03_DP     !< most of the time that may go into checkpoints [-]
 
   !> One job: nothing of it lives outside.
@@ -79,7 +81,8 @@ contains
     type(error_type), allocatable, intent(out) :: error
     analysis%options = options
     allocate (analysis%records(64), analysis%iterations(64))
-    call set_blas_threads(options%n_threads)
+    call claim_blas(options%n_threads, error)
+    if (allocated(error)) return
     call use_threads(options%n_threads)
     if (allocated(options%deck_text)) then
       call read_deck_text(options%deck_text, options, analysis%model, analysis%complaints, error)
@@ -163,6 +166,22 @@ contains
       end if
     end associate
   end subroutine resume
+
+
+  !> Threads of the BLAS, and its buffer: OpenBLAS takes it at its first call, and asks for ever if there is no room.
+  subroutine claim_blas(n_threads, error)
+    integer, intent(in) :: n_threads
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: values(2), vectors(2, 2)
+    integer :: unused
+    call set_blas_threads(n_threads)
+    if (has_memory(BLAS_BUFFER)) then
+      call symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), values, vectors, unused)
+    else
+      call set_error(error, EXIT_SOLVER, 'There is not enough memory to begin: ' // text_of(BLAS_BUFFER) // &
+        ' megabytes are wanted.')
+    end if
+  end subroutine claim_blas
 
 
   !> Threads of the element loop of this job; without OpenMP nothing happens. The number belongs to the calling thread.

@@ -94,7 +94,7 @@ uses_printed = kinds errors text tensor history posix topology mesh steps model 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state system newton stepper
 uses_failure = kinds model state system converge newton
-uses_analysis = kinds errors text history journal posix factor store steps model deck state contact adjust system audit converge newton stepper results printed restart failure
+uses_analysis = kinds errors text history journal posix dense factor store steps model deck state contact adjust system audit converge newton stepper results printed restart failure
 uses_drive = kinds errors text loads steps model
 uses_library = kinds errors text journal sparse model state system converge stepper columns results analysis drive
 uses_capi = kinds errors version text sparse model library

@@ -77,19 +77,37 @@ contains
   !> The job is named after its deck, and its results lie beside it.
   subroutine name_job(options)
     type(job_options_type), intent(inout) :: options
-    character(:), allocatable :: name
-    integer :: slash
     options%job = 'job'
     if (.not. allocated(options%deck)) return
-    slash = index(options%deck, '/', back=.true.)
-    if (.not. allocated(options%outdir) .and. slash > 0) then
-      options%outdir = options%deck(:slash)
-      if (slash > 1) options%outdir = options%deck(:slash - 1)
-    end if
-    name = options%deck(slash + 1:)
-    if (len(name) > 4 .and. squeezed(name(max(1, len(name) - 3):)) == '.INP') name = name(:len(name) - 4)
-    if (len(name) > 0) options%job = name
+    if (.not. allocated(options%outdir)) options%outdir = folder_of(options%deck)
+    options%job = name_of(options%deck)
   end subroutine name_job
+
+
+  !> The folder of a path.
+  pure function folder_of(path) result(folder)
+    character(*), intent(in) :: path
+    character(:), allocatable :: folder
+    integer :: slash
+    slash = index(path, '/', back=.true.)
+    folder = '.'
+    if (slash > 0) folder = path(:max(1, slash - 1))
+  end function folder_of
+
+
+  !> The name of a path without its folder and .inp.
+  pure function name_of(path) result(name)
+    character(*), intent(in) :: path
+    character(:), allocatable :: name
+    integer :: first, last
+    first = index(path, '/', back=.true.) + 1
+    last = len(path)
+    if (last > first + 3) then
+      if (squeezed(path(last - 3:)) == '.INP') last = last - 4
+    end if
+    name = path(first:last)
+    if (last < first) name = 'job'
+  end function name_of
 
 
   !> The errors of a deck behind the message, one in a line.

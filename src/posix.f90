@@ -7,7 +7,7 @@ module amontons_posix
   implicit none
   private
   public :: write_whole_file, sync_file, cut_file, checksum_of_words, checksum_of_text, reason_of
-  public :: watch_signals, stop_signal, is_status_asked, watch_end
+  public :: has_memory, watch_signals, stop_signal, is_status_asked, watch_end
 
   interface
     function write_whole_c(path, temporary, bytes, n_bytes) bind(C, name='amontons_write_whole') result(status)
@@ -58,6 +58,12 @@ module amontons_posix
       import :: c_int
       integer(c_int) :: asked
     end function status_asked_c
+
+    function has_memory_c(n_bytes) bind(C, name='amontons_has_memory') result(has)
+      import :: c_int, c_int64_t
+      integer(c_int64_t), value :: n_bytes
+      integer(c_int) :: has
+    end function has_memory_c
 
     subroutine watch_end_c(is_on) bind(C, name='amontons_watch_end')
       import :: c_int
@@ -132,6 +138,13 @@ contains
   logical function is_status_asked()
     is_status_asked = status_asked_c() /= 0
   end function is_status_asked
+
+
+  !> Whether so much memory can be had at once.
+  logical function has_memory(megabytes)
+    integer, intent(in) :: megabytes
+    has_memory = has_memory_c(int(megabytes, I64) * 1048576_I64) /= 0
+  end function has_memory
 
 
   !> From now on an end of the process that is not ours gives an exit code of ours and a line that starts with *ERROR;

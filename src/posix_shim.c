@@ -85,6 +85,14 @@ void amontons_watch_end(int is_on)
   is_watching_end = is_on;
 }
 
+/* 1 if so much memory can be had at once. */
+int amontons_has_memory(int64_t n_bytes)
+{
+  void *memory = malloc((size_t)n_bytes);
+  free(memory);
+  return memory != NULL;
+}
+
 /* Brings the entry of a file in its folder to the medium. */
 static void sync_folder(const char *path)
 {

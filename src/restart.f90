@@ -203,7 +203,11 @@ contains
       call set_error(error, EXIT_IO, 'There is no checkpoint ' // path // ': the job was never begun, or has ended well.')
       return
     end if
-    allocate (parcel%words(max(n_bytes / 8_I64, int(N_HEAD, I64))), source=0_I64)
+    if (n_bytes < 8_I64 * N_HEAD) then
+      call damaged(path, 'it is too short', error)
+      return
+    end if
+    allocate (parcel%words(n_bytes / 8_I64), source=0_I64)
     open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
     if (status == 0) read (unit, iostat=status) parcel%words
     if (status /= 0) then

@@ -1,0 +1,48 @@
+"""Determinism: bitwise from run to run for a number of threads, and 1e-10 between numbers of threads.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from common import block, data_sets, frames, same_results  # noqa: F401
+from conftest import Run
+
+AGREE = 1e-10  # of the largest value of a field
+
+
+def results(run: Run, deck: Path, folder: Path, threads: int) -> Path:
+    """The result file of a run."""
+    folder.mkdir()
+    done = run(["--threads", threads, "--outdir", folder, deck], threads=threads)
+    assert done.returncode == 0, done.stdout
+    return folder / f"{deck.stem}.vtkhdf"
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_same_run_twice(run: Run, block: Path, tmp_path: Path, threads: int) -> None:  # noqa: F811
+    """Every number of the result file, iterations and Krylov counts included, is bitwise the same."""
+    a, b = (results(run, block, tmp_path / name, threads) for name in "ab")
+    assert same_results(a, b) == []
+
+
+def test_one_thread_against_two(run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """Displacements, stresses and contact forces agree to 1e-10 of the largest; states and increments are the same."""
+    one, two = (results(run, block, tmp_path / str(n), n) for n in (1, 2))
+    for a, b in zip(frames(one), frames(two), strict=True):
+        for name in ("U", "S", "CNORMF", "CSHEARF", "CSLIP", "CSTATUS"):
+            largest = max(np.abs(a[name]).max(), 1e-30)
+            assert np.abs(a[name] - b[name]).max() <= AGREE * largest, name
+    x, y = data_sets(one), data_sets(two)
+    for name in ("history/n_iterations", "history/n_status", "history/total_time"):
+        assert np.array_equal(x[f"AMONTONS/{name}"], y[f"AMONTONS/{name}"]), name
+
+
+@pytest.mark.slow
+def test_shear_block_twice_with_two_threads(run: Run, root: Path, tmp_path: Path) -> None:
+    """The same of a job that is large enough for threads in the matrix products."""
+    deck = root / "input" / "shear_block.inp"
+    a, b = (results(run, deck, tmp_path / name, 2) for name in "ab")
+    assert same_results(a, b) == []

@@ -1,0 +1,230 @@
+"""The library: its verbs against the program, rollback bit by bit, values by name, errors as statuses.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+import threading
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from common import bits, block, cubes, frames, same_results  # noqa: F401
+from conftest import Run
+
+import amontons  # isort: skip (common says where it is)
+
+FIELDS = ("U", "RF", "S", "LE", "S_mises", "CPRESS", "CSHEAR", "COPEN", "CSLIP", "CNORMF", "CSHEARF", "CSTATUS")
+
+
+def fields(job: amontons.Job) -> list[bytes]:
+    """All that can be asked for, bit by bit."""
+    return [bits(job.get(name)) for name in (*FIELDS, "RESIDUAL", "CONTACTFORCE")] + [
+        bits(job.get(name)) for name in ("TIME", "STEP", "INCREMENTS", "FRICTIONWORK", "EXTERNALWORK")
+    ]
+
+
+def test_library_is_the_program(run: Run, block: Path, tmp_path: Path) -> None:
+    """A deck run by the library gives bitwise the result file of the program."""
+    done = run(["--outdir", tmp_path, block])
+    assert done.returncode == 0, done.stdout
+    with amontons.Job(block, name="mine", outdir=tmp_path, files=True) as job:
+        job.run()
+    assert same_results(tmp_path / "block.vtkhdf", tmp_path / "mine.vtkhdf") == []
+
+
+def test_values_are_those_of_the_file(block: Path, tmp_path: Path) -> None:
+    """`get` gives bitwise what the last frame of the result file holds."""
+    with amontons.Job(block, outdir=tmp_path, files=True) as job:
+        job.advance_to(1.3)
+        job.finish()
+        last = frames(tmp_path / "block.vtkhdf")[-1]
+        for name in FIELDS:
+            assert bits(job.get(name).astype(last[name].dtype)) == bits(last[name]), name
+
+
+def test_text_in_memory(block: Path) -> None:
+    """A deck in memory is the deck in the file."""
+    with amontons.Job(block) as a, amontons.Job(text=block.read_text()) as b:
+        a.advance()
+        b.advance()
+        assert bits(a.get("U")) == bits(b.get("U"))
+
+
+def test_rollback_is_exact(block: Path) -> None:
+    """Trials with other lengths, loads and friction leave no trace: not in the values, and not in what comes after."""
+    with amontons.Job(block) as job, amontons.Job(block) as straight:
+        for _ in range(11):
+            job.advance()
+            straight.advance()
+        before = fields(job)
+        job.try_step(0.35)
+        assert fields(job) != before
+        job.rollback()
+        assert fields(job)[:12] == before[:12]
+        job.set("FRICTION", "", 0.7)
+        job.try_step(0.2)
+        job.set("FRICTION", "", 0.3)
+        job.rollback()
+        for _ in range(4):
+            job.advance()
+            straight.advance()
+            assert fields(job)[:12] == fields(straight)[:12]
+
+
+def test_iterate_by_hand(cubes: Path) -> None:
+    """begin, iterate until converged, commit: the same as one increment of the program."""
+    with amontons.Job(cubes) as job, amontons.Job(cubes) as straight:
+        for _ in range(12):
+            job.begin(0.1)
+            while (verdict := job.iterate()) is amontons.Verdict.GO_ON:
+                assert job.number("IMBALANCE") > 0
+            assert verdict is amontons.Verdict.CONVERGED
+            job.commit()
+            straight.advance()
+            assert bits(job.get("U")) == bits(straight.get("U"))
+
+
+def test_matrices(block: Path) -> None:
+    """The Newton correction J v = r of a solved state is small, K is symmetric, and C maps the free unknowns to all."""
+    with amontons.Job(block) as job:
+        job.advance_to(1.2)
+        tangent, residual = job.matrix("TANGENT")
+        stiffness, _ = job.matrix("STIFFNESS")
+        constraints, _ = job.matrix("MAP")
+        whole = stiffness.dense()
+        assert np.abs(whole - whole.T).max() <= 1e-9 * np.abs(whole).max()
+        assert constraints.shape == (3 * len(job.nodes()), tangent.shape[0])
+        correction = np.linalg.solve(tangent.dense(), residual)
+        assert np.abs(constraints @ correction).max() < 1e-4 * np.abs(job.get("U")).max()
+        reduced = constraints.dense().T @ whole @ constraints.dense()
+        assert np.abs(tangent.dense() - reduced).max() < 2 * np.abs(reduced).max()
+
+
+def test_set_displacement_replaces_the_deck(cubes: Path) -> None:
+    """The lid goes where the program says, exactly, and stays there."""
+    with amontons.Job(cubes) as job:
+        job.set("U3", "LID", -0.0005)
+        job.try_step(0.5)
+        job.commit()
+        assert np.all(job.get("U", "LID")[:, 2] == -0.0005)
+        job.try_step(0.2)
+        assert np.all(job.get("U", "LID")[:, 2] == -0.0005)
+
+
+def test_set_force_and_pressure() -> None:
+    """Forces and pressures in sum are the reactions of the support."""
+    import staggered
+
+    with amontons.Job(text=staggered.DECK) as job:
+        job.set("CF3", "WET", [1.0, 2.0, 3.0, 4.0])
+        job.set("P", "WET", 7.0)
+        job.try_step(0.5)
+        assert job.get("RF", "BOTTOM")[:, 2].sum() == pytest.approx(-10.0 + 7.0, abs=1e-9)
+
+
+def test_log_is_heard(cubes: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """What the program would print goes to the callback; nothing goes to the screen."""
+    lines: list[str] = []
+    with amontons.Job(cubes, log=lines.append) as job:
+        job.run()
+    with amontons.Job(cubes) as job:
+        job.run()
+    assert any("increments converged" in line for line in lines)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_errors_are_statuses(cubes: Path, tmp_path: Path) -> None:
+    """Each kind of error has its exception and its message; the job stays usable where it says so."""
+    with pytest.raises(amontons.DeckError, match=r"deck:1.*not known"):
+        amontons.Job(text="*NONSENSE\n")
+    with pytest.raises(amontons.FileError, match="nothing"):
+        amontons.Job(tmp_path / "nothing.inp")
+    with pytest.raises(amontons.FileError, match="nowhere"):
+        amontons.Job(cubes, outdir=tmp_path / "nowhere", files=True)
+    with amontons.Job(cubes) as job:
+        for wrong in (
+            lambda: job.get("NONSENSE"),
+            lambda: job.get("U", "NONSENSE"),
+            lambda: job.set("U1", "CUBE_SOLE", 0.0),
+            lambda: job.set("U1", "LID", [1.0, 2.0]),
+            lambda: job.set("U1", "LID", float("nan")),
+            lambda: job.set("FRICTION", "", -0.1),
+            lambda: job.set("P", "LID", 1.0),
+            lambda: job.try_step(-1.0),
+            lambda: job.iterate(),
+            lambda: job.matrix("NONSENSE"),
+        ):
+            with pytest.raises(amontons.UsageError):
+                wrong()
+        job.run()
+        with pytest.raises(amontons.UsageError, match="done"):
+            job.advance()
+
+
+def test_not_converged_leaves_the_last_commit(cubes: Path) -> None:
+    """An impossible displacement: the error tells it, and the job goes on from its last commit."""
+    with amontons.Job(cubes) as job:
+        job.advance()
+        before = fields(job)[:12]
+        job.set("U3", "LID", -50.0)
+        with pytest.raises(amontons.NotConvergedError):
+            job.try_step(0.1)
+        assert fields(job)[:12] == before
+        job.set("U3", "LID", -0.0002)
+        job.try_step(0.1)
+        job.commit()
+
+
+def test_other_binary_interface() -> None:
+    """A caller built against another header is told so."""
+    import ctypes
+
+    from amontons.binding import Options, library
+
+    handle = ctypes.c_void_p()
+    assert library().amontons_open(ctypes.byref(Options(abi=999)), ctypes.byref(handle)) == amontons.UsageError.status
+    assert b"binary interface" in library().amontons_message(handle)
+    library().amontons_close(handle)
+
+
+def test_two_jobs_in_two_threads(block: Path, tmp_path: Path) -> None:
+    """Two jobs side by side, with files, each bitwise as alone."""
+    alone = amontons.Job(block, name="alone", outdir=tmp_path, files=True)
+    alone.run()
+    alone.finish()
+
+    def work(name: str, threads: int) -> None:
+        with amontons.Job(block, name=name, outdir=tmp_path, files=True, threads=threads) as job:
+            job.run()
+
+    workers = [threading.Thread(target=work, args=(name, 1)) for name in ("a", "b")]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    for name in ("a", "b"):
+        assert same_results(tmp_path / "alone.vtkhdf", tmp_path / f"{name}.vtkhdf") == []
+
+
+def test_library_resumes(block: Path, tmp_path: Path) -> None:
+    """A job with checkpoints that was dropped goes on bitwise."""
+    with amontons.Job(block, name="whole", outdir=tmp_path, files=True) as job:
+        job.run()
+    job = amontons.Job(block, name="dropped", outdir=tmp_path, checkpoint=True)
+    for _ in range(7):
+        job.advance()
+    job.close()
+    with amontons.Job(block, name="dropped", outdir=tmp_path, resume=True, checkpoint=True) as job:
+        assert job.time == pytest.approx(0.7)
+        job.run()
+    assert same_results(tmp_path / "whole.vtkhdf", tmp_path / "dropped.vtkhdf") == []
+    assert not (tmp_path / "dropped.restart").exists()
+
+
+def test_result_file_while_open(block: Path, tmp_path: Path) -> None:
+    """A viewer may read the file between two increments."""
+    with amontons.Job(block, outdir=tmp_path, files=True) as job:
+        job.advance()
+        with h5py.File(tmp_path / "block.vtkhdf", "r", locking=False) as file:
+            assert file["VTKHDF/Steps"].attrs["NSteps"] == 2

@@ -1,0 +1,195 @@
+"""Checkpoints: whatever ends a job, it goes on bitwise from its last checkpoint; and what cannot be used is told.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+import os
+import random
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+from common import block, data_sets, same_results  # noqa: F401
+from conftest import Run
+
+IO, NOT_CONVERGED = 7, 5
+
+
+@pytest.fixture(scope="module")
+def whole(run: Run, block: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:  # noqa: F811
+    """The folder of the job that was not interrupted."""
+    folder = tmp_path_factory.mktemp("whole")
+    done = run(["--outdir", folder, block])
+    assert done.returncode == 0, done.stdout
+    return folder
+
+
+def start(program: Path, *words: str | Path) -> subprocess.Popen[str]:
+    """Starts a job, with one thread."""
+    return subprocess.Popen([str(program), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                            env=os.environ | {"OMP_NUM_THREADS": "1"})  # fmt: skip
+
+
+def assert_same(whole: Path, folder: Path) -> None:
+    """All files are what they would have been."""
+    assert same_results(whole / "block.vtkhdf", folder / "block.vtkhdf") == []
+    for ending in ("sta", "cvg", "dat"):
+        assert (whole / f"block.{ending}").read_bytes() == (folder / f"block.{ending}").read_bytes(), ending
+    assert not list(folder.glob("*.restart*"))
+
+
+def wait_for_increments(folder: Path, n: int) -> None:
+    """Waits until a checkpoint and some lines of .sta are there."""
+    for _ in range(2000):
+        sta = folder / "block.sta"
+        if (folder / "block.restart").exists() and sta.exists() and len(sta.read_text().splitlines()) >= n + 2:
+            return
+        time.sleep(0.005)
+    pytest.fail("the job does not get on")
+
+
+def kill_often(program: Path, run: Run, deck: Path, folder: Path, n_kills: int, seed: int, longest: float) -> int:
+    """Kills and resumes the job until it has been killed n_kills times or is done; returns the number of kills."""
+    chance = random.Random(seed)
+    kills = 0
+    while kills < n_kills:
+        words = ["--resume"] if (folder / "block.restart").exists() else []
+        job = start(program, *words, "--outdir", folder, deck)
+        try:
+            output, _ = job.communicate(timeout=chance.uniform(0.0, longest))
+            assert job.returncode == 0, output
+            return kills
+        except subprocess.TimeoutExpired:
+            job.kill()
+            job.communicate()
+            kills += 1
+    words = ["--resume"] if (folder / "block.restart").exists() else []
+    done = run([*words, "--outdir", folder, deck])
+    assert done.returncode == 0, done.stdout
+    return kills
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_killed_jobs_go_on_bitwise(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path, seed: int) -> None:  # noqa: F811
+    """kill -9 at random moments, again and again."""
+    kill_often(program, run, block, tmp_path, 6, seed, 0.5)
+    assert_same(whole, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not os.environ.get("AMONTONS_KILLS"), reason="AMONTONS_KILLS says how many kills; 200 take some minutes")
+def test_many_kills(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path) -> None:  # noqa: F811
+    """The same many times over."""
+    kills, seed = 0, 0
+    while kills < int(os.environ["AMONTONS_KILLS"]):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        kills += kill_often(program, run, block, folder, 12, 1000 + seed, 0.4)
+        assert_same(whole, folder)
+        seed += 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_signals_end_a_job_in_order(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path, number: int) -> None:  # noqa: F811
+    """Exit code 5 with a sentence, files whole, and the job goes on bitwise."""
+    job = start(program, "--outdir", tmp_path, block)
+    wait_for_increments(tmp_path, 3)
+    job.send_signal(number)
+    output, _ = job.communicate(timeout=60)
+    assert job.returncode == NOT_CONVERGED, output
+    assert output.splitlines()[-1].startswith(f"*ERROR: The job was stopped by {signal.Signals(number).name}")
+    n_frames = len(data_sets(tmp_path / "block.vtkhdf")["VTKHDF/Steps/Values"])
+    assert n_frames >= 4
+    assert run(["--resume", "--outdir", tmp_path, block]).returncode == 0
+    assert_same(whole, tmp_path)
+
+
+def test_status_is_told(program: Path, block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """SIGUSR1 gives a line and does no harm."""
+    job = start(program, "--outdir", tmp_path, block)
+    wait_for_increments(tmp_path, 2)
+    job.send_signal(signal.SIGUSR1)
+    output, _ = job.communicate(timeout=60)
+    assert job.returncode == 0
+    assert sum(line.startswith("Status: step ") for line in output.splitlines()) == 1
+
+
+def stopped(program: Path, deck: Path, folder: Path) -> None:
+    """Leaves a job that was killed after some increments."""
+    job = start(program, "--outdir", folder, deck)
+    wait_for_increments(folder, 8)
+    job.kill()
+    job.communicate()
+    assert (folder / "block.restart").exists()
+
+
+def resume_fails(run: Run, deck: Path, folder: Path, sentence: str) -> None:
+    """--resume ends with exit code 7 and a sentence."""
+    done = run(["--resume", "--outdir", folder, deck])
+    assert done.returncode == IO, done.stdout
+    last = done.stdout.splitlines()[-1]
+    assert last.startswith("*ERROR"), done.stdout
+    assert sentence in last
+
+
+def test_checkpoints_that_cannot_be_used(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path) -> None:  # noqa: F811
+    """Not there, empty, cut off, one bit changed anywhere, of another deck: told, and the files stay as they are."""
+    resume_fails(run, block, tmp_path, "There is no checkpoint")
+    stopped(program, block, tmp_path)
+    checkpoint = tmp_path / "block.restart"
+    good = checkpoint.read_bytes()
+    results = (tmp_path / "block.vtkhdf").read_bytes()
+    chance = random.Random(7)
+    wrong = [b"", good[:16], good[:-8], good + b"12345678", b"x" + good[1:]]
+    for _ in range(20):
+        place = chance.randrange(32, len(good))
+        wrong.append(good[:place] + bytes([good[place] ^ 1 << chance.randrange(8)]) + good[place + 1 :])
+    for bad in wrong:
+        checkpoint.write_bytes(bad)
+        resume_fails(run, block, tmp_path, "damaged")
+    checkpoint.write_bytes(good[:8] + b"\x63" + good[9:])
+    resume_fails(run, block, tmp_path, "another version")
+    checkpoint.write_bytes(good)
+    other = tmp_path / "other" / "block.inp"
+    other.parent.mkdir()
+    other.write_text(block.read_text().replace("210000", "210001"))
+    resume_fails(run, other, tmp_path, "The deck is not the one of the checkpoint")
+    assert (tmp_path / "block.vtkhdf").read_bytes() == results
+    assert run(["--resume", "--outdir", tmp_path, block]).returncode == 0
+    assert_same(whole, tmp_path)
+
+
+def test_result_files_that_do_not_fit(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """Result files that are gone or cut off are told."""
+    stopped(program, block, tmp_path)
+    results, sta = tmp_path / "block.vtkhdf", tmp_path / "block.sta"
+    whole_results, whole_sta = results.read_bytes(), sta.read_bytes()
+    results.write_bytes(whole_results[:5000])
+    resume_fails(run, block, tmp_path, "shorter than its checkpoint says")
+    results.unlink()
+    resume_fails(run, block, tmp_path, "it is not there")
+    results.write_bytes(whole_results)
+    sta.write_bytes(whole_sta[:100])
+    resume_fails(run, block, tmp_path, "shorter than it was")
+    sta.unlink()
+    resume_fails(run, block, tmp_path, "No such file")
+    sta.write_bytes(whole_sta)
+    assert run(["--resume", "--outdir", tmp_path, block]).returncode == 0
+
+
+def test_a_power_cut_between_checkpoint_and_result_file(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path) -> None:  # noqa: F811
+    """What the result file holds of the last increment does not matter: the checkpoint brings its pages along."""
+    stopped(program, block, tmp_path)
+    results = tmp_path / "block.vtkhdf"
+    with results.open("ab") as file:
+        file.write(b"half an increment that was never committed" * 100)
+    assert run(["--resume", "--outdir", tmp_path, block]).returncode == 0
+    assert_same(whole, tmp_path)
+
+
+def test_no_checkpoint(run: Run, block: Path, whole: Path, tmp_path: Path) -> None:  # noqa: F811
+    """Without checkpoints the results are the same."""
+    assert run(["--no-checkpoint", "--outdir", tmp_path, block]).returncode == 0
+    assert_same(whole, tmp_path)
