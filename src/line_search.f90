@@ -235,6 +235,7 @@ contains
     real(DP) :: alpha, best, best_merit
     integer :: halving
     trouble = TROUBLE_NONE
+    if (size(state%new%slaves) == 0) return        ! slender bodies without contact: the imbalance has to rise first
     if (.not. start%is_comparable .or. system%merit <= MERIT_GROWTH * start%merit) return
     best = search%step_length
     best_merit = system%merit

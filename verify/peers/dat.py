@@ -85,16 +85,30 @@ class Deviation:
     missing: int = 0  # rows of the reference that are not there
 
 
-def compare(ours: list[Block], reference: list[Block]) -> list[Deviation]:
-    """The deviation of every block of the reference, which is looked up by title, set and time."""
+def compare(ours: list[Block], reference: list[Block], is_expanded: bool = False) -> list[Deviation]:
+    """The deviation of every block of the reference, which is looked up by title, set and time.
+
+    CalculiX expands plane and axisymmetric elements into solids and prints the points of these. With `is_expanded`
+    tables of points that have more rows there than here are compared by the extremes of each column.
+    """
     found: dict[tuple[str, str, float], list[Block]] = {}
     for block in ours:
         found.setdefault(block.name, []).append(block)
     result = []
     for block in reference:
         candidates = found.get(block.name, [])
-        result.append(compare_block(candidates.pop(0) if candidates else None, block))
+        mine = candidates.pop(0) if candidates else None
+        is_by_point = is_expanded and mine is not None and len(block.rows) > len(mine.rows) and len(next(iter(block.rows))) == 2
+        result.append(compare_extremes(mine, block) if is_by_point and mine else compare_block(mine, block))
     return result
+
+
+def compare_extremes(ours: Block, reference: Block) -> Deviation:
+    """Largest and least value of each column against those of the reference."""
+    theirs, mine = (np.array(list(block.rows.values())) for block in (reference, ours))
+    largest = float(np.abs(theirs).max())
+    ends = [np.abs(side(theirs, axis=0) - side(mine, axis=0)).max() for side in (np.max, np.min)]
+    return Deviation(reference.title, reference.set_name, reference.time, largest, float(max(ends)) / largest)
 
 
 def compare_block(ours: Block | None, reference: Block) -> Deviation:
