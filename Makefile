@@ -167,8 +167,8 @@ test: programs $(VENV)/installed ## Run all tests
 check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
 	@$(PYTEST) -m "not slow" verify
 
-verify: programs $(VENV)/installed ## Run the verification cases alone: theory knows the answer
-	@$(PYTEST) verify/verification
+verify: programs $(VENV)/installed ## Run the verification cases and write their pages to doc/verification
+	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/verification
 
 # --- the look of the source ---------------------------------------------------------------------------------------
 SOURCES = $(wildcard src/*.f90 verify/unit/*.f90)

@@ -9,9 +9,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
+from proof import Case, write_index
 
 ROOT = Path(__file__).resolve().parent.parent
 TIME_LIMIT = 900  # [s] of one job
+PAGES = os.environ.get("AMONTONS_PAGES")  # folder of the pages that `make verify` asks for
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -66,3 +68,22 @@ def run_deck(run: Run, tmp_path: Path) -> Run:
         return run([*options, "job"], cwd=tmp_path, threads=threads)
 
     return run_text
+
+
+@pytest.fixture
+def proof(run: Run, tmp_path: Path) -> Callable[..., Case]:
+    """Makes a verification case: proof(name, title=..., model=..., formula=..., source=..., proves=...)."""
+    pages = Path(PAGES).resolve() if PAGES else None
+    if pages:
+        pages.mkdir(parents=True, exist_ok=True)
+
+    def make(name: str, **words: str) -> Case:
+        return Case(name, runner=run, work=tmp_path, pages=pages, **words)
+
+    return make
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """The index of the pages, once, when all workers are done."""
+    if PAGES and not hasattr(session.config, "workerinput"):
+        write_index(Path(PAGES).resolve())

@@ -1,0 +1,281 @@
+"""What a verification case is made of: a job, checks that say all about themselves, and a page of the manual.
+
+A case is a test. It says its model in words, runs one or more jobs, compares with theory by `near`, `within` and `order`,
+and ends with `done`, which writes its page (if `make verify` asked for pages) and fails if a check failed:
+
+    case = proof("name", title=..., model=..., formula=..., source=..., proves=...)
+    job = case.run(deck, "coarse")
+    case.near("peak pressure", value, expected, 0.03, why="ten elements over the half width")
+    case.done()
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import h5py
+import numpy as np
+from independent.results import Floats, Results, read_field, read_history, read_results
+from numpy.typing import NDArray
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+MOST_ITERATIONS = 8.0  #: mean of the Newton iterations per increment, failed attempts included, that a case may take
+
+
+@dataclass(frozen=True)
+class Check:
+    """One number against another: what, where, when, how near, and why so near."""
+
+    quantity: str
+    place: str
+    time: str
+    reference: str  #: what is expected, as text
+    ours: float
+    error: float  #: difference over the scale of the quantity, or outside a band
+    tolerance: float
+    why: str
+    order: str = ""  #: observed order of convergence, where two meshes were run
+
+    @property
+    def holds(self) -> bool:
+        """Whether the check passes; a number that is none fails."""
+        return bool(self.error <= self.tolerance)
+
+    def sentence(self) -> str:
+        """All of it, for the one who has to find out."""
+        where = f" {self.place}" if self.place else ""
+        when = f" at {self.time}" if self.time else ""
+        return (
+            f"{self.quantity}{where}{when}: {self.ours:.6g}, expected {self.reference}, "
+            f"error {self.error:.2e}, allowed {self.tolerance:.0e} ({self.why})"
+        )
+
+
+@dataclass
+class Job:
+    """The results of one finished job."""
+
+    path: Path
+    name: str
+
+    @cached_property
+    def results(self) -> Results:
+        """Points, times, displacements."""
+        return read_results(self.path)
+
+    @cached_property
+    def history(self) -> dict[str, NDArray]:
+        """One row per attempt at an increment."""
+        rows = read_history(self.path)
+        keep = rows["increment"] > 0
+        return {name: column[keep] for name, column in rows.items()}
+
+    @property
+    def points(self) -> Floats:
+        """(n, 3) nodes."""
+        return self.results.points
+
+    @property
+    def times(self) -> Floats:
+        """Total time of each frame, 0 first."""
+        return self.results.times
+
+    def field(self, name: str) -> Floats:
+        """(frames, nodes, ...) of one field."""
+        return read_field(self.path, name)
+
+    def last(self, name: str) -> Floats:
+        """(nodes, ...) of one field at the end."""
+        return self.field(name)[-1]
+
+    def integration_points(self, name: str) -> Floats:
+        """(frames, points, ...) at the integration points."""
+        with h5py.File(self.path) as file:
+            values = file[f"AMONTONS/integration_points/{name}"][:]
+        return values.reshape(len(self.times), -1, *values.shape[1:])
+
+    def frame(self, time: float) -> int:
+        """The frame at a total time."""
+        found = int(np.argmin(np.abs(self.times - time)))
+        assert abs(self.times[found] - time) < 1e-9 * max(1.0, time), f"there is no frame at time {time}"
+        return found
+
+    @property
+    def n_increments(self) -> int:
+        """Converged increments."""
+        rows = self.history
+        return len(set(zip(rows["step"].tolist(), rows["increment"].tolist(), strict=True)))
+
+    @property
+    def n_iterations(self) -> int:
+        """Newton iterations, those of failed attempts included."""
+        return int(self.history["n_iterations"].sum())
+
+    @property
+    def n_failed(self) -> int:
+        """Attempts that did not converge."""
+        return len(self.history["step"]) - self.n_increments
+
+    def effort(self) -> str:
+        """In words."""
+        return f"{self.n_increments} increments, {self.n_iterations} iterations, {self.n_failed} failed attempts"
+
+
+@dataclass
+class Case:
+    """One page of the verification manual."""
+
+    name: str
+    title: str
+    model: str  #: in words, with load and increments
+    formula: str
+    source: str
+    proves: str
+    runner: Run
+    work: Path  #: where the jobs run
+    pages: Path | None  #: where the page goes
+    checks: list[Check] = field(default_factory=list)
+    jobs: list[Job] = field(default_factory=list)
+    figures: list[tuple[str, str]] = field(default_factory=list)
+    asked: int = 0  #: increments that the decks asked for
+
+    def run(self, deck: str, name: str = "job", asked: int = 0, threads: int = 1) -> Job:
+        """Runs a deck that has to finish within the iterations allowed. asked: increments that the deck asks for."""
+        folder = self.work / name
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "job.inp").write_text(deck)
+        done = self.runner(["--quiet", "job"], cwd=folder, threads=threads)
+        assert done.returncode == 0, f"{name}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
+        job = Job(folder / "job.vtkhdf", name)
+        self.jobs.append(job)
+        increments = asked or job.n_increments
+        self.within(
+            f"Newton iterations per increment ({name})",
+            job.n_iterations / increments,
+            (0.0, MOST_ITERATIONS),
+            why="failed attempts are counted, and the increments are those that the deck asks for",
+        )
+        return job
+
+    def near(
+        self,
+        quantity: str,
+        value: float | Floats,
+        expected: float | Floats,
+        tolerance: float,
+        *,
+        why: str,
+        place: str = "",
+        time: str = "",
+        scale: float | None = None,
+        order: str = "",
+    ) -> None:
+        """|value - expected| / scale at its worst place; scale is the largest expected value if none is given."""
+        found, wanted = np.asarray(value, dtype=float), np.asarray(expected, dtype=float)
+        size = scale or max(float(np.abs(wanted).max()), 1e-300)
+        differences = np.abs(found - wanted) / size
+        worst = int(np.argmax(np.where(np.isnan(differences), np.inf, differences)))
+        reference, ours = (np.broadcast_to(v, differences.shape).ravel()[worst] for v in (wanted, found))
+        error = float(differences.ravel()[worst])
+        self.checks.append(
+            Check(quantity, place, time, f"{reference:.6g}", float(ours), error, tolerance, why, order)
+        )
+
+    def within(
+        self, quantity: str, value: float, band: tuple[float, float], *, why: str, place: str = "", time: str = ""
+    ) -> None:
+        """low <= value <= high; the error is how far outside it is."""
+        low, high = band
+        outside = max(low - value, value - high, 0.0) if math.isfinite(value) else math.inf
+        reference = f"{low:.4g} to {high:.4g}" if low > 0 else f"at most {high:.4g}"
+        self.checks.append(Check(quantity, place, time, reference, float(value), outside, 0.0, why))
+
+    def true(self, quantity: str, holds: bool, *, why: str, place: str = "", time: str = "") -> None:
+        """Something that is so or not."""
+        self.checks.append(
+            Check(quantity, place, time, "true", float(holds), 0.0 if holds else math.inf, 0.0, why)
+        )
+
+    def figure(self, draw: Callable[[], object], caption: str) -> None:
+        """A matplotlib figure, drawn only if pages are asked for."""
+        if self.pages is None:
+            return
+        file = f"{self.name}-{len(self.figures) + 1}.png"
+        figure = draw()
+        figure.savefig(self.pages / file, dpi=110, bbox_inches="tight", metadata={"Software": None})
+        self.figures.append((file, caption))
+
+    def done(self) -> None:
+        """Writes the page and judges."""
+        if self.pages is not None:
+            (self.pages / f"{self.name}.md").write_text(self.page())
+            facts = {"name": self.name, "title": self.title, "checks": [asdict(c) for c in self.checks]}
+            facts["effort"] = [(job.n_increments, job.n_iterations, job.n_failed) for job in self.jobs]
+            (self.pages / f"{self.name}.json").write_text(json.dumps(facts, indent=1) + "\n")
+        failed = [check.sentence() for check in self.checks if not check.holds]
+        assert not failed, "\n".join(failed)
+
+    def page(self) -> str:
+        """The page in Markdown."""
+        parts = [f"# {self.title}", self.model, "## What is expected", self.formula, f"Source: {self.source}"]
+        parts += ["## What was found", check_table(self.checks)]
+        parts += [f"![{caption}]({file})\n\n*{caption}*" for file, caption in self.figures]
+        if self.jobs:
+            parts += ["Effort: " + "; ".join(f"{job.name}: {job.effort()}" for job in self.jobs) + "."]
+        parts += ["## What it proves", self.proves]
+        return "\n\n".join(parts) + "\n"
+
+
+def check_table(checks: Sequence[Check]) -> str:
+    """A row per check."""
+    rows = [
+        "| quantity | place | time | expected | ours | error | allowed | order | why this tolerance |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for c in checks:
+        cells = [c.quantity, c.place, c.time, c.reference, f"{c.ours:.6g}", f"{c.error:.1e}", f"{c.tolerance:.0e}"]
+        rows.append("| " + " | ".join([*cells, c.order, c.why]) + " |")
+    return "\n".join(rows)
+
+
+def observed_order(errors: Sequence[float], ratio: float = 2.0) -> float:
+    """From the errors of two meshes, the second `ratio` times finer."""
+    return math.log(errors[0] / errors[1]) / math.log(ratio)
+
+
+def write_index(pages: Path) -> None:
+    """index.md from the .json files of the cases, which it takes away; a row per check."""
+    files = sorted(pages.glob("*.json"))
+    cases = [json.loads(file.read_text()) for file in files]
+    n_increments, n_iterations, n_failed = (sum(e[i] for c in cases for e in c["effort"]) for i in range(3))
+    lines = [
+        "# Verification",
+        "",
+        "Written by `make verify`; each case is a test in `verify/verification` of the same name. Error: the difference over the",
+        "largest expected value, or how far a number is outside its band.",
+        "",
+        f"{len(cases)} cases, {sum(len(c['checks']) for c in cases)} checks, {n_increments} increments, {n_iterations} Newton",
+        f"iterations ({n_iterations / max(n_increments, 1):.2f} per increment), {n_failed} failed attempts.",
+        "",
+        "| case | quantity | reference | ours | error | allowed | order |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for case in cases:
+        title = f"[{case['title']}]({case['name']}.md)"
+        for c in case["checks"]:
+            mark = "" if c["error"] <= c["tolerance"] else " **fails**"
+            where = f" {c['place']}" if c["place"] else ""
+            numbers = f"{c['reference']} | {c['ours']:.6g} | {c['error']:.1e}{mark} | {c['tolerance']:.0e}"
+            lines.append(f"| {title} | {c['quantity']}{where} | {numbers} | {c['order']} |")
+            title = ""
+    (pages / "index.md").write_text("\n".join(lines) + "\n")
+    for file in files:
+        file.unlink()

@@ -1,0 +1,372 @@
+"""Gross sliding: blocks, reversal, capstan, shrink fit with pull-out, ironing, and a stuck block that turns.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Run
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
+
+from make_decks import Mesh, _named_grid, block, graded, join, material_cards, mesh_cards  # noqa: E402
+from proof import Case  # noqa: E402
+from sheets import Floats, between, fix, pair, plane_deck, rows_of, sheet, solid_deck, step  # noqa: E402
+
+Proof = Callable[..., Case]
+
+# ------------------------------------------------------------------------------------------ block on a slope
+
+SLOPE = np.radians(20.0)
+DENSITY, GRAVITY, SOFT = 1.0, 9.81, 50.0
+
+
+def slope_deck(mu: float, with_spring: bool, n_increments: int = 5) -> str:
+    """A block 2 x 1 x 1 on a table, gravity leans by SLOPE; the spring is one soft element from its back to a wall."""
+    table = block(between(-3, 4, 1), between(-2, 3, 1), [-1.0, 0.0], "TABLE")
+    body = block(between(0, 2, 4), between(0, 1, 2), between(0, 1, 2), "BODY")
+    back = np.flatnonzero(body.nodes[:, 0] < 1e-9)
+    parts = [body, table]
+    if with_spring:
+        spring = block([-1.0, 0.0], between(0, 1, 2), between(0, 1, 2), "SPRING")
+        parts.append(spring)
+    mesh = join(parts)
+    n_spring = len(mesh.nodes) - (len(spring.nodes) if with_spring else 0)
+    if with_spring:  # the spring's front nodes are the block's back nodes
+        place = {tuple(np.round(x, 9)): int(n) for x, n in zip(body.nodes[back], back, strict=True)}
+        for n in range(n_spring, len(mesh.nodes)):
+            same = place.get(tuple(np.round(mesh.nodes[n], 9)))
+            if same is not None:
+                mesh.elements[mesh.elements == n] = same
+        mesh.node_sets["WALL"] = n_spring + np.flatnonzero(spring.nodes[:, 0] < -1 + 1e-9)
+    materials = material_cards("BODY", (1e9, 0.0), "BODY") + material_cards("TABLE", (1e9, 0.0), "TABLE")
+    materials = materials.replace("*SOLID SECTION", f"*DENSITY\n{DENSITY}\n*SOLID SECTION", 1)
+    supports = ["TABLE_TOP, 1, 3", "TABLE_BOTTOM, 1, 3"]
+    if with_spring:
+        materials += material_cards("SPRING", (SOFT, 0.0), "SPRING")
+        supports += ["WALL, 1, 3"]
+    load = f"*DLOAD\nBODY, GRAV, {GRAVITY}, {np.sin(SLOPE):.15g}, 0., {-np.cos(SLOPE):.15g}\n"
+    cards = mesh_cards(mesh) + materials + pair("BODY_BOTTOM", "TABLE_TOP", mu)
+    return _without_unused(cards, mesh) + step(fix(*supports) + load, n_increments)
+
+
+def _without_unused(cards: str, mesh: Mesh) -> str:
+    """Nodes that no element uses are left out of *NODE."""
+    unused = set(range(len(mesh.nodes))) - set(mesh.elements.ravel().tolist())
+    lines = cards.split("\n")
+    first = lines.index("*NODE") + 1
+    keep = [line for i, line in enumerate(lines[first : first + len(mesh.nodes)]) if i not in unused]
+    return "\n".join(lines[:first] + keep + lines[first + len(mesh.nodes) :])
+
+
+def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
+    """Below the critical angle it sticks; above it a spring lets it slip by what statics says, and without one it goes."""
+    case = proof(
+        "slope",
+        title="Block on an inclined plane",
+        model="A stiff block 2 x 1 x 1 (E = 1e9, density 1, 4 x 2 x 2 C3D8) on a fixed table; gravity 9.81 leans by 20 degrees, in 5 "
+        "increments, small displacements. mu = 1.0001 tan 20: alone. mu = 0.8 tan 20: with a weightless element 1 x 1 x 1 of E = 50 "
+        "between its back and a wall, in which it hangs with k = 50; and alone.",
+        formula="Sticks if mu > tan 20. Else slip = W (sin 20 - mu cos 20)/k with the spring, and no equilibrium without it.",
+        source="Coulomb (1785); Ansys VM29; code_aster SSNV503",
+        proves="The limit of friction, exactly; and that a body that goes is told, not computed.",
+    )
+    weight = 2 * DENSITY * GRAVITY
+    stuck = case.run(slope_deck(1.0001 * np.tan(SLOPE), False), "sticks", asked=5)
+    slaves = np.flatnonzero(np.abs(stuck.last("CNORMF")[:, 2]) > 0)
+    case.true("all nodes stick", bool((stuck.last("CSTATUS")[slaves] == 1).all()), why="mu is 1e-4 above tan 20")
+    total = stuck.last("CSHEARF").sum(axis=0) + stuck.last("CNORMF").sum(axis=0)
+    expected = weight * np.array([-np.sin(SLOPE), 0, np.cos(SLOPE)])
+    case.near("contact force", total, expected, 1e-6, why="equilibrium")
+    mu = 0.8 * np.tan(SLOPE)
+    hung = case.run(slope_deck(mu, True), "with a spring", asked=5)
+    slip = weight * (np.sin(SLOPE) - mu * np.cos(SLOPE)) / SOFT
+    body = np.abs(hung.last("CNORMF")[:, 2]) > 0
+    case.near("slip", hung.last("U")[body, 0], slip, 1e-5, why="the block itself is 2e7 times as stiff as the spring")
+    case.near("friction", hung.last("CSHEARF")[:, 0].sum(), -mu * weight * np.cos(SLOPE), 1e-5, why="mu N")
+    (tmp_path / "gone.inp").write_text(slope_deck(mu, False))
+    done = run(["gone"], cwd=tmp_path)
+    case.true("exit code 4 or 5 alone", done.returncode in (4, 5), why="nothing holds the block")
+    case.true("and it says *ERROR with the step", "*ERROR" in done.stdout and "tep 1" in done.stdout, why="a clear reason")
+    case.done()
+
+
+# -------------------------------------------------------------------------------------- sliding with reversal
+
+
+def test_reversal(proof: Proof) -> None:
+    """A block pressed and dragged to and fro."""
+    mu, press, drag = 0.3, 0.002, 0.004
+    case = proof(
+        "reversal",
+        title="A block dragged to and fro",
+        model="A block 1 x 1 x 0.5 (E = 1000, nu = 0, 4 x 4 x 2 C3D8) on a fixed table, its top pressed by 0.002 (2 increments), dragged by "
+        "+0.004, back to -0.004 and to +0.004 again (10 increments each), small displacements, mu = 0.3, one facet of the table.",
+        formula="N = E A press/height. While it slides all the friction is used: |T| = mu N, along -x or +x.",
+        source="Coulomb (1785)",
+        proves="Gross sliding with two reversals: the limit holds to the tolerance of Newton's method, the sign turns.",
+    )
+    table = block(between(-1, 2, 1), between(-1, 2, 1), [-1.0, 0.0], "TABLE")
+    body = block(between(0, 1, 4), between(0, 1, 4), between(0, 0.5, 2), "BODY")
+    supports = fix("TABLE_TOP, 1, 3", "TABLE_BOTTOM, 1, 3", "BODY_TOP, 1, 2", f"BODY_TOP, 3, 3, {-press}")
+    steps = step(supports, 2) + "".join(step(fix(f"BODY_TOP, 1, 1, {u}"), 10) for u in (drag, -drag, drag))
+    deck = solid_deck([(body, (1000.0, 0.0)), (table, (1000.0, 0.0))], pair("BODY_BOTTOM", "TABLE_TOP", mu), steps)
+    job = case.run(deck, asked=32)
+    normal, shear = job.field("CNORMF")[:, :, 2].sum(axis=1), job.field("CSHEARF")[:, :, 0].sum(axis=1)
+    case.near("N", normal[job.frame(1.0)], 1000 * press / 0.5, 1e-9, why="uniform pressure, nu = 0", time="1")
+    for time, sign in ((2.0, -1), (3.0, 1), (4.0, -1)):
+        frame = job.frame(time)
+        case.near("T/(mu N)", shear[frame] / (mu * normal[frame]), sign, 5e-6, why="default controls: 1e-6 of the largest force", time=f"{time:g}")
+        case.true("all slide", bool((job.field("CSTATUS")[frame][:25] == 2).all()), why="gross sliding", time=f"{time:g}")
+    case.figure(lambda: loop_figure(job.field("U")[:, -60:, 0], shear, normal, job.times), "Friction over time.")
+    case.done()
+
+
+def loop_figure(_: Floats, shear: Floats, normal: Floats, times: Floats) -> object:
+    """T/N over time."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6, 3))
+    axes = figure.subplots()
+    axes.plot(times[1:], shear[1:] / normal[1:], "o-", ms=3)
+    axes.set(xlabel="time", ylabel="T/N")
+    return figure
+
+
+# --------------------------------------------------------------------------------------------------- capstan
+
+
+def ring_sector(name: str, inner: float, outer: float, degrees: float, n: int, m: int) -> Mesh:
+    """A sheet of a ring: s along the angle from the x axis, backwards, so that t = radius is to the outside."""
+
+    def place(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        angle = np.radians(degrees) * (1 - s)
+        return t * np.cos(angle), t * np.sin(angle)
+
+    return sheet(name, between(0, 1, n), between(inner, outer, m), place)
+
+
+def capstan_deck(n: int, ends: dict[str, Floats]) -> str:
+    """The strap shrunk on the drum, then drawn over it."""
+    strap, drum = strap_and_drum(n)
+    supports = fix("DRUM_BOTTOM, 1, 3", "DRUM_TOP, 1, 3", "PULLED, 1", "GIVEN, 3")
+    steps = step(supports, 1) + step(fix("PULLED, 1, 1, -1.", "GIVEN, 3, 3, 0.9"), 60)
+    parts = [(strap, (1000.0, 0.0)), (drum, (1e5, 0.0))]
+    return plane_deck(parts, pair("STRAP_BOTTOM", "DRUM_TOP", 0.3), steps, ends)
+
+
+def strap_and_drum(n: int) -> tuple[Mesh, Mesh]:
+    """The strap is made 0.05 too small."""
+    return ring_sector("STRAP", 99.95, 100.45, 90, n, 2), ring_sector("DRUM", 95.0, 100.0, 90, n, 2)
+
+
+@pytest.mark.slow
+def test_capstan(proof: Proof) -> None:
+    """A strap around a quarter of a drum; two meshes."""
+    case = proof(
+        "capstan",
+        title="Capstan",
+        model="A strap (t = 0.5, E = 1000, nu = 0) is shrunk by 0.05 on a quarter of a fixed drum of radius 100, 120 and 240 elements along "
+        "it, plane strain, C3D8, small displacements, mu = 0.3. Its ends are held along it (not at the nodes that touch) while it settles (1 "
+        "increment), then one is drawn by 1 (60 increments) while the other gives way by 0.9, so that all of it slides.",
+        formula="T2/T1 = exp(mu theta'), theta' = theta/(1 + t/(2 R)) because friction acts at the drum and tension in the middle of the strap.",
+        source="Euler (1769), Eytelwein (1808)",
+        proves="Friction along a curved master, where each node's pressure is carried by the friction of all nodes before it.",
+    )
+    expected = np.exp(0.3 * np.pi / 2 / (1 + 0.5 / 200))
+    errors = []
+    for n in (120, 240):
+        strap = strap_and_drum(n)[0]
+        ends = {
+            name: np.setdiff1d(strap.node_sets[f"STRAP_{side}"], strap.node_sets["STRAP_BOTTOM"])
+            for name, side in (("PULLED", "LEFT"), ("GIVEN", "RIGHT"))
+        }
+        job = case.run(capstan_deck(n, ends), f"{n} elements", asked=61)
+        force = job.last("RF")
+        found = force[ends["PULLED"], 0].sum() / force[ends["GIVEN"], 2].sum()
+        errors.append(abs(found / expected - 1))
+        stuck = job.last("CSTATUS")[strap.node_sets["STRAP_BOTTOM"]] == 1
+        case.true("no node sticks", not stuck.any(), why="drawn far enough", time=f"the end, {n} elements")
+    order = f"{np.log2(errors[0] / errors[1]):.1f}"
+    case.near("T2/T1", found, expected, 0.005, why="linear elements bend too stiffly: first order", order=order)
+    case.within("finer over coarser error", errors[1] / errors[0], (0.0, 0.9), why="convergence")
+    case.done()
+
+
+# ------------------------------------------------------------------------------------------------ shrink fit
+
+
+def ring(name: str, inner: float, outer: float, length: float, cells: tuple[int, int, int]) -> Mesh:
+    """A closed ring about y: cells around, along, through; surfaces NAME_IN and NAME_OUT, node sets NAME_A (y = 0) and
+    NAME_B, NAME_X and NAME_Z: the lines of the face away from the fit that lie in x = 0 and in z = 0.
+    """
+    n, k, m = cells
+    a, y, t = np.meshgrid(np.arange(n), between(0, length, k), between(inner, outer, m), indexing="ij")
+    angle = -2 * np.pi * a / n
+    nodes = np.stack([v.ravel(order="F") for v in (t * np.cos(angle), y, t * np.sin(angle))], axis=1)
+    i, b, c = (v.ravel(order="F") for v in np.meshgrid(range(n), range(k), range(m), indexing="ij"))
+    along = np.stack([i, (i + 1) % n, (i + 1) % n, i], axis=1)
+    lower = along + n * np.stack([b, b, b + 1, b + 1], axis=1) + n * (k + 1) * c[:, None]
+    mesh = Mesh(nodes, np.concatenate([lower, lower + n * (k + 1)], axis=1))
+    mesh.element_sets = {name: np.arange(n * k * m), f"{name}_E1": np.arange(n * k), f"{name}_E2": np.arange(n * k) + n * k * (m - 1)}
+    mesh.surfaces = {f"{name}_IN": [(f"{name}_E1", 1)], f"{name}_OUT": [(f"{name}_E2", 2)]}
+    layers = {"IN": np.arange(n * (k + 1)), "OUT": np.arange(n * (k + 1)) + n * (k + 1) * m}
+    mesh.node_sets = {f"{name}_{side}": members for side, members in layers.items()}
+    for end, value in (("A", 0.0), ("B", length)):
+        mesh.node_sets[f"{name}_{end}"] = np.flatnonzero(np.abs(nodes[:, 1] - value) < 1e-9)
+    free = layers["IN" if name == "INNER" else "OUT"]
+    for side, axis in (("X", 0), ("Z", 2)):
+        mesh.node_sets[f"{name}_{side}"] = free[np.abs(nodes[free, axis]) < 1e-9]
+    return mesh
+
+
+def test_shrink_fit(proof: Proof) -> None:
+    """Two rings with interference, then the inner one is pulled out of the outer one."""
+    young, d, mu, length = 206e9, 0.02, 0.1, 0.5
+    ri, rm, ro = 1.25, 1.516, 1.75
+    ru = rm + d  # outer radius of the inner ring as it is made
+    soft = rm * (ro**2 + rm**2) / (ro**2 - rm**2) + rm * (ru**2 + ri**2) / (ru**2 - ri**2)
+    p = young * d / soft
+    nominal = young * d / (2 * rm**3) * (ro**2 - rm**2) * (rm**2 - ri**2) / (ro**2 - ri**2)
+    case = proof(
+        "shrink-fit",
+        title="Shrink fit with pull-out: Lame",
+        model="Two whole rings, radii 1.25, 1.516 and 1.75 m, 0.5 m long, E = 206 GPa, nu = 0, mu = 0.1, C3D8, 64 around, 2 along, 4 through "
+        "each; the inner ring is 0.02 m too large. Step 1 lets them settle (1 increment), step 2 pulls the inner face of one end of the inner "
+        "ring by 20 mm along the axis (10 increments), small displacements.",
+        formula="Lame for each ring with its own radii: p = E d/[R (Ro^2 + R^2)/(Ro^2 - R^2) + R (Ru^2 + Ri^2)/(Ru^2 - Ri^2)], Ru = R + d, p "
+        f"on the outer ring; {p:.5g} Pa. (Both with the radius R: {nominal:.5g} Pa, the number of VM292.) Pull-out force mu p 2 pi R L.",
+        source="Lame (1852); Ansys VM292",
+        proves="Interference that the first increment resolves, and axial sliding of a curved fit.",
+    )
+    inner, outer = ring("INNER", ri, rm + d, length, (64, 2, 4)), ring("OUTER", rm, ro, length, (64, 2, 4))
+    handle = np.intersect1d(inner.node_sets["INNER_IN"], inner.node_sets["INNER_B"])
+    grip = np.intersect1d(outer.node_sets["OUTER_OUT"], outer.node_sets["OUTER_A"]) + len(inner.nodes)
+    supports = fix("INNER_X, 1", "INNER_Z, 3", "OUTER_X, 1", "OUTER_Z, 3", "GRIP, 2", "HANDLE, 2")
+    steps = step(supports, 1) + step(fix("HANDLE, 2, 2, 0.02"), 10)
+    parts = [(inner, (young, 0.0)), (outer, (young, 0.0))]
+    deck = solid_deck(parts, pair("INNER_OUT", "OUTER_IN", mu), steps, {"HANDLE": handle, "GRIP": grip})
+    job = case.run(deck, asked=11)
+    slaves = inner.node_sets["INNER_OUT"]
+    middle = slaves[np.abs(inner.nodes[slaves, 1] - length / 2) < 1e-9]
+    normal = np.linalg.norm(job.field("CNORMF")[:, slaves], axis=2).sum(axis=1)
+    area = 2 * np.pi * rm * length
+    case.near("mean pressure", normal[job.frame(1.0)] / area, p, 0.005, why="four elements through each ring", time="1")
+    pressure = job.field("CPRESS")[job.frame(1.0), middle]
+    case.near("pressure is the same all around", pressure, pressure.mean(), 1e-6, why="symmetry of the mesh", time="1")
+    pull = job.last("RF")[handle, 1].sum()
+    case.near("pull-out force over mu N", pull / (mu * normal[-1]), 1.0, 1e-5, why="all of it slides", time="2")
+    case.near("pull-out force", pull, mu * p * area, 0.01, why="the pulled end is bent", time="2")
+    case.done()
+
+
+# --------------------------------------------------------------------------------------------------- ironing
+
+
+@pytest.mark.slow
+def test_shallow_ironing(proof: Proof) -> None:
+    """Fischer and Wriggers."""
+    case = proof(
+        "shallow-ironing",
+        title="Shallow ironing: Fischer and Wriggers",
+        model="A block (x 0.2 to 1.4, flat top at z = 5.4, bottom an arc of radius 0.75 with its pole at 4.2, E = 6896) is pressed by 1 into "
+        "a foundation 12 x 4 (E = 689.6), nu = 0.32, mu = 0.3, plane strain, 60 x 15 and 12 x 6 C3D8, then drawn along by 10; NLGEOM. 20 "
+        "increments are asked for the press, 200 for the drag. Hencky's law in place of neo-Hooke's.",
+        formula="Six published codes disagree: V(1) 268 to 332, V(1.5) 337 to 421, H/V(1.5) 0.30 to 0.53; the curves are smooth.",
+        source="Fischer and Wriggers, Comput. Methods Appl. Mech. Engrg. 195 (2006) 5020, and five later authors",
+        proves="Finite sliding over fifty facets with friction.",
+    )
+    ground = sheet("GROUND", between(0, 12, 60), between(0, 4, 15))
+    radius = 0.75
+
+    def arc(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        x = 0.6 * s
+        return 0.8 + x, (4.2 + radius - np.sqrt(radius**2 - x**2)) * (1 - t) + 5.4 * t
+
+    iron = sheet("IRON", between(-1, 1, 12), between(0, 1, 6), arc)
+    press = fix("GROUND_BOTTOM, 1, 3", "IRON_TOP, 1", "IRON_TOP, 3, 3, -1.")
+    steps = step(press, 20, True) + step(fix("IRON_TOP, 1, 1, 10."), 200, True)
+    deck = plane_deck([(iron, (6896.0, 0.32)), (ground, (689.6, 0.32))], pair("IRON_BOTTOM", "GROUND_TOP", 0.3), steps)
+    job = case.run(deck, asked=220)
+    force = job.field("RF")[:, join([iron, ground]).node_sets["IRON_TOP"]].sum(axis=1)
+    v, h = -force[:, 2], force[:, 0]
+    at = [int(np.argmin(np.abs(job.times - t))) for t in (1.0, 1.5)]
+    case.within("V", v[at[0]], (268, 332), why="band of the published codes", time="1")
+    case.within("V", v[at[1]], (337, 421), why="band of the published codes", time="1.5")
+    case.within("H/V", abs(h[at[1]]) / v[at[1]], (0.30, 0.53), why="band of the published codes", time="1.5")
+    steady = (job.times > 1.3) & (job.times < 1.8)
+    trend = np.polyval(np.polyfit(job.times[steady], v[steady], 2), job.times[steady])
+    case.within("ripple of V", float(np.abs(v[steady] / trend - 1).max()), (0.0, 0.03), why="one facet after the other", time="1.3 to 1.8")
+    case.true("the stroke is done", bool(job.times[-1] == 2.0), why="in 220 increments", time="2")
+    case.figure(lambda: ironing_figure(job.times, v, h), "Vertical and horizontal force on the block.")
+    case.done()
+
+
+def ironing_figure(times: Floats, v: Floats, h: Floats) -> object:
+    """Forces over time."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.5, 3.5))
+    axes = figure.subplots()
+    axes.plot(times, v, label="vertical")
+    axes.plot(times, np.abs(h), label="horizontal")
+    axes.set(xlabel="time", ylabel="force")
+    axes.legend()
+    return figure
+
+
+# ------------------------------------------------------------------------------- a stuck block turns with all
+
+
+@pytest.mark.parametrize("degrees", [10.0, 30.0])
+def test_stuck_block_turns(proof: Proof, degrees: float) -> None:
+    """Two pressed blocks turned together by half a turn: nothing but the directions changes."""
+    n_steps = round(180 / degrees)
+    case = proof(
+        f"turning-{degrees:g}",
+        title=f"A stuck block in a large rotation, {degrees:g} degrees per increment",
+        model="A block 1 x 1 (3 x 3 cells) on a block 2 x 1 (5 x 2 cells), E = 1000, nu = 0.3, mu = 0.5, plane strain, NLGEOM. The top is pressed "
+        f"by 0.01 and moved sideways by 0.001 (2 increments), then top and bottom turn about the origin by 180 degrees, {n_steps} steps of one "
+        "increment.",
+        formula="Contact forces in axes that turn along are what they were; no node slips.",
+        source="objectivity; CalculiX (node to surface) stops at some 72 degrees",
+        proves="Stick is a tie to a material point of the master: it turns with it, for any angle per increment.",
+    )
+    lower = sheet("LOWER", between(-1, 1, 5), between(-1, 0, 2))
+    upper = sheet("UPPER", between(-0.5, 0.5, 3), between(0, 1, 3))
+    mesh = join([upper, lower])
+    steps = step(fix("LOWER_BOTTOM, 1, 3", "UPPER_TOP, 1, 1, 0.001", "UPPER_TOP, 3, 3, -0.01"), 2, True)
+    held = np.concatenate([mesh.node_sets["UPPER_TOP"], mesh.node_sets["LOWER_BOTTOM"]])
+    start = mesh.nodes[held].copy()
+    start[: len(mesh.node_sets["UPPER_TOP"])] += [0.001, 0, -0.01]
+    for k in range(1, n_steps + 1):
+        angle = np.radians(degrees * k)
+        turned = start @ turn(angle).T - mesh.nodes[held]
+        rows = [f"{i + 1}, {d}, {d}, {u[d - 1]:.15g}" for i, u in zip(held, turned, strict=True) for d in (1, 3)]
+        steps += step(fix(*rows), 1, True)
+    deck = plane_deck([(upper, (1000.0, 0.3)), (lower, (1000.0, 0.3))], pair("UPPER_BOTTOM", "LOWER_TOP", 0.5), steps)
+    job = case.run(deck, asked=2 + n_steps)
+    first = job.frame(1.0)
+    forces = job.field("CNORMF") + job.field("CSHEARF")
+    scale = float(np.abs(forces[first]).max())
+    stuck = job.field("CSTATUS")[first] == 1
+    worst = max(
+        float(np.abs(forces[first + k] @ turn(np.radians(degrees * k)) - forces[first]).max()) for k in range(1, n_steps + 1)
+    )
+    case.near("contact force, turned back", worst / scale, 0.0, 1e-6, why="the default controls", scale=1.0, time="all increments")
+    still = (job.field("CSTATUS")[first:] == job.field("CSTATUS")[first]).all()
+    case.true("every status stays", bool(still), why="a rigid rotation", time="all increments")
+    case.true("some nodes stick", bool(stuck.any()), why="else nothing is shown")
+    case.done()
+
+
+def turn(angle: float) -> Floats:
+    """Rotation about y, from x to z."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
