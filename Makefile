@@ -84,7 +84,7 @@ $(B)/$(1).o: $(foreach used,$(filter $(ROOMS),$(uses_$(1))),$(B)/$(used).o)
 endef
 $(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
 
-.PHONY: all build ready proven deps run programs test check verify unit debug sanitize format lint install hooks clean help
+.PHONY: bench study all build ready proven deps run programs test check verify unit debug sanitize format lint install hooks clean help
 
 all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize: into build/debug, ...; WERROR=1)
 	@$(MAKE) build
@@ -169,6 +169,12 @@ check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
 
 verify: programs $(VENV)/installed ## Run the verification cases and write their pages to doc/verification
 	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/verification
+
+bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) and write the table of doc/performance.md
+	@$(PY) verify/benchmark/bench.py --program $(BIN)/amontons --write
+
+study: programs $(VENV)/installed ## Ironing over facets: iterations by friction, shape and size of the increments
+	@$(PY) verify/study/ironing_table.py --program $(BIN)/amontons
 
 # --- the look of the source ---------------------------------------------------------------------------------------
 SOURCES = $(wildcard src/*.f90 verify/unit/*.f90)
