@@ -18,6 +18,7 @@ module amontons_analysis
   use amontons_state, only: state_type, commit_state, restore_state
   use amontons_contact, only: commit_slip
   use amontons_adjust, only: adjust_slaves
+  use amontons_fasten, only: fasten_model
   use amontons_system, only: system_type, create_system, begin_step, begin_increment
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
@@ -90,6 +91,8 @@ contains
       call read_deck(options, analysis%model, analysis%complaints, error)
     end if
     call journal%complain(analysis%complaints)
+    if (allocated(error)) return
+    call fasten_model(analysis%model, error)
     if (allocated(error)) return
     call adjust(analysis%model, journal, error)
     if (allocated(error)) return
@@ -333,7 +336,7 @@ contains
     integer :: outcome
     associate (record => analysis%records(analysis%n_records))
       record%is_converged = .true.
-      call close_ledger(analysis%state, record)
+      call close_ledger(analysis%model%mesh%is_abstract, analysis%state, record)
       call close_record(analysis, record)
       call commit_state(analysis%state)
       call accept_increment(analysis%stepper, step, record%dt, record%n_iterations, outcome)
@@ -588,7 +591,8 @@ contains
 
 
   !> Slip, work and the sums of the forces of a converged increment.
-  subroutine close_ledger(state, record)
+  subroutine close_ledger(is_abstract, state, record)
+    logical, intent(in) :: is_abstract(:)          !< (n_nodes) its displacement is none: its forces are no forces
     type(state_type), intent(inout) :: state
     type(increment_record_type), intent(inout) :: record
     integer :: s
@@ -596,8 +600,8 @@ contains
     associate (old => state%old, new => state%new)
       new%external_work = old%external_work + 0.5_DP * sum((new%u - old%u) * &
         (old%applied_force + old%reaction_force + new%applied_force + new%reaction_force))
-      record%applied_force = sum(new%applied_force, dim=2)
-      record%reaction_force = sum(new%reaction_force, dim=2)
+      record%applied_force = sum(new%applied_force, dim=2, mask=spread(.not. is_abstract, 1, 3))
+      record%reaction_force = sum(new%reaction_force, dim=2, mask=spread(.not. is_abstract, 1, 3))
       record%contact_force = sum(new%contact_force, dim=2)
       record%slave_force = 0.0_DP
       do s = 1, size(new%slaves)

@@ -10,7 +10,7 @@ module amontons_assembly
   use amontons_errors, only: error_type
   use amontons_topology, only: element_kind, kind_type, KIND_MASS, FAMILY_SOLID, MAX_NODES, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, element_nodes
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, direction_of
   use amontons_loads, only: load_value, DISTRIBUTED_PRESSURE
   use amontons_steps, only: step_type
   use amontons_state, only: fields_type, state_type
@@ -20,7 +20,7 @@ module amontons_assembly
     points_type, ELEMENT_OK
   implicit none
   private
-  public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
+  public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads, add_coupling
 
   integer, parameter :: ELEMENTS_PER_PART = 400       !< enough work for a thread, small enough for the cache
 
@@ -40,13 +40,24 @@ module amontons_assembly
 contains
 
   !> Builds graph, pattern and element order. Cost: linear in the size of the mesh, plus METIS.
-  subroutine create_assembly(assembly, mesh, error)
+  subroutine create_assembly(assembly, mesh, error, coupled_first, coupled_nodes)
     type(assembly_type), intent(out) :: assembly
     type(mesh_type), intent(in) :: mesh
     type(error_type), allocatable, intent(out) :: error
+    integer, intent(in), optional :: coupled_first(:)   !< (n + 1) start of each group of nodes coupled as by an element
+    integer, intent(in), optional :: coupled_nodes(:)
+    type(mesh_type) :: coupled                        ! with these groups in place of elements, for the graph
     call order_elements(assembly, mesh, error)
     if (allocated(error)) return
-    call build_graph(assembly, mesh)
+    if (present(coupled_first)) then
+      coupled%n_nodes = mesh%n_nodes
+      coupled%n_elements = mesh%n_elements + size(coupled_first) - 1
+      coupled%first = [mesh%first(:mesh%n_elements), coupled_first + mesh%first(mesh%n_elements + 1) - 1]
+      coupled%nodes = [mesh%nodes, coupled_nodes]
+      call build_graph(assembly, coupled)
+    else
+      call build_graph(assembly, mesh)
+    end if
     call build_pattern(assembly, mesh%n_nodes)
     call locate_pairs(assembly, mesh)
   end subroutine create_assembly
@@ -288,32 +299,41 @@ contains
       k = assembly%pair_first(e)
       do b = 1, n
         do a = 1, b
-          assembly%pair_offset(k) = place_of(min(nodes(a), nodes(b)), max(nodes(a), nodes(b)))
+          assembly%pair_offset(k) = place_of(assembly, min(nodes(a), nodes(b)), max(nodes(a), nodes(b)))
           k = k + 1
         end do
       end do
     end do
 
-  contains
-
-    !> Place of a node among the neighbours of a lower one: binary search.
-    pure integer function place_of(low, high) result(place)
-      integer, intent(in) :: low, high
-      integer :: left, right, middle
-      left = assembly%graph_first(low)
-      right = assembly%graph_first(low + 1) - 1
-      do while (left < right)
-        middle = (left + right) / 2
-        if (assembly%graph_node(middle) < high) then
-          left = middle + 1
-        else
-          right = middle
-        end if
-      end do
-      place = left - assembly%graph_first(low)
-    end function place_of
-
   end subroutine locate_pairs
+
+
+  !> Place of a node among the neighbours of a lower one, from 0: binary search.
+  pure integer function place_of(assembly, low, high) result(place)
+    type(assembly_type), intent(in) :: assembly
+    integer, intent(in) :: low, high
+    integer :: left, right, middle
+    left = assembly%graph_first(low)
+    right = assembly%graph_first(low + 1) - 1
+    do while (left < right)
+      middle = (left + right) / 2
+      if (assembly%graph_node(middle) < high) then
+        left = middle + 1
+      else
+        right = middle
+      end if
+    end do
+    place = left - assembly%graph_first(low)
+  end function place_of
+
+
+  !> K = K + block between two nodes that the pattern couples.
+  pure subroutine add_coupling(assembly, low, high, block)
+    type(assembly_type), intent(inout) :: assembly
+    integer, intent(in) :: low, high               !< nodes, low <= high
+    real(DP), intent(in) :: block(3, 3)            !< [force/length]
+    call add_block(assembly%stiffness, low, place_of(assembly, low, high), block)
+  end subroutine add_coupling
 
 
   !> Internal forces F_int and the stresses, strains and energies at u.
@@ -527,7 +547,8 @@ contains
     do i = 1, size(step%concentrated)
       associate (load => step%concentrated(i))
         magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
-        fields%applied_force(load%dof, load%node) = fields%applied_force(load%dof, load%node) + magnitude
+        fields%applied_force(:, load%node) = fields%applied_force(:, load%node) &
+          + magnitude * direction_of(model, load%node, load%dof)
       end associate
     end do
     do i = 1, size(step%distributed)

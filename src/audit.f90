@@ -9,10 +9,11 @@ module amontons_audit
   use amontons_lookup, only: integer_list_type
   use amontons_topology, only: element_kind, kind_type, KIND_SPRINGA, N_KINDS
   use amontons_element, only: element_volume, ELEMENT_OK
-  use amontons_loads, only: load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY
+  use amontons_loads, only: equation_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY
   use amontons_steps, only: step_type
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, direction_of, n_bonds
   use amontons_state, only: slave_type
+  use amontons_bonds, only: linear_equations
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, ROW_REDUNDANT, &
     ROW_CONFLICT
   use amontons_contact, only: contact_type
@@ -36,17 +37,43 @@ contains
     type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them: facet, gap and normal are set
     type(complaints_type), intent(inout) :: report
     type(error_type), allocatable, intent(out) :: error
-    type(bodies_type) :: bodies
-    call find_bodies(model, bodies)
+    type(model_type), allocatable :: linear        ! with the bonds as equations, if there are any
     call check_volumes(model, report)
     call check_materials(model, report)
-    call check_lone_nodes(model, bodies, report)
     call check_equations(model, report)
     call check_contact(model, contact, slaves, report)
-    call check_motions(model, contact, slaves, bodies, report)
+    if (n_bonds(model) > 0) then
+      allocate (linear, source=model)
+      call append_bonds(linear)
+      call check_bodies(linear, contact, slaves, report)
+    else
+      call check_bodies(model, contact, slaves, report)
+    end if
     if (report%n_errors > 0) call set_error(error, EXIT_SETUP, 'The model cannot stand as it is: the audit found ' // &
       plural(report%n_errors, 'error') // '. No step was begun.')
   end subroutine audit_model
+
+
+  !> The bonds of a model, linearised, among its equations.
+  subroutine append_bonds(model)
+    type(model_type), intent(inout) :: model
+    type(equation_type), allocatable :: equations(:)
+    call linear_equations(model, equations)
+    model%equations = [model%equations, equations]
+  end subroutine append_bonds
+
+
+  !> Lone nodes and free motions.
+  subroutine check_bodies(model, contact, slaves, report)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    type(complaints_type), intent(inout) :: report
+    type(bodies_type) :: bodies
+    call find_bodies(model, bodies)
+    call check_lone_nodes(model, bodies, report)
+    call check_motions(model, contact, slaves, bodies, report)
+  end subroutine check_bodies
 
 
   !> Elements whose volume is not positive everywhere.
@@ -171,8 +198,9 @@ contains
         call add_equation(model, k, largest, constraints, verdict)
         if (verdict == ROW_CONFLICT .and. .not. is_whole) cycle
         if (verdict == ROW_CONFLICT .and. told(k) < ROW_CONFLICT) call complain(report, 'In step ' // text_of(i) // &
-          ' the *EQUATION of line ' // text_of(model%equations(k)%line) // ' contradicts the prescribed ' // &
-          'displacements of its nodes or the equations before it. Release one of them.')
+          ' the *' // trim(model%equations(k)%card) // ' of line ' // &
+          text_of(model%equations(k)%line) // ' contradicts the prescribed displacements ' // &
+          'of its nodes or the equations before it. Release one of them.')
         if (verdict == ROW_REDUNDANT .and. told(k) == 0) call idle%add(model%equations(k)%line)
         told(k) = max(told(k), verdict)
       end do
@@ -199,6 +227,7 @@ contains
     is_prescribed = .false.
     do i = 1, size(model%steps(step)%prescribed)
       associate (load => model%steps(step)%prescribed(i), period => model%steps(step)%period)
+        if (maxval(direction_of(model, load%node, load%dof)) < 1.0_DP) cycle   ! in a direction of its own
         if (load%is_held) then
           if (step == 1) is_known(load%dof, load%node) = .true.
           is_whole = is_whole .and. is_known(load%dof, load%node)
@@ -227,7 +256,7 @@ contains
       row%unknown = 3 * (equation%node - 1) + equation%dof
       row%coefficient = equation%coefficient
       tolerance = SAME * max(largest, 0.0_DP) * sum(abs(equation%coefficient)) + tiny(1.0_DP)
-      call add_row(constraints, row, 1, tolerance, verdict)
+      call add_row(constraints, row, equation%n_candidates, tolerance, verdict)
     end associate
   end subroutine add_equation
 

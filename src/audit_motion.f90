@@ -15,7 +15,7 @@ module amontons_audit_motion
   use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC, MAX_FACE_NODES
   use amontons_dense, only: symmetric_eigen, DENSE_OK
   use amontons_steps, only: step_type
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, direction_of
   use amontons_state, only: slave_type
   use amontons_contact, only: contact_type, facet_weights
   use amontons_audit_words, only: complain, warn, step_list, joined
@@ -126,7 +126,7 @@ contains
     type(step_type), intent(in) :: step
     type(bases_type), intent(out) :: bases
     real(DP), allocatable :: gram(:, :, :)
-    real(DP) :: rows(3, 6)
+    real(DP) :: row(6)
     integer :: i, b
     allocate (gram(6, 6, bodies%n), source=0.0_DP)
     allocate (bases%n(bodies%n), source=0)
@@ -138,8 +138,9 @@ contains
       associate (load => step%prescribed(i))
         b = bodies%of_node(load%node)
         if (b == 0) cycle
-        rows = rigid_motion(bodies%list(b), model%mesh%coordinates(:, load%node))
-        call add_product(rows(load%dof, :), rows(load%dof, :), gram(:, :, b))
+        row = matmul(direction_of(model, load%node, load%dof), &
+          rigid_motion(bodies%list(b), model%mesh%coordinates(:, load%node)))
+        call add_product(row, row, gram(:, :, b))
       end associate
     end do
     call hold_by_elements(model, bodies, gram)

@@ -24,6 +24,7 @@ contains
     call describe_contact(table)
     call describe_contact_changes(table)
     call describe_amplitude_and_equation(table)
+    call describe_bonds(table)
     call describe_loads(table)
     call describe_steps(table)
     call describe_controls(table)
@@ -242,6 +243,79 @@ contains
   end subroutine describe_amplitude_and_equation
 
 
+  !> Directions of nodes, and what binds displacements together.
+  subroutine describe_bonds(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('TRANSFORM', IN_MODEL, 'Gives the degrees of freedom of nodes directions of their own, for ' // &
+      '*BOUNDARY, *CLOAD, *EQUATION and *NODE PRINT.', data='TYPE=R: a point on the local x axis, one in the xy ' // &
+      'plane; TYPE=C: two points of the axis (directions: out, around, along)')
+    call table%option('NSET', VALUE_NAME, 'The nodes.', default='required')
+    call table%option('TYPE', VALUE_WORD, 'Rectangular or cylindrical.', allowed='R|C', default='R')
+    call table%refuse_words('S', 'Use R or C.')
+
+    call table%card('ORIENTATION', IN_MODEL, 'Names directions, for *COUPLING.', data='RECTANGULAR: a point on the ' // &
+      'local x axis, one in the xy plane; CYLINDRICAL: two points of the axis')
+    call table%option('NAME', VALUE_NAME, 'Its name.', default='required')
+    call table%option('SYSTEM', VALUE_WORD, 'Rectangular or cylindrical.', allowed='RECTANGULAR|CYLINDRICAL', &
+      default='RECTANGULAR')
+    call table%refuse_words('SPHERICAL|Z RECTANGULAR|USER', 'Use RECTANGULAR or CYLINDRICAL.')
+    call table%option('DEFINITION', VALUE_WORD, 'How the points are given.', allowed='COORDINATES', default='COORDINATES')
+    call table%refuse_words('NODES|OFFSET TO NODES', 'Give coordinates.')
+
+    call table%card('MPC', IN_MODEL, 'Constraints between nodes: PLANE (all nodes stay in the plane of the first ' // &
+      'three), STRAIGHT (on the line through the first two), BEAM (calculix: the distance of two nodes stays; ' // &
+      'abaqus: the first is fixed rigidly to the second), TIE and PIN (the first moves as the second), MEANROT (the ' // &
+      'mean rotation of the nodes is the first displacement of the last node, whose coordinates are the axis).', &
+      data='kind, nodes or node sets')
+    call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck.', status=STATUS_REFUSED)
+
+    call table%card('RIGID BODY', IN_MODEL, 'Nodes that move with a reference node as a rigid body; its degrees of ' // &
+      'freedom 4 to 6 are the rotation vector.')
+    call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
+    call table%option('NSET', VALUE_NAME, 'The nodes; or')
+    call table%option('ELSET', VALUE_NAME, 'the elements whose nodes are taken.')
+    call table%option('ROT NODE', VALUE_NAME, 'A node whose displacement is the rotation vector.')
+    call table%option('PIN NSET|TIE NSET|ANALYTICAL SURFACE|ISOTHERMAL|POSITION|DENSITY|OFFSET|NODAL THICKNESS', &
+      VALUE_TEXT, 'Name the nodes with NSET.', status=STATUS_REFUSED)
+
+    call table%card('COUPLING', IN_MODEL, 'Couples a surface to a reference node; *KINEMATIC or *DISTRIBUTING follows.')
+    call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
+    call table%option('SURFACE', VALUE_NAME, 'The surface.', default='required')
+    call table%option('ORIENTATION', VALUE_NAME, 'Directions: of the nodes of the surface (KINEMATIC), or of the ' // &
+      'reference node (DISTRIBUTING).')
+    call table%option('CONSTRAINT NAME', VALUE_NAME, 'A name.')
+    call table%option('INFLUENCE RADIUS', VALUE_REAL, 'Name a surface that holds the nodes wanted.', status=STATUS_REFUSED)
+    call table%option('ALPHA', VALUE_TEXT, '', status=STATUS_NOTED)
+    call table%card('KINEMATIC', IN_MODEL, 'The nodes move with the reference node as a rigid body, in these directions.', &
+      parent='COUPLING', data='first and last degree of freedom (1 to 3; rotations of solids do not exist); none: all')
+    call table%card('DISTRIBUTING', IN_MODEL, 'The reference node moves with the mean rigid motion of the surface; its ' // &
+      'forces and moments spread over the surface.', parent='COUPLING', &
+      data='first and last degree of freedom; of the rotations only those named are bound; none: all')
+    call table%option('COUPLING|WEIGHTING METHOD', VALUE_TEXT, 'Nodes weigh by their area.', status=STATUS_NOTED)
+    call table%option('CYCLIC SYMMETRY', VALUE_NONE, 'Couple the whole surface.', status=STATUS_REFUSED)
+
+    call table%card('TIE', IN_MODEL, 'Makes two surfaces one: the nodes of the slave stay where they are on the faces ' // &
+      'of the master.', data='slave surface, master surface')
+    call table%option('NAME', VALUE_NAME, 'A name.', default='required')
+    call table%option('POSITION TOLERANCE', VALUE_REAL, 'Nodes farther from the master are not tied.', &
+      default='2.5 % of the mean edge of the master''s faces')
+    call table%option('ADJUST', VALUE_WORD, 'Moves tied nodes onto the master before the start.', allowed='YES|NO', &
+      default='YES')
+    call table%option('CYCLIC SYMMETRY|MULTISTAGE|FLUID PERIODIC|FLUID CYCLIC', VALUE_NONE, 'Model the whole body.', &
+      status=STATUS_REFUSED)
+    call table%option('TIED NSET|NO ROTATION|NO THICKNESS|CONSTRAINT RATIO|CYCLIC', VALUE_TEXT, '', status=STATUS_NOTED)
+    call table%option('TYPE', VALUE_WORD, 'How the surfaces are tied.', &
+      allowed='NODE TO SURFACE|SURFACE TO SURFACE', default='NODE TO SURFACE')
+
+    call table%card('PRE-TENSION SECTION', IN_MODEL, 'Cuts a body open at the faces of a surface; the first ' // &
+      'displacement of the pre-tension node is the overlap along the normal, a force on it the pre-tension.', &
+      data='normal; optional: the mean normal of the faces')
+    call table%option('SURFACE', VALUE_NAME, 'Faces of the elements on one side of the section.', default='required')
+    call table%option('NODE', VALUE_NAME, 'The pre-tension node.', default='required')
+    call table%option('ELEMENT', VALUE_NAME, 'Beams do not exist here.', status=STATUS_REFUSED)
+  end subroutine describe_bonds
+
+
   !> Prescribed displacements, forces, pressures, gravity.
   subroutine describe_loads(table)
     type(card_table_type), intent(inout) :: table
@@ -441,7 +515,7 @@ contains
       'PROPERTY|DEPVAR', 'User subroutines do not exist here.')
     call table%cards_with(STATUS_REFUSED, 'TEMPERATURE|INITIAL CONDITIONS|INITIAL STRAIN INCREASE|FIELD|PRESSURE ' // &
       'STRESS|MASS FLOW RATE', 'The bodies start without stress and have no temperature.')
-    call table%cards_with(STATUS_REFUSED, 'ORIENTATION|DISTRIBUTION|DISTRIBUTION TABLE|TRANSFORM|TRANSFORMF|' // &
+    call table%cards_with(STATUS_REFUSED, 'DISTRIBUTION|DISTRIBUTION TABLE|TRANSFORMF|' // &
       'SYSTEM|NODAL ROTATION', 'Everything is in the global Cartesian directions; with skew supports use *EQUATION.')
   end subroutine describe_refused_materials
 
@@ -472,9 +546,9 @@ contains
   !> Constraints, structural elements, parts and generators that we do not have.
   subroutine describe_refused_parts(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(STATUS_REFUSED, 'TIE|MPC|NETWORK MPC|COUPLING|KINEMATIC|DISTRIBUTING|KINEMATIC COUPLING|' // &
-      'DISTRIBUTING COUPLING|RIGID BODY|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|CYCLIC SYMMETRY MODEL|' // &
-      'PRE-TENSION SECTION|RELEASE|TIE COEFFICIENT', 'Use *EQUATION, or mesh the bodies together.')
+    call table%cards_with(STATUS_REFUSED, 'NETWORK MPC|KINEMATIC COUPLING|' // &
+      'DISTRIBUTING COUPLING|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|CYCLIC SYMMETRY MODEL|' // &
+      'RELEASE|TIE COEFFICIENT', 'Use *EQUATION, or mesh the bodies together.')
     call table%cards_with(STATUS_REFUSED, 'BEAM SECTION|BEAM GENERAL SECTION|SHELL SECTION|SHELL GENERAL SECTION|' // &
       'MEMBRANE SECTION|COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|NODAL ' // &
       'THICKNESS|NORMAL|TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|HOURGLASS STIFFNESS|REBAR|REBAR LAYER|' // &

@@ -13,6 +13,7 @@ module amontons_constraints
   private
   public :: constraints_type, row_type, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
   public :: start_constraints, fix_unknown, add_row, finish_constraints, condense_forces, condensation
+  public :: find_multipliers, is_named
 
   integer, parameter :: ROW_ACCEPTED = 0       !< the row made an unknown dependent
   integer, parameter :: ROW_REDUNDANT = 1      !< stronger rows say the same already
@@ -20,12 +21,25 @@ module amontons_constraints
 
   real(DP), parameter :: TINY_COEFFICIENT = 1.0e-10_DP   !< relative to the row's largest: taken as zero [-]
 
+  !> Other rows that went into a row.
+  type :: use_type
+    integer, allocatable :: row(:)
+    real(DP), allocatable :: amount(:)
+  end type use_type
+
   !> One row sum coefficient * du(unknown) = rhs, or, once accepted, du(pivot) = sum coefficient * du(unknown) + rhs.
   type :: row_type
     integer, allocatable :: unknown(:)
     real(DP), allocatable :: coefficient(:)
     real(DP) :: rhs = 0
     integer :: pivot = 0
+    integer :: tag = 0                         !< what the row is, for the one who added it; kept
+    ! Once accepted: the row as it was added, and how it was made of others, for the multipliers.
+    integer, allocatable :: given_unknown(:)
+    real(DP), allocatable :: given_coefficient(:)
+    real(DP) :: scale = 1                      !< row as added = scale * this one + sum amount * stronger ones
+    type(use_type) :: stronger
+    type(use_type) :: weaker                   !< this one expanded = this one + sum amount * weaker ones expanded
   end type row_type
 
   !> The elimination. Unknowns are numbered 1 to n_unknowns; fixed and dependent ones leave, the rest are free.
@@ -78,13 +92,17 @@ contains
     integer, intent(out) :: verdict             !< ROW_...
     type(row_type) :: reduced
     integer :: k
-    call substitute(self, row, reduced)
+    call substitute(self, row, reduced, reduced%stronger)
     if (size(reduced%unknown) == 0) then
       verdict = merge(ROW_CONFLICT, ROW_REDUNDANT, abs(reduced%rhs) > tolerance)
       return
     end if
     k = pivot_position(reduced, row%unknown(:n_candidates))
     reduced%pivot = reduced%unknown(k)
+    reduced%tag = row%tag
+    reduced%given_unknown = row%unknown
+    reduced%given_coefficient = row%coefficient
+    reduced%scale = reduced%coefficient(k)
     reduced%rhs = reduced%rhs / reduced%coefficient(k)
     reduced%coefficient = -reduced%coefficient / reduced%coefficient(k)
     reduced%unknown = [reduced%unknown(:k - 1), reduced%unknown(k + 1:)]
@@ -115,14 +133,15 @@ contains
 
 
   !> The row without fixed and dependent unknowns: they are replaced until only free ones are left.
-  subroutine substitute(self, row, reduced)
+  subroutine substitute(self, row, reduced, used)
     type(constraints_type), intent(inout) :: self
     type(row_type), intent(in) :: row
-    type(row_type), intent(out) :: reduced
+    type(row_type), intent(inout) :: reduced    !< unknown, coefficient and rhs are set
+    type(use_type), intent(out) :: used         !< the rows that were put in
     integer, allocatable :: list(:)             ! unknowns met; grows while it is walked
     integer :: i, n
     real(DP) :: a, largest
-    allocate (list(max(16, 4 * size(row%unknown))))
+    allocate (list(max(16, 4 * size(row%unknown))), used%row(0), used%amount(0))
     reduced%rhs = row%rhs
     largest = maxval(abs(row%coefficient))
     n = 0
@@ -162,6 +181,8 @@ contains
         return
       end if
       reduced%rhs = reduced%rhs - amount * self%rows(k)%rhs
+      used%row = [used%row, k]
+      used%amount = [used%amount, amount]
       do j = 1, size(self%rows(k)%unknown)
         call gather(self%rows(k)%unknown(j), amount * self%rows(k)%coefficient(j))
       end do
@@ -171,6 +192,7 @@ contains
     subroutine collect()
       integer :: j, m
       m = 0
+      if (allocated(reduced%unknown)) deallocate (reduced%unknown, reduced%coefficient)
       allocate (reduced%unknown(n), reduced%coefficient(n))
       do j = 1, n
         if (abs(self%work(list(j))) > TINY_COEFFICIENT * largest) then
@@ -197,10 +219,7 @@ contains
     if (self%n_rows == size(self%rows)) then
       allocate (larger(2 * self%n_rows))
       do k = 1, self%n_rows
-        call move_alloc(self%rows(k)%unknown, larger(k)%unknown)
-        call move_alloc(self%rows(k)%coefficient, larger(k)%coefficient)
-        larger(k)%rhs = self%rows(k)%rhs
-        larger(k)%pivot = self%rows(k)%pivot
+        larger(k) = self%rows(k)
       end do
       call move_alloc(larger, self%rows)
     end if
@@ -243,7 +262,7 @@ contains
         whole%unknown = row%unknown
         whole%coefficient = row%coefficient
         whole%rhs = -row%rhs                    ! substitute() keeps sum a du = rhs, the row is du(pivot) = sum a du + rhs
-        call substitute(self, whole, expanded)
+        call substitute(self, whole, expanded, row%weaker)
         row%unknown = expanded%unknown
         row%coefficient = expanded%coefficient
         row%rhs = -expanded%rhs
@@ -304,6 +323,55 @@ contains
     end subroutine fill_row
 
   end subroutine fill_map
+
+
+  !> Whether rows speak of an unknown that is free so far. Before: not finished.
+  pure function is_named(self) result(named)
+    type(constraints_type), intent(in) :: self
+    logical :: named(self%n_unknowns)
+    integer :: k
+    named = .false.
+    do k = 1, self%n_rows
+      named(self%rows(k)%unknown) = .true.
+      named(self%rows(k)%pivot) = .true.
+    end do
+  end function is_named
+
+
+  !> The multipliers of the rows as they were added: sum multiplier * row balances the force on every dependent unknown.
+  !!
+  !! On the expanded rows a multiplier is minus the force on the row's pivot, which stands in no other of them. The two
+  !! steps of the elimination are then undone: the expansion from the first row on, the reduction from the last.
+  subroutine find_multipliers(self, force, multiplier)
+    type(constraints_type), intent(in) :: self      !< finished
+    real(DP), intent(in) :: force(:, :)             !< (3, n_unknowns / 3) without the constraints [force]
+    real(DP), allocatable, intent(out) :: multiplier(:)   !< (n_rows)
+    integer :: k
+    allocate (multiplier(self%n_rows))
+    do k = 1, self%n_rows
+      multiplier(k) = -force(mod(self%rows(k)%pivot - 1, 3) + 1, (self%rows(k)%pivot + 2) / 3)
+    end do
+    do k = 1, self%n_rows
+      if (allocated(self%rows(k)%weaker%row)) call add_to(self%rows(k)%weaker, multiplier(k))
+    end do
+    do k = self%n_rows, 1, -1
+      multiplier(k) = multiplier(k) / self%rows(k)%scale
+      call add_to(self%rows(k)%stronger, -multiplier(k))
+    end do
+
+  contains
+
+    !> Adds to the multipliers of other rows.
+    subroutine add_to(used, factor)
+      type(use_type), intent(in) :: used
+      real(DP), intent(in) :: factor
+      integer :: i
+      do i = 1, size(used%row)
+        multiplier(used%row(i)) = multiplier(used%row(i)) + factor * used%amount(i)
+      end do
+    end subroutine add_to
+
+  end subroutine find_multipliers
 
 
   !> Forces on all unknowns condensed onto the free ones, C' f, written back in place; 0 at fixed and dependent unknowns.

@@ -10,6 +10,7 @@ module amontons_deck
     keep_elements
   use amontons_deck_model, only: read_heading, read_materials, read_amplitudes, read_surfaces, read_equations
   use amontons_deck_contact, only: read_interactions, read_pairs, read_clearances
+  use amontons_deck_bonds, only: read_transforms, read_bonds
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
   use amontons_deck_sets, only: read_sets
   use amontons_deck_steps, only: read_steps
@@ -80,7 +81,9 @@ contains
     call read_interactions(reader, model)
     call read_pairs(reader, model)
     call read_clearances(reader, model)
+    call read_transforms(reader, model)
     call read_equations(reader, model)
+    call read_bonds(reader, model)
     call read_steps(reader, model)
     call publish_remarks(reader%cards, reader%remarks, complaints)
     model%deck_text = reader%cards%text(:reader%cards%n_text)

@@ -201,30 +201,52 @@ contains
     integer, intent(inout) :: n_changed          !< displacements given differently before in this step
     type(prescribed_type) :: new
     integer, allocatable :: nodes(:)
-    logical :: is_fixed(3), is_ok
-    integer :: i, dof
+    logical :: is_fixed(6), is_ok
+    integer :: i, dof, n_passed
     is_ok = .true.
     new = common
     new%line = reader%cards%line_number(row%line)
     call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
     call read_dofs(reader, row, is_fixed, new%end, is_ok)
     if (.not. is_ok) return
+    n_passed = 0
     do i = 1, size(nodes)
-      do dof = 1, 3
+      do dof = 1, 6
         if (.not. is_fixed(dof)) cycle
-        new%node = nodes(i)
-        new%dof = dof
-        call hold(new, step, standing, n_changed)
+        call place_dof(model, nodes(i), dof, new%node, new%dof)
+        if (new%node == 0) n_passed = n_passed + 1
+        if (new%node > 0) call hold(new, step, standing, n_changed)
       end do
     end do
+    if (n_passed == 0) return
+    if (abs(new%end) > 0) then
+      call complain(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom are 1 to 3 (4 to 6 ' // &
+        'at reference nodes of rigid bodies and couplings).')
+    else
+      call note(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom 4 to 6 are passed over.')
+    end if
   end subroutine read_boundary_row
+
+
+  !> Where a degree of freedom is: 4 to 6 of a reference node are the displacements of its rotation node.
+  subroutine place_dof(model, node, dof, place, dof_there)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: node, dof             !< 1 to 6
+    integer, intent(out) :: place, dof_there     !< node and 1 to 3; node 0: there is none
+    place = node
+    dof_there = dof
+    if (dof <= 3) return
+    dof_there = dof - 3
+    place = 0
+    if (allocated(model%rotation_of)) place = model%rotation_of(node)
+  end subroutine place_dof
 
 
   !> The degrees of freedom of a BOUNDARY row: first, last, value; or a word.
   subroutine read_dofs(reader, row, is_fixed, value, is_ok)
     type(reader_type), intent(inout) :: reader
     type(row_type), intent(in) :: row
-    logical, intent(out) :: is_fixed(3)
+    logical, intent(out) :: is_fixed(6)
     real(DP), intent(out) :: value               !< [length]
     logical, intent(inout) :: is_ok
     integer :: first, last, status
@@ -240,15 +262,11 @@ contains
     call need_real(reader, row, 4, 'displacement', value, is_ok, 0.0_DP)
     if (.not. is_ok) return
     if (first < 1 .or. last < first .or. last > 6) then
-      call complain(reader, row%line, 'The degrees of freedom must be 1 to 3, the first not above the last.')
-      is_ok = .false.
-    else if (first > 3 .and. abs(value) > 0) then
-      call complain(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom are 1 to 3.')
+      call complain(reader, row%line, 'The degrees of freedom must be 1 to 3 (to 6 at reference nodes), the first not ' // &
+        'above the last.')
       is_ok = .false.
     else
-      if (last > 3) call note(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom ' // &
-        text_of(max(4, first)) // ' to ' // text_of(last) // ' are passed over.')
-      is_fixed(first:min(3, last)) = .true.
+      is_fixed(first:last) = .true.
     end if
   end subroutine read_dofs
 
@@ -257,13 +275,13 @@ contains
   subroutine read_support_word(reader, row, is_fixed, is_ok)
     type(reader_type), intent(inout) :: reader
     type(row_type), intent(in) :: row
-    logical, intent(out) :: is_fixed(3)
+    logical, intent(out) :: is_fixed(6)
     logical, intent(inout) :: is_ok
     is_fixed = .false.
     call need_at_most(reader, row, 2)
     select case (squeezed(field_text(reader%cards, row, 2)))
     case ('ENCASTRE', 'PINNED')
-      is_fixed = .true.
+      is_fixed(:3) = .true.
     case ('XSYMM')
       is_fixed(1) = .true.
     case ('YSYMM')
@@ -344,7 +362,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:)
     real(DP) :: value
-    integer :: amplitude, dof, i
+    integer :: amplitude, dof, i, place, dof_there
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') call &
@@ -356,14 +374,19 @@ contains
       call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
       call need_integer(reader, row, 2, 'degree of freedom', dof, is_ok)
       call need_real(reader, row, 3, 'force', value, is_ok, 0.0_DP)
-      if (is_ok .and. (dof < 1 .or. dof > 3)) then
-        call complain(reader, row%line, 'The degree of freedom of a force must be 1, 2 or 3; the nodes of solids ' // &
-          'take no moments.')
+      if (is_ok .and. (dof < 1 .or. dof > 6)) then
+        call complain(reader, row%line, 'The degree of freedom of a force must be 1, 2 or 3, of a moment 4, 5 or 6.')
         is_ok = .false.
       end if
       if (.not. is_ok) cycle
       do i = 1, size(nodes)
-        call add_force(3 * nodes(i) - 3 + dof, value, amplitude, standing%step, standing%is_step, standing%cloads)
+        call place_dof(model, nodes(i), dof, place, dof_there)
+        if (place == 0) then
+          call complain(reader, row%line, 'The nodes of solids take no moments; only reference nodes of rigid bodies ' // &
+            'and couplings do.')
+          exit
+        end if
+        call add_force(3 * place - 3 + dof_there, value, amplitude, standing%step, standing%is_step, standing%cloads)
       end do
     end do
   end subroutine read_cload

@@ -10,7 +10,7 @@ module amontons_deck_model
   use amontons_lookup, only: integer_list_type, sort_integers
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_mesh, only: mesh_type
-  use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_model, only: model_type, direction_of, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_surfaces, only: surface_type
   use amontons_text, only: text_of, squeezed, parse_real, plural, NUMBER_OK, NEWLINE
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
@@ -439,6 +439,7 @@ contains
           end if
           n = n + 1
           call merge_terms(reader, terms, i, line, model%equations(n))
+          if (allocated(model%frame_of)) call turn_terms(model, model%equations(n))
         end do
       end do
     end do
@@ -544,5 +545,30 @@ contains
     if (.not. abs(equation%coefficient(1)) > 0) call complain(reader, line, &
       'The coefficient of the first term is zero; its degree of freedom is the one eliminated.')
   end subroutine merge_terms
+
+
+  !> Terms of transformed nodes become terms in the global directions.
+  subroutine turn_terms(model, equation)
+    type(model_type), intent(in) :: model
+    type(equation_type), intent(inout) :: equation
+    type(equation_type) :: turned
+    real(DP) :: direction(3)
+    integer :: i, k
+    turned%node = [integer ::]
+    turned%dof = [integer ::]
+    turned%coefficient = [real(DP) ::]
+    do i = 1, size(equation%node)
+      direction = direction_of(model, equation%node(i), equation%dof(i))
+      do k = 1, 3
+        if (.not. abs(direction(k)) > 0) cycle
+        turned%node = [turned%node, equation%node(i)]
+        turned%dof = [turned%dof, k]
+        turned%coefficient = [turned%coefficient, equation%coefficient(i) * direction(k)]
+      end do
+      if (i == 1) turned%n_candidates = size(turned%node)
+    end do
+    turned%line = equation%line
+    equation = turned
+  end subroutine turn_terms
 
 end module amontons_deck_model

@@ -27,8 +27,9 @@ uses_mesh = kinds topology
 uses_materials = kinds
 uses_surfaces = kinds
 uses_loads = kinds
+uses_ties = kinds tensor
 uses_steps = kinds surfaces loads
-uses_model = kinds mesh materials surfaces loads steps
+uses_model = kinds mesh materials surfaces loads ties steps
 
 # 3 reading: text to cards, cards to model
 uses_cards = kinds errors text lookup
@@ -39,9 +40,10 @@ uses_deck_mesh = kinds text lookup topology mesh materials model cards card_form
 uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
 uses_deck_model = kinds text lookup topology mesh materials surfaces loads model cards card_form deck_reader
 uses_deck_contact = kinds text mesh surfaces steps model cards card_form deck_reader
+uses_deck_bonds = kinds text tensor topology mesh loads ties model cards card_form deck_reader
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
 uses_deck_steps = kinds text steps model cards card_form card_table deck_reader deck_contact deck_loads
-uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_model deck_contact deck_steps
+uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_model deck_contact deck_bonds deck_steps
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -70,15 +72,18 @@ uses_state = kinds mesh model
 uses_constraints = kinds errors sparse
 uses_condensed = kinds errors sparse dense partition factor constraints
 uses_assembly = kinds errors sparse partition topology mesh loads steps model element state
+uses_bonds = kinds errors tensor loads ties model state constraints assembly
+uses_supports = kinds errors loads steps model state constraints bonds
+uses_fasten = kinds errors tensor topology loads ties model shapes facets search gap
 uses_contact = kinds errors topology surfaces steps model shapes facets search gap slip compliance areas state constraints
 uses_adjust = kinds errors model state contact
 uses_contact_tangent = kinds errors sparse topology surfaces model gap compliance state constraints contact
-uses_system = kinds errors history sparse partition factor krylov surfaces loads steps model state constraints condensed assembly contact contact_tangent
+uses_system = kinds errors history sparse partition factor krylov surfaces steps model state constraints condensed assembly bonds supports contact contact_tangent
 uses_audit_words = errors text
 uses_audit_contact = kinds errors text lookup loads model state contact audit_words
 uses_audit_bodies = kinds text topology model element
 uses_audit_motion = kinds errors text lookup tensor dense topology steps model state contact audit_words audit_contact audit_bodies
-uses_audit = kinds errors text lookup topology loads steps model element state constraints contact audit_words audit_contact audit_bodies audit_motion
+uses_audit = kinds errors text lookup topology loads steps model element state constraints bonds contact audit_words audit_contact audit_bodies audit_motion
 
 # 6 solution: the increment, the steps, the results
 uses_converge = kinds steps
@@ -94,7 +99,7 @@ uses_printed = kinds errors text tensor history posix topology mesh steps model 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state system newton stepper
 uses_failure = kinds model state system converge newton
-uses_analysis = kinds errors text history journal posix dense factor store steps model deck state contact adjust system audit converge newton stepper results printed restart failure
+uses_analysis = kinds errors text history journal posix dense factor store steps model deck state fasten contact adjust system audit converge newton stepper results printed restart failure
 uses_drive = kinds errors text loads steps model
 uses_library = kinds errors text journal sparse model state system converge stepper columns results analysis drive
 uses_capi = kinds errors version text sparse model library

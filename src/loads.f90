@@ -50,11 +50,13 @@ module amontons_loads
     real(DP) :: direction(3) = 0                 !< unit vector, gravity only
   end type distributed_type
 
-  !> sum coefficient * u(node, dof) = 0. The first term is the one eliminated.
+  !> sum coefficient * u(node, dof) = 0. Of the first terms one is eliminated.
   type :: equation_type
     integer, allocatable :: node(:)
     integer, allocatable :: dof(:)
     real(DP), allocatable :: coefficient(:)
+    integer :: n_candidates = 1                  !< that many first terms may be eliminated
+    character(16) :: card = 'EQUATION'           !< keyword of the card that made it, for messages
     integer :: line = 0                          !< line of the card in the deck, for messages
   end type equation_type
 

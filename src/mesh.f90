@@ -6,7 +6,7 @@ module amontons_mesh
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS
   implicit none
   private
-  public :: mesh_type, set_type, finish_mesh, element_nodes
+  public :: mesh_type, set_type, finish_mesh, element_nodes, append_node
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -30,6 +30,7 @@ module amontons_mesh
     real(DP), allocatable :: section(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
                                                    !< constant [force/length] or mass [mass], by the kind; else 1
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
+    logical, allocatable :: is_abstract(:)         !< (n_nodes) its displacement is none: a rotation vector, a pre-tension
     logical, allocatable :: has_elements(:)        !< (n_nodes)
     logical, allocatable :: is_idle(:, :)          !< (3, n_nodes) has elements, but none resists this displacement
     type(set_type), allocatable :: node_sets(:)
@@ -57,6 +58,7 @@ contains
     if (allocated(mesh%is_idle)) deallocate (mesh%is_idle)
     if (allocated(mesh%has_elements)) deallocate (mesh%has_elements)
     allocate (mesh%has_elements(mesh%n_nodes), mesh%is_idle(3, mesh%n_nodes), source=.false.)
+    if (.not. allocated(mesh%is_abstract)) allocate (mesh%is_abstract(mesh%n_nodes), source=.false.)
     if (allocated(mesh%nodes)) call find_idle(mesh)
   end subroutine finish_mesh
 
@@ -104,6 +106,28 @@ contains
       resists = [.true., .true., .false.]
     end select
   end function resisted
+
+
+  !> One more node, without elements, at a place; its label is one above the largest.
+  subroutine append_node(mesh, x, node)
+    type(mesh_type), intent(inout) :: mesh         !< finished
+    real(DP), intent(in) :: x(3)                   !< [length]
+    integer, intent(out) :: node                   !< its index
+    real(DP), allocatable :: coordinates(:, :)
+    logical, allocatable :: is_idle(:, :)
+    node = mesh%n_nodes + 1
+    allocate (coordinates(3, node), is_idle(3, node))
+    coordinates(:, :mesh%n_nodes) = mesh%coordinates
+    coordinates(:, node) = x
+    is_idle(:, :mesh%n_nodes) = mesh%is_idle
+    is_idle(:, node) = .false.
+    call move_alloc(coordinates, mesh%coordinates)
+    call move_alloc(is_idle, mesh%is_idle)
+    mesh%is_abstract = [mesh%is_abstract, .false.]
+    mesh%has_elements = [mesh%has_elements, .false.]
+    mesh%node_label = [mesh%node_label, maxval(mesh%node_label) + 1]
+    mesh%n_nodes = node
+  end subroutine append_node
 
 
   !> The node indices of one element; the first n are set.

@@ -6,10 +6,11 @@ module amontons_model
   use amontons_materials, only: material_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
   use amontons_loads, only: amplitude_type, equation_type
+  use amontons_ties, only: bond_type, tie_type, spread_type
   use amontons_steps, only: step_type
   implicit none
   private
-  public :: model_type, job_options_type, job_path, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
+  public :: model_type, job_options_type, job_path, direction_of, n_bonds, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
   integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
   integer, parameter :: DIALECT_ABAQUS = 1
@@ -44,11 +45,37 @@ module amontons_model
     type(equation_type), allocatable :: equations(:)
     real(DP), allocatable :: initial_temperature(:)   !< (n_nodes) of INITIAL CONDITIONS; not there: 0 [temperature]
     real(DP), allocatable :: initial_history(:, :)    !< (HISTORY_..., n_points) of INITIAL CONDITIONS; not there: 0
+    type(bond_type), allocatable :: bonds(:)    !< constraints that are not linear
+    type(tie_type), allocatable :: ties(:)      !< surfaces tied; they become equations before the start
+    type(spread_type), allocatable :: spreads(:)   !< distributing couplings; they become equations before the start
+    integer, allocatable :: rotation_of(:)      !< (n_nodes) rotation node of a reference node, 0
+    integer, allocatable :: frame_of(:)         !< (n_nodes) index into frames of a transformed node, 0; else not allocated
+    real(DP), allocatable :: frames(:, :, :)    !< (3, 3, n) directions of transformed nodes, columns
     type(step_type), allocatable :: steps(:)
     logical :: keeps_restart = .false.          !< RESTART, WRITE: the checkpoint stays when the job is done
   end type model_type
 
 contains
+
+  !> The direction of a degree of freedom: a global axis, or an axis of the node's own frame.
+  pure function direction_of(model, node, dof) result(direction)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: node, dof
+    real(DP) :: direction(3)
+    direction = 0.0_DP
+    direction(dof) = 1.0_DP
+    if (.not. allocated(model%frame_of)) return
+    if (model%frame_of(node) > 0) direction = model%frames(:, dof, model%frame_of(node))
+  end function direction_of
+
+
+  !> The number of bonds; a model made by hand may have no list.
+  pure integer function n_bonds(model) result(n)
+    type(model_type), intent(in) :: model
+    n = 0
+    if (allocated(model%bonds)) n = size(model%bonds)
+  end function n_bonds
+
 
   !> The path of a result file of the job: folder, name, extension.
   pure function job_path(options, extension) result(path)

@@ -93,7 +93,7 @@ contains
     newton%force_scale = max(newton%force_scale, system%largest_force)
     scale = max(system%largest_force, FORCE_MEMORY * newton%force_scale, tiny(1.0_DP))
     newton%progress%residual = [system%largest_residual / scale, newton%progress%residual(0:1)]
-    newton%progress%gap = system%contact%worst_gap
+    newton%progress%gap = max(system%contact%worst_gap, system%violation)
   end subroutine note_residual
 
 

@@ -296,11 +296,7 @@ contains
       case ('U')
         call print_node_rows(unit, 'displacements (vx,vy,vz)', model%mesh, set, fields, fields%u)
       case ('RF')
-        if (model%dialect == DIALECT_CALCULIX) then
-          force = fields%internal_force - fields%contact_force
-        else
-          force = fields%reaction_force
-        end if
+        force = printed_forces(model, fields)
         if (.not. request%is_only_totals) &
           call print_node_rows(unit, 'forces (fx,fy,fz)', model%mesh, set, fields, force)
         if (.not. (request%is_totals .or. request%is_only_totals)) return
@@ -309,6 +305,22 @@ contains
       end select
     end associate
   end subroutine print_node_variable
+
+
+  !> RF: the reactions of supports. CalculiX prints the internal forces at all nodes that have elements.
+  pure function printed_forces(model, fields) result(force)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP) :: force(3, model%mesh%n_nodes)
+    integer :: i
+    force = fields%reaction_force
+    if (model%dialect /= DIALECT_CALCULIX) return
+    do i = 1, size(model%mesh%nodes)
+      associate (node => model%mesh%nodes(i))
+        force(:, node) = fields%internal_force(:, node) - fields%contact_force(:, node)
+      end associate
+    end do
+  end function printed_forces
 
 
   !> A block of vectors at the nodes of a set.

@@ -12,11 +12,10 @@
 !! J dv = C' R is solved by GMRES with A as the preconditioner (doc/theory/solver.md).
 module amontons_system
   use amontons_kinds, only: DP, I64
-  use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_model, only: model_type
+  use amontons_errors, only: error_type
+  use amontons_model, only: model_type, n_bonds
   use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type
-  use amontons_loads, only: load_value
   use amontons_history, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: state_type, fields_type, STATUS_OPEN
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, multiply, multiply_transpose, &
@@ -26,8 +25,9 @@ module amontons_system
   use amontons_condensed, only: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, apply_condensed, &
     is_interface_worth
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, KRYLOV_CONVERGED
-  use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, finish_constraints, &
-    condense_forces, condensation, ROW_CONFLICT
+  use amontons_constraints, only: constraints_type, finish_constraints, condense_forces, condensation
+  use amontons_bonds, only: add_curvatures, keep_supports, curved_nodes
+  use amontons_supports, only: support_model
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
   use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
     begin_contact_increment
@@ -72,7 +72,8 @@ module amontons_system
     logical, allocatable :: is_contact(:)          !< (n_unknowns) on the interface
     integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while it serves
     real(DP) :: best_entries = 0                   !< entries of the factor when that order was made
-    integer, allocatable :: idle(:)                !< unknowns that no element resists: held at zero
+    logical, allocatable :: is_lone(:)             !< (3 n_nodes) of a node without elements
+    real(DP) :: violation = 0                      !< largest of the bonds at the last evaluation, over their size [-]
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
     real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
@@ -113,12 +114,33 @@ contains
     type(error_type), allocatable, intent(out) :: error
     call prepare_state(system, model, state, error)
     if (allocated(error)) return
-    call create_assembly(system%assembly, model%mesh, error)
+    call prepare_bonds(system, model, error)
     if (allocated(error)) return
-    call find_idle(model, system%idle)
     allocate (system%u_start(3, model%mesh%n_nodes), system%imbalance(3, model%mesh%n_nodes), &
       system%residual(3, model%mesh%n_nodes), source=0.0_DP)
   end subroutine create_system
+
+
+  !> The pattern of the stiffness, with what bonds couple, and the unknowns that no element knows.
+  subroutine prepare_bonds(system, model, error)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: first(:), nodes(:)
+    integer :: i
+    allocate (first(n_bonds(model) + 1), nodes(0))
+    first(1) = 1
+    do i = 1, n_bonds(model)
+      nodes = [nodes, curved_nodes(model%bonds(i))]
+      first(i + 1) = size(nodes) + 1
+    end do
+    call create_assembly(system%assembly, model%mesh, error, first, nodes)
+    if (allocated(error)) return
+    allocate (system%is_lone(3 * model%mesh%n_nodes), source=.true.)
+    do i = 1, 3
+      system%is_lone(3 * (model%mesh%nodes - 1) + i) = .false.
+    end do
+  end subroutine prepare_bonds
 
 
   !> Contact finds its slave nodes; the state is laid out with them.
@@ -171,108 +193,9 @@ contains
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields
     type(error_type), allocatable, intent(out) :: error
-    integer :: i
-    call start_constraints(system%base, 3 * model%mesh%n_nodes)
-    do i = 1, size(system%idle)
-      call fix_unknown(system%base, system%idle(i), -fields%u(modulo(system%idle(i) - 1, 3) + 1, (system%idle(i) + 2) / 3))
-    end do
-    do i = 1, size(step%prescribed)
-      associate (load => step%prescribed(i))
-        call fix_unknown(system%base, 3 * (load%node - 1) + load%dof, &
-          prescribed_value(model, step, i, fields, system%u_start(load%dof, load%node)) - fields%u(load%dof, load%node))
-      end associate
-    end do
-    call add_equations(system%base, model, fields%u, error)
-    if (allocated(error)) return
-    call add_followers(system%base, system%contact%follower, fields%u)
-    call finish_constraints(system%base)
+    call support_model(system%base, model, step, fields, system%u_start, system%contact%follower, system%is_lone, &
+      system%violation, error)
   end subroutine prescribe
-
-
-  !> Displacements that no element resists stay at zero, unless a support moves them: the third of plane models, and all
-  !! of nodes without elements that no equation names.
-  subroutine find_idle(model, idle)
-    type(model_type), intent(in) :: model
-    integer, allocatable, intent(out) :: idle(:)   !< unknowns
-    logical, allocatable :: is_idle(:, :)
-    integer :: i, k
-    is_idle = model%mesh%is_idle
-    do i = 1, model%mesh%n_nodes
-      if (.not. model%mesh%has_elements(i)) is_idle(:, i) = .true.
-    end do
-    do i = 1, size(model%equations)
-      associate (equation => model%equations(i))
-        do k = 1, size(equation%node)
-          if (.not. model%mesh%has_elements(equation%node(k))) is_idle(equation%dof(k), equation%node(k)) = .false.
-        end do
-      end associate
-    end do
-    idle = pack([(i, i=1, 3 * model%mesh%n_nodes)], reshape(is_idle, [3 * model%mesh%n_nodes]))
-  end subroutine find_idle
-
-
-  !> The displacement of a support now. One new in this step runs straight from where it was at the start of the step.
-  pure real(DP) function prescribed_value(model, step, i, fields, u_start) result(value)
-    type(model_type), intent(in) :: model
-    type(step_type), intent(in) :: step
-    integer, intent(in) :: i                       !< index into step%prescribed
-    type(fields_type), intent(in) :: fields        !< times
-    real(DP), intent(in) :: u_start                !< [length]
-    associate (load => step%prescribed(i))
-      if (load%is_held) then
-        value = u_start
-      else if (load%amplitude == 0 .and. load%is_from_current) then
-        value = u_start + (load%end - u_start) * (fields%step_time / step%period)
-      else
-        value = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
-      end if
-    end associate
-  end function prescribed_value
-
-
-  !> The rows of *EQUATION, corrected by what is violated at u.
-  subroutine add_equations(base, model, u, error)
-    type(constraints_type), intent(inout) :: base
-    type(model_type), intent(in) :: model
-    real(DP), intent(in) :: u(:, :)
-    type(error_type), allocatable, intent(out) :: error
-    type(row_type) :: row
-    integer :: i, k, verdict
-    character(12) :: line
-    do i = 1, size(model%equations)
-      associate (equation => model%equations(i))
-        row%unknown = 3 * (equation%node - 1) + equation%dof
-        row%coefficient = equation%coefficient
-        row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])
-        call add_row(base, row, 1, 1.0e-9_DP * (1.0_DP + maxval(abs(u))), verdict)
-        if (verdict == ROW_CONFLICT) then
-          write (line, '(i0)') equation%line
-          call set_error(error, EXIT_SETUP, 'The *EQUATION of line ' // trim(line) // ' contradicts the boundary ' // &
-            'conditions of its nodes or the equations before it. Release one of them.')
-          return
-        end if
-      end associate
-    end do
-  end subroutine add_equations
-
-
-  !> A mid-side node of a slave face stays in the middle of its corners: u_m = (u_a + u_b)/2 (doc/theory/contact.md).
-  subroutine add_followers(base, follower, u)
-    type(constraints_type), intent(inout) :: base
-    integer, intent(in) :: follower(:, :)          !< (3, n) the node and its two corners
-    real(DP), intent(in) :: u(:, :)
-    type(row_type) :: row
-    integer :: i, k, verdict
-    do i = 1, size(follower, 2)
-      do k = 1, 3
-        row%unknown = 3 * (follower(:, i) - 1) + k
-        if (base%owner(row%unknown(1)) /= 0) cycle
-        row%coefficient = [1.0_DP, -0.5_DP, -0.5_DP]
-        row%rhs = -dot_product(row%coefficient, u(k, follower(:, i)))
-        call add_row(base, row, 1, huge(1.0_DP), verdict)
-      end do
-    end do
-  end subroutine add_followers
 
 
   !> Imbalance, contact and residual at state%new%u: forces only.
@@ -283,6 +206,7 @@ contains
     logical, intent(in) :: is_frozen               !< .true.: every slave node keeps its status
     type(state_type), intent(inout) :: state
     integer, intent(out) :: trouble                !< TROUBLE_...
+    type(error_type), allocatable :: error         ! rows that contradict each other here
     integer :: failed
     integer(I64) :: clock
     call start_clock(clock)
@@ -291,6 +215,9 @@ contains
     system%trouble_item = failed
     if (failed /= 0) return
     call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .false.)
+    if (step%is_nlgeom .and. n_bonds(model) > 0) call prescribe(system, model, step, state%new, error)
+    if (allocated(error)) trouble = TROUBLE_SOLVER
+    if (allocated(error)) return
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
     call stop_clock(clock, system%seconds(PHASE_ASSEMBLY))
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
@@ -308,6 +235,7 @@ contains
     integer :: s
     fields%reaction_force = fields%internal_force - fields%applied_force - fields%contact_force
     call condense_forces(system%base, -fields%reaction_force, system%residual)
+    call keep_supports(system%base, fields%reaction_force)
     system%largest_residual = maxval(abs(system%residual))
     system%largest_force = max(maxval(abs(fields%internal_force)), maxval(abs(fields%applied_force)), &
       maxval(abs(fields%contact_force)))
@@ -369,6 +297,7 @@ contains
     trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
     if (failed /= 0) return
     call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
+    if (step%is_nlgeom .and. n_bonds(model) > 0) call add_curvatures(system%base, system%assembly, model, state%new)
     call scale_slaves(system, state%new)
     call stop_clock(clock, system%seconds(PHASE_ASSEMBLY))
     call constrain(system, model, step, state%old, state%new, error)

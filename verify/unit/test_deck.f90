@@ -869,8 +869,8 @@ contains
   subroutine test_refused(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
-    character(18), parameter :: REFUSED(8) = [character(18) :: 'TIE', 'RIGID BODY', 'BEAM SECTION', 'ORIENTATION', &
-      'TRANSFORM', 'PART', 'INITIAL CONDITIONS', 'MPC']
+    character(18), parameter :: REFUSED(8) = [character(18) :: 'RELEASE', 'EMBEDDED ELEMENT', 'BEAM SECTION', 'DISTRIBUTION', &
+      'TRANSFORMF', 'PART', 'INITIAL CONDITIONS', 'NETWORK MPC']
     integer :: i
     do i = 1, size(REFUSED)
       call expect_error(suite, MODEL_PART // '*' // trim(REFUSED(i)) // ', A=B;1,2,3;' // STEP_PART, '*' // &
@@ -892,7 +892,7 @@ contains
     type(complaints_type) :: complaints
     type(error_type), allocatable :: error
     logical :: is_ordered
-    call read('*TIE;' // MODEL_PART // '*BOUNDARY;nix,1;*FRICTION;' // STEP_START // '*CLOAD;1,9,1.;' // STEP_END // &
+    call read('*RELEASE;' // MODEL_PART // '*BOUNDARY;nix,1;*FRICTION;' // STEP_START // '*CLOAD;1,9,1.;' // STEP_END // &
       '*NODE;x;', model, complaints, error)
     call suite%that('six errors', complaints%n_errors == 6 .and. complaints%n_items == 6)
     is_ordered = all(complaints%items(2:6)%line >= complaints%items(1:5)%line)

@@ -1,0 +1,741 @@
+!> Deck bonds: the cards that bind displacements together, TRANSFORM, MPC, RIGID BODY, COUPLING, TIE, PRE-TENSION SECTION.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! What is linear becomes equations (MPC TIE and PIN, DISTRIBUTING, PRE-TENSION SECTION), the rest bonds and ties.
+!! Rotations are displacements of a rotation node: ROT NODE, or one that is made beside the reference node.
+module amontons_deck_bonds
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer
+  use amontons_card_form, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_integer, need_at_most, &
+    nodes_of_field, is_card
+  use amontons_loads, only: equation_type
+  use amontons_mesh, only: append_node
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_tensor, only: cross_product
+  use amontons_text, only: parse_real, parse_integer, squeezed, NUMBER_OK
+  use amontons_ties, only: bond_type, tie_type, spread_type, frame_rule_type, frame_at, BOND_BODY, BOND_PLANE, BOND_STRAIGHT, &
+    BOND_DISTANCE, BOND_TURN
+  use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
+  implicit none
+  private
+  public :: read_transforms, read_bonds
+
+contains
+
+  !> TRANSFORM: the directions of the degrees of freedom of a node set.
+  subroutine read_transforms(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(frame_rule_type) :: rule
+    integer, allocatable :: nodes(:)
+    real(DP), allocatable :: frames(:, :, :)
+    integer :: c, i, n
+    logical :: is_ok
+    n = 0
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'TRANSFORM')) cycle
+      call open_card(reader, c, parameters, row)
+      is_ok = .true.
+      rule = frame_rule_type(is_cylindrical=parameter_word(parameters, 'TYPE', 'R') == 'C')
+      call set_nodes(reader, model, c, parameter_text(parameters, 'NSET'), nodes, is_ok)
+      call read_rule(reader, row, rule, is_ok)
+      if (.not. is_ok) cycle
+      if (.not. allocated(model%frame_of)) then
+        allocate (model%frame_of(model%mesh%n_nodes), source=0)
+        allocate (model%frames(3, 3, 0))
+      end if
+      allocate (frames(3, 3, n + size(nodes)))
+      frames(:, :, :n) = model%frames(:, :, :n)
+      do i = 1, size(nodes)
+        n = n + 1
+        frames(:, :, n) = frame_at(rule, model%mesh%coordinates(:, nodes(i)))
+        model%frame_of(nodes(i)) = n
+      end do
+      call move_alloc(frames, model%frames)
+    end do
+  end subroutine read_transforms
+
+
+  !> The six coordinates of a rule, in the next row.
+  subroutine read_rule(reader, row, rule, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    type(frame_rule_type), intent(inout) :: rule
+    logical, intent(inout) :: is_ok
+    integer :: k
+    if (.not. next_row(reader%cards, row)) then
+      call complain(reader, row%line, 'A line with the coordinates of two points is missing.')
+      is_ok = .false.
+      return
+    end if
+    do k = 1, 3
+      call need_real(reader, row, k, 'coordinate of the first point', rule%a(k), is_ok, 0.0_DP)
+      call need_real(reader, row, k + 3, 'coordinate of the second point', rule%b(k), is_ok, 0.0_DP)
+    end do
+    if (.not. is_ok) return
+    if (rule%is_cylindrical) then
+      is_ok = norm2(rule%a - rule%b) > 0.0_DP
+    else
+      is_ok = norm2(cross_product(rule%a, rule%b)) > 0.0_DP
+    end if
+    if (.not. is_ok) call complain(reader, row%line, 'The two points give no directions: those of an axis must ' // &
+      'differ, those of a rectangular system must not lie on one line with the origin.')
+  end subroutine read_rule
+
+
+  !> The nodes of a set by its name, or one node by its number.
+  subroutine set_nodes(reader, model, c, name, nodes, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: name
+    integer, allocatable, intent(out) :: nodes(:)
+    logical, intent(inout) :: is_ok
+    integer :: found, label, status
+    allocate (nodes(0))
+    found = reader%node_sets%find(name)
+    if (found > 0) then
+      nodes = model%mesh%node_sets(found)%members
+      return
+    end if
+    call parse_integer(name, label, status)
+    if (status == NUMBER_OK) found = reader%node_labels%find(label)
+    if (found > 0) nodes = [found]
+    if (found > 0) return
+    is_ok = .false.
+    if (name /= '') call complain(reader, reader%cards%cards(c)%line, 'There is no node or node set ''' // name // '''.')
+  end subroutine set_nodes
+
+
+  !> One node: of a set with one member, or by its number.
+  subroutine one_node(reader, model, c, name, node, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c
+    character(*), intent(in) :: name
+    integer, intent(out) :: node
+    logical, intent(inout) :: is_ok
+    integer, allocatable :: nodes(:)
+    node = 0
+    call set_nodes(reader, model, c, name, nodes, is_ok)
+    if (.not. is_ok) return
+    if (size(nodes) /= 1) then
+      call complain(reader, reader%cards%cards(c)%line, 'The node set ''' // name // ''' must hold one node.')
+      is_ok = .false.
+      return
+    end if
+    node = nodes(1)
+  end subroutine one_node
+
+
+  !> All other cards of this room. Before: sets, surfaces, transforms and equations are read.
+  subroutine read_bonds(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer :: c
+    allocate (model%bonds(0), model%ties(0), model%spreads(0))
+    allocate (model%rotation_of(model%mesh%n_nodes), source=0)
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'MPC')) call read_mpc(reader, model, c)
+      if (is_card(reader, c, 'RIGIDBODY')) call read_rigid_body(reader, model, c)
+      if (is_card(reader, c, 'COUPLING')) call read_coupling(reader, model, c)
+      if (is_card(reader, c, 'TIE')) call read_tie(reader, model, c)
+      if (is_card(reader, c, 'PRE-TENSIONSECTION')) call read_pretension(reader, model, c)
+    end do
+    if (allocated(model%frame_of)) model%frame_of = [model%frame_of, &
+      spread(0, 1, model%mesh%n_nodes - size(model%frame_of))]
+  end subroutine read_bonds
+
+
+  !> The rotation node of a reference node; one is made if there is none yet.
+  subroutine make_rotation(model, reference, rotation)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: reference
+    integer, intent(out) :: rotation
+    rotation = model%rotation_of(reference)
+    if (rotation > 0) return
+    call append_node(model%mesh, model%mesh%coordinates(:, reference), rotation)
+    model%mesh%is_abstract(rotation) = .true.
+    model%rotation_of = [model%rotation_of, 0]
+    model%rotation_of(reference) = rotation
+  end subroutine make_rotation
+
+
+  !> RIGID BODY: the nodes of a node set or of an element set, and a reference node.
+  subroutine read_rigid_body(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(bond_type) :: bond
+    integer, allocatable :: nodes(:)
+    integer :: i
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    is_ok = .true.
+    bond%card = 'RIGID BODY'
+    bond%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    call body_nodes(reader, model, c, parameters, nodes, is_ok)
+    call one_node(reader, model, c, parameter_text(parameters, 'REF NODE'), bond%reference, is_ok)
+    if (has_parameter(parameters, 'ROT NODE')) call one_node(reader, model, c, &
+      parameter_text(parameters, 'ROT NODE'), bond%rotation, is_ok)
+    if (.not. is_ok) return
+    if (bond%rotation == 0) call make_rotation(model, bond%reference, bond%rotation)
+    model%mesh%is_abstract(bond%rotation) = .true.
+    model%rotation_of(bond%reference) = bond%rotation
+    bond%node = pack(nodes, [(nodes(i) /= bond%reference .and. nodes(i) /= bond%rotation, i=1, size(nodes))])
+    if (size(bond%node) == 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'The rigid body has no nodes.')
+    else if (any(bond%rotation == model%mesh%nodes)) then
+      call complain(reader, reader%cards%cards(c)%line, 'The ROT NODE belongs to an element; its displacement would ' // &
+        'be a rotation. Name a node of its own.')
+    else
+      model%bonds = [model%bonds, bond]
+    end if
+  end subroutine read_rigid_body
+
+
+  !> The nodes of NSET, or of the elements of ELSET, each once.
+  subroutine body_nodes(reader, model, c, parameters, nodes, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c
+    type(parameter_type), intent(in) :: parameters(:)
+    integer, allocatable, intent(out) :: nodes(:)
+    logical, intent(inout) :: is_ok
+    logical, allocatable :: is_member(:)
+    integer :: set, i, e
+    if (has_parameter(parameters, 'NSET')) then
+      call set_nodes(reader, model, c, parameter_text(parameters, 'NSET'), nodes, is_ok)
+      return
+    end if
+    allocate (nodes(0))
+    set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
+    if (set == 0) then
+      is_ok = .false.
+      call complain(reader, reader%cards%cards(c)%line, 'The rigid body needs NSET or ELSET, the name of a set.')
+      return
+    end if
+    allocate (is_member(model%mesh%n_nodes), source=.false.)
+    do i = 1, size(model%mesh%element_sets(set)%members)
+      e = model%mesh%element_sets(set)%members(i)
+      is_member(model%mesh%nodes(model%mesh%first(e):model%mesh%first(e + 1) - 1)) = .true.
+    end do
+    nodes = pack([(i, i=1, size(is_member))], is_member)
+  end subroutine body_nodes
+
+
+  !> MPC: kind and nodes, in one row or several.
+  subroutine read_mpc(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: nodes(:), found(:)
+    character(:), allocatable :: kind
+    integer :: i, label, status, first
+    logical :: is_ok, has_row
+    call open_card(reader, c, parameters, row)
+    has_row = next_row(reader%cards, row)
+    do while (has_row)
+      kind = squeezed(field_text(reader%cards, row, 1))
+      first = row%line
+      allocate (found(0))
+      is_ok = .true.
+      i = 2
+      do
+        do while (i <= row%n)
+          if (squeezed(field_text(reader%cards, row, i)) /= '') then
+            call nodes_of_field(reader, model%mesh, row, i, nodes, is_ok)
+            found = [found, nodes]
+          end if
+          i = i + 1
+        end do
+        has_row = next_row(reader%cards, row)
+        if (.not. has_row) exit
+        call field_integer(reader%cards, row, 1, label, status)
+        if (status /= NUMBER_OK .and. reader%node_sets%find(field_text(reader%cards, row, 1)) == 0) exit
+        i = 1
+      end do
+      if (is_ok) call add_mpc(reader, model, first, kind, found)
+      deallocate (found)
+    end do
+  end subroutine read_mpc
+
+
+  !> The bonds of one MPC.
+  subroutine add_mpc(reader, model, line, kind, given)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line
+    character(*), intent(in) :: kind             !< squeezed
+    integer, intent(in) :: given(:)              !< nodes as they stand in the deck
+    type(bond_type) :: bond
+    integer, allocatable :: nodes(:)
+    integer :: i
+    nodes = each_once(given)
+    bond%card = 'MPC'
+    bond%line = reader%cards%line_number(line)
+    select case (kind)
+    case ('PLANE', 'STRAIGHT')
+      bond%kind = merge(BOND_PLANE, BOND_STRAIGHT, kind == 'PLANE')
+      if (.not. spans(model, nodes, kind)) then
+        call complain(reader, line, 'PLANE needs three nodes that are not on a line and more, STRAIGHT two nodes that ' // &
+          'are apart and more.')
+        return
+      end if
+      do i = merge(4, 3, kind == 'PLANE'), size(nodes)
+        bond%node = [nodes(i), nodes(:merge(3, 2, kind == 'PLANE'))]
+        model%bonds = [model%bonds, bond]
+      end do
+    case ('BEAM')
+      call add_beam(reader, model, line, nodes, bond)
+    case ('TIE', 'PIN')
+      call add_pin(reader, model, line, nodes)
+    case ('MEANROT')
+      call add_turn(reader, model, line, nodes, bond)
+    case default
+      call complain(reader, line, 'The MPC ' // kind // ' is not supported; known are PLANE, STRAIGHT, BEAM, TIE, PIN ' // &
+        'and MEANROT.')
+    end select
+  end subroutine add_mpc
+
+
+  !> Whether the first nodes span a plane or a line.
+  pure logical function spans(model, nodes, kind)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: nodes(:)
+    character(*), intent(in) :: kind
+    spans = .false.
+    if (size(nodes) < merge(4, 3, kind == 'PLANE')) return
+    associate (x => model%mesh%coordinates(:, nodes(:3)))
+      spans = norm2(x(:, 2) - x(:, 1)) > 0.0_DP
+      if (kind == 'PLANE') spans = norm2(cross_product(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))) > &
+        1.0e-6_DP * norm2(x(:, 2) - x(:, 1)) * norm2(x(:, 3) - x(:, 1))
+    end associate
+  end function spans
+
+
+  !> Nodes in their order, each once.
+  pure function each_once(given) result(nodes)
+    integer, intent(in) :: given(:)
+    integer, allocatable :: nodes(:)
+    integer :: i
+    nodes = pack(given, [(.not. any(given(:i - 1) == given(i)), i=1, size(given))])
+  end function each_once
+
+
+  !> BEAM: in CalculiX two nodes keep their distance; in Abaqus the first is fixed rigidly to the second.
+  subroutine add_beam(reader, model, line, nodes, bond)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line, nodes(:)
+    type(bond_type), intent(inout) :: bond
+    if (size(nodes) /= 2) then
+      call complain(reader, line, 'BEAM needs two nodes.')
+    else if (reader%dialect == DIALECT_CALCULIX) then
+      bond%kind = BOND_DISTANCE
+      bond%node = nodes
+      model%bonds = [model%bonds, bond]
+    else
+      bond%node = nodes(:1)
+      bond%reference = nodes(2)
+      call make_rotation(model, bond%reference, bond%rotation)
+      model%bonds = [model%bonds, bond]
+    end if
+  end subroutine add_beam
+
+
+  !> TIE, PIN: the first node moves as the second.
+  subroutine add_pin(reader, model, line, nodes)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line, nodes(:)
+    integer :: k
+    if (size(nodes) /= 2) then
+      call complain(reader, line, 'TIE and PIN need two nodes.')
+      return
+    end if
+    do k = 1, 3
+      call add_equation(model, nodes, [k, k], [1.0_DP, -1.0_DP], 'MPC', reader%cards%line_number(line))
+    end do
+  end subroutine add_pin
+
+
+  !> MEANROT: nodes, and last a pilot: its coordinates are the axis, its first displacement the mean rotation.
+  subroutine add_turn(reader, model, line, nodes, bond)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line, nodes(:)
+    type(bond_type), intent(inout) :: bond
+    integer :: n
+    n = size(nodes)
+    if (n < 3) then
+      call complain(reader, line, 'MEANROT needs at least two nodes and the pilot.')
+      return
+    end if
+    bond%kind = BOND_TURN
+    bond%node = nodes(:n - 1)
+    bond%reference = nodes(n)
+    bond%axis = model%mesh%coordinates(:, nodes(n))
+    if (.not. norm2(bond%axis) > 0.0_DP) then
+      call complain(reader, line, 'The coordinates of the last node of MEANROT are the axis; they must not all be zero.')
+      return
+    end if
+    bond%axis = bond%axis / norm2(bond%axis)
+    model%mesh%is_abstract(bond%reference) = .true.
+    model%bonds = [model%bonds, bond]
+  end subroutine add_turn
+
+
+  !> Appends an equation.
+  subroutine add_equation(model, node, dof, coefficient, card, line)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: node(:), dof(:)
+    real(DP), intent(in) :: coefficient(:)
+    character(*), intent(in) :: card
+    integer, intent(in) :: line                  !< of the deck
+    type(equation_type) :: equation
+    logical :: is_kept(size(node))
+    is_kept = abs(coefficient) > 0.0_DP
+    equation%node = pack(node, is_kept)
+    equation%dof = pack(dof, is_kept)
+    equation%coefficient = pack(coefficient, is_kept)
+    equation%card = card
+    equation%line = line
+    model%equations = [model%equations, equation]
+  end subroutine add_equation
+
+
+  !> COUPLING with KINEMATIC or DISTRIBUTING below it.
+  subroutine read_coupling(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(frame_rule_type) :: rule
+    type(spread_type) :: spread_out
+    logical :: is_bound(6), is_ok, is_kinematic, has_rule
+    integer :: reference, surface
+    call open_card(reader, c, parameters, row)
+    is_ok = .true.
+    call one_node(reader, model, c, parameter_text(parameters, 'REF NODE'), reference, is_ok)
+    surface = reader%surfaces%find(parameter_text(parameters, 'SURFACE'))
+    if (surface == 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'There is no surface ''' // &
+        parameter_text(parameters, 'SURFACE') // '''.')
+      is_ok = .false.
+    end if
+    has_rule = has_parameter(parameters, 'ORIENTATION')
+    if (has_rule) call find_orientation(reader, c, parameter_text(parameters, 'ORIENTATION'), rule, is_ok)
+    is_kinematic = .false.
+    if (c < reader%cards%n_cards) is_kinematic = is_card(reader, c + 1, 'KINEMATIC')
+    if (.not. is_kinematic) then
+      if (c == reader%cards%n_cards) is_ok = .false.
+      if (is_ok) is_ok = is_card(reader, c + 1, 'DISTRIBUTING')
+      if (.not. is_ok) call complain(reader, reader%cards%cards(c)%line, &
+        'Below *COUPLING must stand *KINEMATIC or *DISTRIBUTING.')
+    end if
+    if (.not. is_ok) return
+    call read_bound(reader, c + 1, is_bound, is_ok)
+    if (.not. is_ok) return
+    if (is_kinematic) then
+      call add_kinematic(reader, model, c, reference, surface, is_bound)
+      if (has_rule) call give_axes(model, rule)
+    else
+      if (model%surfaces(surface)%is_node_based) then
+        call complain(reader, reader%cards%cards(c)%line, 'DISTRIBUTING needs a surface of element faces.')
+        return
+      end if
+      spread_out%reference = reference
+      call make_rotation(model, reference, spread_out%rotation)
+      spread_out%surface = surface
+      spread_out%is_bound = is_bound(4:6)
+      spread_out%axes = frame_at(rule, model%mesh%coordinates(:, reference))
+      spread_out%line = reader%cards%line_number(reader%cards%cards(c)%line)
+      model%spreads = [model%spreads, spread_out]
+    end if
+  end subroutine read_coupling
+
+
+  !> The degrees of freedom below KINEMATIC or DISTRIBUTING: rows first, last; none: all.
+  subroutine read_bound(reader, c, is_bound, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of that card
+    logical, intent(out) :: is_bound(6)
+    logical, intent(inout) :: is_ok
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: first, last, n
+    call open_card(reader, c, parameters, row)
+    is_bound = .false.
+    n = 0
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      call need_at_most(reader, row, 2)
+      call need_integer(reader, row, 1, 'first degree of freedom', first, is_ok, default=1)
+      call need_integer(reader, row, 2, 'last degree of freedom', last, is_ok, default=first)
+      if (.not. is_ok) return
+      if (first < 1 .or. last < first .or. last > 6) then
+        call complain(reader, row%line, 'The degrees of freedom must be 1 to 6, the first not above the last.')
+        is_ok = .false.
+        return
+      end if
+      is_bound(first:last) = .true.
+    end do
+    if (n == 0) is_bound = .true.
+  end subroutine read_bound
+
+
+  !> The rule of an ORIENTATION card by its name.
+  subroutine find_orientation(reader, c, name, rule, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card that names it
+    character(*), intent(in) :: name
+    type(frame_rule_type), intent(out) :: rule
+    logical, intent(inout) :: is_ok
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: k
+    do k = 1, reader%cards%n_cards
+      if (.not. is_card(reader, k, 'ORIENTATION')) cycle
+      call open_card(reader, k, parameters, row)
+      if (squeezed(parameter_text(parameters, 'NAME')) /= squeezed(name)) cycle
+      rule%is_cylindrical = parameter_word(parameters, 'SYSTEM', 'RECTANGULAR') == 'CYLINDRICAL'
+      call read_rule(reader, row, rule, is_ok)
+      return
+    end do
+    is_ok = .false.
+    call complain(reader, reader%cards%cards(c)%line, 'There is no orientation ''' // name // '''.')
+  end subroutine find_orientation
+
+
+  !> KINEMATIC: the nodes of the surface move with the reference node in the directions bound.
+  subroutine add_kinematic(reader, model, c, reference, surface, is_bound)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c, reference, surface
+    logical, intent(in) :: is_bound(6)
+    type(bond_type) :: bond
+    if (.not. any(is_bound(:3))) then
+      call complain(reader, reader%cards%cards(c)%line, 'KINEMATIC binds displacements of the surface: name at ' // &
+        'least one of the degrees of freedom 1 to 3.')
+      return
+    end if
+    bond%card = 'COUPLING'
+    bond%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    bond%reference = reference
+    call make_rotation(model, reference, bond%rotation)
+    bond%is_bound = is_bound(:3)
+    bond%node = pack(model%surfaces(surface)%nodes, model%surfaces(surface)%nodes /= reference)
+    model%bonds = [model%bonds, bond]
+  end subroutine add_kinematic
+
+
+  !> Directions by a rule for the last bond.
+  subroutine give_axes(model, rule)
+    type(model_type), intent(inout) :: model
+    type(frame_rule_type), intent(in) :: rule
+    integer :: i
+    associate (bond => model%bonds(size(model%bonds)))
+      allocate (bond%axes(3, 3, size(bond%node)))
+      do i = 1, size(bond%node)
+        bond%axes(:, :, i) = frame_at(rule, model%mesh%coordinates(:, bond%node(i)))
+      end do
+    end associate
+  end subroutine give_axes
+
+
+  !> TIE: slave surface, master surface; both of them one from the start.
+  subroutine read_tie(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(tie_type) :: common
+    integer :: status, n
+    call open_card(reader, c, parameters, row)
+    common%name = parameter_text(parameters, 'NAME')
+    common%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    common%is_adjusted = parameter_word(parameters, 'ADJUST', 'YES') == 'YES'
+    if (has_parameter(parameters, 'POSITION TOLERANCE')) then
+      call parse_real(parameter_text(parameters, 'POSITION TOLERANCE'), common%tolerance, status)
+      if (status == NUMBER_OK .and. common%tolerance < 0.0_DP) call complain(reader, reader%cards%cards(c)%line, &
+        'POSITION TOLERANCE must not be negative.')
+    end if
+    n = 0
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      call need_at_most(reader, row, 2)
+      call add_tie(reader, model, row, common)
+    end do
+    if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*TIE needs a data line: slave surface, master surface.')
+  end subroutine read_tie
+
+
+  !> One row of TIE.
+  subroutine add_tie(reader, model, row, common)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type), intent(in) :: row
+    type(tie_type), intent(in) :: common
+    type(tie_type) :: tie
+    integer :: i
+    tie = common
+    tie%slave = reader%surfaces%find(field_text(reader%cards, row, 1))
+    tie%master = reader%surfaces%find(field_text(reader%cards, row, 2))
+    do i = 1, 2
+      if (reader%surfaces%find(field_text(reader%cards, row, i)) == 0) call complain(reader, row%line, &
+        'There is no surface ''' // field_text(reader%cards, row, i) // '''.')
+    end do
+    if (tie%slave == 0 .or. tie%master == 0) return
+    if (tie%slave == tie%master) then
+      call complain(reader, row%line, 'A surface cannot be tied to itself; name two surfaces.')
+    else if (model%surfaces(tie%master)%is_node_based) then
+      call complain(reader, row%line, 'The master surface ''' // model%surfaces(tie%master)%name // &
+        ''' is made of nodes; a master needs element faces.')
+    else
+      model%ties = [model%ties, tie]
+    end if
+  end subroutine add_tie
+
+
+  !> PRE-TENSION SECTION: the elements of the surface get nodes of their own there; they stand off from the old ones by
+  !! the first displacement of the pre-tension node along the normal: u_new = u_old + n u_1.
+  subroutine read_pretension(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: partner(:)
+    real(DP) :: normal(3)
+    integer :: surface, pilot, i, k, line
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    line = reader%cards%line_number(reader%cards%cards(c)%line)
+    is_ok = .true.
+    call one_node(reader, model, c, parameter_text(parameters, 'NODE'), pilot, is_ok)
+    surface = reader%surfaces%find(parameter_text(parameters, 'SURFACE'))
+    if (surface == 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'There is no surface ''' // &
+        parameter_text(parameters, 'SURFACE') // '''.')
+      return
+    end if
+    if (model%surfaces(surface)%is_node_based) then
+      call complain(reader, reader%cards%cards(c)%line, 'A pre-tension section needs a surface of element faces.')
+      return
+    end if
+    call read_normal(reader, model, row, surface, normal, is_ok)
+    if (.not. is_ok) return
+    if (any(model%mesh%nodes == pilot)) then
+      call complain(reader, reader%cards%cards(c)%line, 'The pre-tension node belongs to an element; name a node of its own.')
+      return
+    end if
+    allocate (partner(model%mesh%n_nodes), source=0)
+    do i = 1, size(model%surfaces(surface)%element)
+      call part_face(model, surface, i, partner)
+    end do
+    model%mesh%is_abstract(pilot) = .true.
+    do i = 1, size(partner)
+      if (partner(i) == 0) cycle
+      do k = 1, 3
+        call add_equation(model, [partner(i), i, pilot], [k, k, 1], [1.0_DP, -1.0_DP, -normal(k)], &
+          'PRE-TENSION SECT', line)
+      end do
+    end do
+    model%rotation_of = [model%rotation_of, spread(0, 1, model%mesh%n_nodes - size(model%rotation_of))]
+  end subroutine read_pretension
+
+
+  !> The normal of a section: given, or the mean normal of its faces.
+  subroutine read_normal(reader, model, row, surface, normal, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(inout) :: row
+    integer, intent(in) :: surface
+    real(DP), intent(out) :: normal(3)
+    logical, intent(inout) :: is_ok
+    integer, allocatable :: nodes(:)
+    integer :: i, k
+    normal = 0.0_DP
+    if (next_row(reader%cards, row)) then
+      do k = 1, 3
+        call need_real(reader, row, k, 'component of the normal', normal(k), is_ok, 0.0_DP)
+      end do
+    else
+      do i = 1, size(model%surfaces(surface)%element)
+        nodes = face_nodes(model, surface, i)
+        associate (x => model%mesh%coordinates(:, nodes))
+          if (size(nodes) == 2 .or. size(nodes) == 3 .and. is_flat(model, surface, i)) then
+            normal = normal + [x(2, 2) - x(2, 1), x(1, 1) - x(1, 2), 0.0_DP]
+          else
+            normal = normal + cross_product(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
+          end if
+        end associate
+      end do
+    end if
+    if (.not. is_ok) return
+    is_ok = norm2(normal) > 0.0_DP
+    if (is_ok) normal = normal / norm2(normal)
+    if (.not. is_ok) call complain(reader, row%line, 'The normal of the pre-tension section must not be zero.')
+  end subroutine read_normal
+
+
+  !> Whether a face of a surface is an edge of a plane element.
+  pure logical function is_flat(model, surface, i)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: surface, i
+    type(kind_type) :: entry
+    type(facet_kind_type) :: shape
+    entry = element_kind(model%mesh%kind(model%surfaces(surface)%element(i)))
+    shape = facet_kind(entry%face_kind(model%surfaces(surface)%face(i)))
+    is_flat = shape%n_corners == 2
+  end function is_flat
+
+
+  !> The nodes of a face of a surface: corners first.
+  pure function face_nodes(model, surface, i) result(nodes)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: surface, i            !< the surface, its face
+    integer, allocatable :: nodes(:)
+    type(kind_type) :: entry
+    integer :: e
+    e = model%surfaces(surface)%element(i)
+    entry = element_kind(model%mesh%kind(e))
+    associate (local => entry%face_nodes(:, model%surfaces(surface)%face(i)))
+      nodes = model%mesh%nodes(model%mesh%first(e) - 1 + pack(local, local > 0))
+    end associate
+  end function face_nodes
+
+
+  !> Gives the element of a face of a surface nodes of its own there.
+  subroutine part_face(model, surface, i, partner)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: surface, i            !< the surface, its face
+    integer, intent(inout) :: partner(:)         !< new node of each old one
+    type(kind_type) :: entry
+    integer :: e, k, place, node
+    e = model%surfaces(surface)%element(i)
+    entry = element_kind(model%mesh%kind(e))
+    do k = 1, size(entry%face_nodes, 1)
+      if (entry%face_nodes(k, model%surfaces(surface)%face(i)) == 0) cycle
+      place = model%mesh%first(e) - 1 + entry%face_nodes(k, model%surfaces(surface)%face(i))
+      node = model%mesh%nodes(place)
+      if (node > size(partner)) cycle
+      if (partner(node) == 0) then
+        call append_node(model%mesh, model%mesh%coordinates(:, node), partner(node))
+        model%mesh%is_idle(:, partner(node)) = model%mesh%is_idle(:, node)
+      end if
+      model%mesh%nodes(place) = partner(node)
+    end do
+  end subroutine part_face
+
+end module amontons_deck_bonds

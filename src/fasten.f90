@@ -1,0 +1,233 @@
+!> Fasten: turns surfaces that are tied and distributing couplings into equations, once before the start.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_fasten
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, set_error, EXIT_SETUP
+  use amontons_tensor, only: cross_product, invert
+  use amontons_topology, only: kind_type, element_kind, MAX_FACE_NODES
+  use amontons_loads, only: equation_type
+  use amontons_ties, only: tie_type, spread_type
+  use amontons_model, only: model_type
+  use amontons_shapes, only: facet_shapes, facet_quadrature, MAX_FACET_POINTS
+  use amontons_facets, only: facets_type, build_facets, facet_nodes
+  use amontons_search, only: search_type, build_search
+  use amontons_gap, only: projection_type, find_projection, fixed_point, PROJECT_ON
+  implicit none
+  private
+  public :: fasten_model
+
+  real(DP), parameter :: TOLERANCE = 0.025_DP      !< nodes nearer than this times the mean edge of a facet are tied [-]
+
+contains
+
+  !> Appends the equations of all ties and distributing couplings to the model, and moves tied nodes onto their masters.
+  subroutine fasten_model(model, error)
+    type(model_type), intent(inout) :: model
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    if (allocated(model%ties)) then
+      do i = 1, size(model%ties)
+        call fasten_tie(model, model%ties(i), error)
+        if (allocated(error)) return
+      end do
+    end if
+    if (.not. allocated(model%spreads)) return
+    do i = 1, size(model%spreads)
+      call fasten_spread(model, model%spreads(i), error)
+      if (allocated(error)) return
+    end do
+  end subroutine fasten_model
+
+
+  !> The nodes of the slave stay where they are on the facets of the master: u = sum N_i u_i.
+  subroutine fasten_tie(model, tie, error)
+    type(model_type), intent(inout) :: model
+    type(tie_type), intent(in) :: tie
+    type(error_type), allocatable, intent(out) :: error
+    type(facets_type) :: facets
+    type(search_type) :: search
+    type(projection_type) :: place
+    real(DP), allocatable :: x(:, :)
+    integer, allocatable :: slaves(:)
+    real(DP) :: tolerance_length
+    integer :: i, n_tied
+    associate (master => model%surfaces(tie%master))
+      call build_facets(model%mesh, master%element, master%face, facets, error)
+    end associate
+    if (allocated(error)) return
+    x = model%mesh%coordinates
+    tolerance_length = tie%tolerance
+    if (tie%tolerance < 0.0_DP) tolerance_length = TOLERANCE * sum(facets%edge_length) / real(facets%n, DP)
+    call build_search(facets, x, tolerance_length, search)
+    slaves = model%surfaces(tie%slave)%nodes
+    n_tied = 0
+    do i = 1, size(slaves)
+      if (any(facets%nodes == slaves(i))) cycle    ! a node of both is one with itself
+      call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, place)
+      if (place%status /= PROJECT_ON .or. place%facet == 0) cycle
+      n_tied = n_tied + 1
+      if (tie%is_adjusted) call fixed_point(facets, x, place%facet, place%xi, model%mesh%coordinates(:, slaves(i)))
+      call tie_node(model, facets, place, slaves(i), tie%line)
+    end do
+    if (n_tied == 0) call set_error(error, EXIT_SETUP, 'The *TIE ' // tie%name // ' ties no node: none of the slave ' // &
+      'surface is within POSITION TOLERANCE of the master surface.')
+  end subroutine fasten_tie
+
+
+  !> The three equations of one tied node.
+  subroutine tie_node(model, facets, place, slave, line)
+    type(model_type), intent(inout) :: model
+    type(facets_type), intent(in) :: facets
+    type(projection_type), intent(in) :: place
+    integer, intent(in) :: slave, line
+    real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    integer :: nodes(MAX_FACE_NODES), n, k
+    call facet_nodes(facets, place%facet, n, nodes)
+    call facet_shapes(facets%kind(place%facet), place%xi, N_i, dN, ddN)
+    do k = 1, 3
+      call add_equation(model, [slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)
+    end do
+  end subroutine tie_node
+
+
+  !> Appends an equation without its zero terms.
+  subroutine add_equation(model, node, dof, coefficient, card, line)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: node(:), dof(:)
+    real(DP), intent(in) :: coefficient(:)
+    character(*), intent(in) :: card
+    integer, intent(in) :: line                    !< of the deck
+    type(equation_type) :: equation
+    logical :: is_kept(size(node))
+    is_kept = abs(coefficient) > 1.0e-14_DP
+    equation%node = pack(node, is_kept)
+    equation%dof = pack(dof, is_kept)
+    equation%coefficient = pack(coefficient, is_kept)
+    equation%card = card
+    equation%line = line
+    model%equations = [model%equations, equation]
+  end subroutine add_equation
+
+
+  !> The reference node moves with the mean rigid motion of the surface, weighted by area.
+  !!
+  !! Mean displacement at the centre c and mean rotation t = inverse(J) sum w r x u, J = sum w (r r 1 - r r'); the
+  !! reference node has u = u_c + t x (X - c) and the rotation t. Its forces and moments so spread over the nodes as
+  !! w (f + inverse(J) m x r). The arms are those of the undeformed body, under NLGEOM too (as in CalculiX).
+  subroutine fasten_spread(model, spread_out, error)
+    type(model_type), intent(inout) :: model
+    type(spread_type), intent(in) :: spread_out
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: weight(:), turn(:, :, :), coefficient(:)
+    real(DP) :: centre(3), arm(3), mean(3, 3)
+    integer, allocatable :: nodes(:), node(:), dof(:)
+    integer :: i, k, n
+    logical :: is_ok
+    nodes = model%surfaces(spread_out%surface)%nodes
+    n = size(nodes)
+    call share_area(model, spread_out%surface, weight)
+    call mean_rotation(model%mesh%coordinates(:, nodes), weight, centre, turn, is_ok)
+    if (.not. is_ok) then
+      call set_error(error, EXIT_SETUP, 'The nodes of the surface of a *DISTRIBUTING coupling lie on a line; a ' // &
+        'rotation cannot be spread over them.')
+      return
+    end if
+    arm = model%mesh%coordinates(:, spread_out%reference) - centre
+    node = [0, [(spread(nodes(i), 1, 3), i=1, n)]]
+    dof = [0, [(1, 2, 3, i=1, n)]]
+    coefficient = [(1.0_DP, i=0, 3 * n)]
+    do k = 1, 6
+      if (k > 3 .and. .not. spread_out%is_bound(modulo(k - 1, 3) + 1)) cycle
+      node(1) = merge(spread_out%reference, spread_out%rotation, k <= 3)
+      dof(1) = modulo(k - 1, 3) + 1
+      do i = 1, n
+        mean = turn(:, :, i)
+        if (k <= 3) mean = weight(i) * identity() + turned_cross(arm, turn(:, :, i))
+        coefficient(3 * i - 1:3 * i + 1) = -matmul(spread_out%axes(:, dof(1)), mean)
+      end do
+      call add_equation(model, node, dof, coefficient, 'COUPLING', spread_out%line)
+    end do
+  end subroutine fasten_spread
+
+
+  !> The share of each node of a surface in its area, by the shape functions.
+  subroutine share_area(model, surface, weight)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: surface
+    real(DP), allocatable, intent(out) :: weight(:)   !< of surface%nodes, sum 1
+    type(kind_type) :: kind
+    real(DP) :: of_node(model%mesh%n_nodes), xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
+    real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), area
+    integer :: i, q, n, n_points, e
+    integer, allocatable :: nodes(:)
+    of_node = 0.0_DP
+    associate (faces => model%surfaces(surface), mesh => model%mesh)
+      do i = 1, size(faces%element)
+        e = faces%element(i)
+        kind = element_kind(mesh%kind(e))
+        associate (local => kind%face_nodes(:, faces%face(i)), facet => kind%face_kind(faces%face(i)))
+          nodes = mesh%nodes(mesh%first(e) - 1 + pack(local, local > 0))
+          n = size(nodes)
+          call facet_quadrature(facet, n_points, xi, w)
+          do q = 1, n_points
+            call facet_shapes(facet, xi(:, q), N_i, dN, ddN)
+            area = w(q) * norm2(cross_product(matmul(mesh%coordinates(:, nodes), dN(1, :n)), &
+              matmul(mesh%coordinates(:, nodes), dN(2, :n))))
+            of_node(nodes) = of_node(nodes) + area * N_i(:n)
+          end do
+        end associate
+      end do
+      weight = of_node(faces%nodes) / sum(of_node(faces%nodes))
+    end associate
+  end subroutine share_area
+
+
+  !> The unit matrix.
+  pure function identity() result(E)
+    real(DP) :: E(3, 3)
+    E = reshape([1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP], [3, 3])
+  end function identity
+
+
+  !> The matrix of u -> (turn u) x arm.
+  pure function turned_cross(arm, turn) result(M)
+    real(DP), intent(in) :: arm(3), turn(3, 3)
+    real(DP) :: M(3, 3)
+    integer :: j
+    do j = 1, 3
+      M(:, j) = cross_product(turn(:, j), arm)
+    end do
+  end function turned_cross
+
+
+  !> The centre of weighted nodes, and the matrices with mean rotation t = sum turn_i u_i.
+  pure subroutine mean_rotation(x, weight, centre, turn, is_ok)
+    real(DP), intent(in) :: x(:, :)              !< (3, n) [length]
+    real(DP), intent(in) :: weight(:)            !< (n) sum 1
+    real(DP), intent(out) :: centre(3)
+    real(DP), allocatable, intent(out) :: turn(:, :, :)   !< (3, 3, n) [1/length]
+    logical, intent(out) :: is_ok
+    real(DP) :: J_matrix(3, 3), inverse(3, 3), r(3), det, size2
+    integer :: i, k
+    centre = matmul(x, weight)
+    J_matrix = 0.0_DP
+    do i = 1, size(weight)
+      r = x(:, i) - centre
+      J_matrix = J_matrix + weight(i) * dot_product(r, r) * identity()
+      do k = 1, 3
+        J_matrix(:, k) = J_matrix(:, k) - weight(i) * r * r(k)
+      end do
+    end do
+    size2 = J_matrix(1, 1) + J_matrix(2, 2) + J_matrix(3, 3)
+    call invert(J_matrix, inverse, det)
+    allocate (turn(3, 3, size(weight)))
+    is_ok = abs(det) > 1.0e-12_DP * size2**3
+    if (.not. is_ok) return
+    do i = 1, size(weight)
+      r = x(:, i) - centre
+      turn(:, :, i) = weight(i) * matmul(inverse, reshape([0.0_DP, r(3), -r(2), -r(3), 0.0_DP, r(1), r(2), -r(1), &
+        0.0_DP], [3, 3]))
+    end do
+  end subroutine mean_rotation
+
+end module amontons_fasten

@@ -1,0 +1,266 @@
+"""Constraints against closed forms: nodes without elements, transforms, rigid bodies, couplings, ties, pre-tension, MPCs.
+
+Where the answer is in the space of the shape functions the tolerance is that of the solver. Non-linear constraints
+must converge quadratically: the tests ask for few iterations of large rotations.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+from conftest import Run
+
+YOUNG, NU = 1000.0, 0.25
+TOLERANCE = 1e-6  # of the largest value: six digits are printed
+
+CUBE = """*NODE, NSET=ALL
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+*ELEMENT, TYPE=C3D8, ELSET=E
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*NSET, NSET=BOTTOM
+1, 2, 3, 4
+*NSET, NSET=TOP
+5, 6, 7, 8
+*SURFACE, NAME=UP
+1, S2
+"""
+MATERIAL = f"*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG}, {NU}\n*SOLID SECTION, ELSET=E, MATERIAL=M\n"
+TIGHT = "*CONTROLS, PARAMETERS=FIELD\n1e-10, 1e-10, , , 1e-10\n"
+PRINT = "*NODE PRINT, NSET=SHOWN\nU, RF\n"
+
+Rows = dict[int, list[float]]
+
+
+def job(cards: str, loads: str, step: str = "*STEP\n*STATIC\n", shown: str = "ALL") -> str:
+    """A deck of one cube, more model cards, and one step."""
+    return f"{CUBE}{cards}*NSET, NSET=SHOWN\n{shown}\n{MATERIAL}{step}{TIGHT}{loads}{PRINT}*END STEP\n"
+
+
+def read_rows(folder: Path, title: str) -> Rows:
+    """The rows of the last block of a title in job.dat, by node."""
+    rows: Rows = {}
+    is_inside = False
+    for line in (folder / "job.dat").read_text().splitlines():
+        if " for set " in line:
+            is_inside = line.strip().startswith(title)
+            rows = {} if is_inside else rows
+        elif is_inside and re.match(r" +\d", line) and (words := line.split()):
+            rows[int(words[0])] = [float(word) for word in words[1:]]
+    return rows
+
+
+def iterations(folder: Path) -> int:
+    """Newton iterations of all attempts."""
+    rows = [line.split() for line in (folder / "job.sta").read_text().splitlines()[2:] if line.strip()]
+    return sum(int(row[3]) for row in rows)
+
+
+def check(rows: Rows, node: int, wanted: list[float], scale: float, what: str) -> None:
+    """Compares one row."""
+    for k, (value, expected) in enumerate(zip(rows[node], wanted, strict=True)):
+        assert abs(value - expected) <= TOLERANCE * scale, f"{what} of node {node}, component {k + 1}: {value}, not {expected}"
+
+
+def test_spare_nodes(run_deck: Run, tmp_path: Path) -> None:
+    """Nodes without elements that nothing names are held, and do not make the stiffness singular."""
+    done = run_deck(job("*NODE, NSET=ALL\n90, 5, 5, 5\n", "*BOUNDARY\nBOTTOM, 1, 3\nTOP, 3, 3, .01\n"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = read_rows(tmp_path, "displacements")
+    check(rows, 90, [0, 0, 0], 1.0, "displacement")
+    assert rows[5][2] == pytest.approx(0.01)
+
+
+def test_named_directions_of_a_spare_node(run_deck: Run, tmp_path: Path) -> None:
+    """Of a node in an equation only the direction that it names moves; the others are held."""
+    cards = "*NODE, NSET=ALL\n90, 5, 5, 5\n*EQUATION\n2\nTOP, 3, 1., 90, 1, -1.\n"
+    done = run_deck(job(cards, "*BOUNDARY\n1, 1, 3\n2, 2, 3\n3, 3\n4, 3\n*CLOAD\n90, 1, 20.\n"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = read_rows(tmp_path, "displacements")
+    check(rows, 90, [20.0 / YOUNG, 0, 0], 0.02, "displacement")
+    check(rows, 7, [-NU * 0.02, -NU * 0.02, 0.02], 0.02, "displacement")
+
+
+@pytest.mark.parametrize("kind", ["R", "C"])
+def test_skew_support(run_deck: Run, tmp_path: Path, kind: str) -> None:
+    """A cube on a skew plane: directions by TRANSFORM, the force normal to it, the reaction too."""
+    c = s = math.sqrt(0.5)
+    points = f"0, {c}, {s}, 0, {-s}, {c}" if kind == "R" else "5, 0, 0, 6, 0, 0"
+    cards = f"*TRANSFORM, NSET=ONE, TYPE={kind}\n{points}\n*NSET, NSET=ONE\n7\n"
+    loads = "*BOUNDARY\nBOTTOM, 1, 3\n7, 1, 1, .01\n"
+    done = run_deck(job(cards, loads))
+    assert done.returncode == 0, done.stdout + done.stderr
+    u = read_rows(tmp_path, "displacements")[7]
+    assert u[1] * c + u[2] * s == pytest.approx(0.01, rel=1e-6)
+    rf = read_rows(tmp_path, "forces")[7]
+    assert rf[0] == pytest.approx(0, abs=1e-9) and rf[1] == pytest.approx(rf[2], rel=1e-6) and rf[1] > 0
+
+
+@pytest.mark.parametrize("rotation_node", [True, False])
+def test_rigid_body_turns(run_deck: Run, tmp_path: Path, rotation_node: bool) -> None:
+    """A cube whose nodes are all of a rigid body, turned by 2 rad about a skew axis in one increment: no strain."""
+    angle, axis = 2.0, [2 / 3, -1 / 3, 2 / 3]
+    w = [angle * a for a in axis]
+    nodes = "*NODE, NSET=ALL\n90, 2, 0, 0\n" + ("91, 2, 0, 0\n" if rotation_node else "")
+    cards = nodes + "*NSET, NSET=BODY\n1, 2, 3, 4, 5, 6, 7, 8\n*RIGID BODY, NSET=BODY, REF NODE=90"
+    cards += ", ROT NODE=91\n" if rotation_node else "\n"
+    loads = "*BOUNDARY\n90, 1, 3\n" + "".join(
+        f"91, {k}, {k}, {w[k - 1]:.15g}\n" if rotation_node else f"90, {k + 3}, {k + 3}, {w[k - 1]:.15g}\n" for k in (1, 2, 3)
+    )
+    done = run_deck(job(cards, loads, "*STEP, NLGEOM\n*STATIC\n"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert iterations(tmp_path) <= 3
+    x = [-1.0, 1.0, 1.0]  # node 8 from the reference node is (-2, 1, 1), node 7 (-1, 1, 1)
+    dot = sum(a * b for a, b in zip(axis, x, strict=True))
+    cross = [axis[1] * x[2] - axis[2] * x[1], axis[2] * x[0] - axis[0] * x[2], axis[0] * x[1] - axis[1] * x[0]]
+    turned = [x[k] * math.cos(angle) + cross[k] * math.sin(angle) + axis[k] * dot * (1 - math.cos(angle)) for k in range(3)]
+    check(read_rows(tmp_path, "displacements"), 7, [turned[k] - x[k] for k in range(3)], 1.0, "displacement")
+
+
+def test_rigid_body_in_equilibrium(run_deck: Run, tmp_path: Path) -> None:
+    """A cube clamped below, its top a rigid body under a moment and a force, NLGEOM: quadratic convergence."""
+    cards = "*NODE, NSET=ALL\n90, .5, .5, 3.\n*RIGID BODY, NSET=TOP, REF NODE=90\n"
+    loads = "*BOUNDARY\nBOTTOM, 1, 3\n*CLOAD\n90, 1, 8.\n90, 6, 20.\n"
+    done = run_deck(job(cards, loads, "*STEP, NLGEOM\n*STATIC\n"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert iterations(tmp_path) <= 9
+    residuals = [float(line.split()[5]) for line in (tmp_path / "job.cvg").read_text().splitlines()[4:] if line.strip()]
+    small = [r / 100 for r in residuals if r < 1.0]
+    assert len(small) >= 2 and small[1] < 30 * small[0] ** 1.7, f"not quadratic: {residuals}"
+    forces = read_rows(tmp_path, "forces")
+    assert sum(forces[n][0] for n in (1, 2, 3, 4)) == pytest.approx(-8.0, rel=1e-5)
+
+
+def test_kinematic_coupling(run_deck: Run, tmp_path: Path) -> None:
+    """Only the direction bound is: the top moves up by one value and contracts freely."""
+    cards = "*NODE, NSET=ALL\n90, .5, .5, 1.\n*COUPLING, REF NODE=90, SURFACE=UP, CONSTRAINT NAME=C\n*KINEMATIC\n3, 3\n"
+    loads = "*BOUNDARY\n1, 1, 3\n2, 2, 3\n3, 3\n4, 3\n90, 1, 2\n90, 4, 6\n*CLOAD\n90, 3, 10.\n"
+    done = run_deck(job(cards, loads))
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = read_rows(tmp_path, "displacements")
+    check(rows, 7, [-NU * 0.01, -NU * 0.01, 0.01], 0.01, "displacement")
+    check(rows, 90, [0, 0, 0.01], 0.01, "displacement")
+
+
+def test_distributing_coupling(run_deck: Run, tmp_path: Path) -> None:
+    """A force off the centre: the nodes get w (f + J^-1 m x r), with J of four equal weights at the corners."""
+    cards = "*NODE, NSET=ALL\n90, 2.5, .5, 1.\n*COUPLING, REF NODE=90, SURFACE=UP, CONSTRAINT NAME=C\n*DISTRIBUTING\n1, 6\n"
+    loads = "*BOUNDARY\nALL, 1, 3\n"
+    text = job(cards, "*BOUNDARY\nBOTTOM, 1, 3\n*CLOAD\n90, 3, 4.\n").replace(loads, "")
+    done = run_deck("** dialect: calculix\n" + text)
+    assert done.returncode == 0, done.stdout + done.stderr
+    forces = read_rows(tmp_path, "forces")  # internal forces: what is put on the nodes
+    # moment about y: -(2)(4) = -8; J_y = sum w x^2 = 1/4; inverse(J) m x r: z component -(m_y / J_y) r_x
+    for node, x in ((5, -0.5), (6, 0.5), (7, 0.5), (8, -0.5)):
+        check(forces, node, [0, 0, 0.25 * (4.0 + 8.0 / 0.25 * x)], 10.0, "force")
+
+
+def two_cubes(shift: float) -> str:
+    """A second cube on top of the first with nodes of its own, its lower face a little away."""
+    nodes = "".join(
+        f"{10 + k}, {x}, {y}, {z}\n"
+        for k, (x, y, z) in enumerate(
+            [(0.2, 0.1, 1 + shift), (0.8, 0.1, 1 + shift), (0.8, 0.9, 1 + shift), (0.2, 0.9, 1 + shift),
+             (0.2, 0.1, 2), (0.8, 0.1, 2), (0.8, 0.9, 2), (0.2, 0.9, 2)], start=1)
+    )  # fmt: skip
+    return (
+        f"*NODE, NSET=ALL\n{nodes}*ELEMENT, TYPE=C3D8, ELSET=E\n2, 11, 12, 13, 14, 15, 16, 17, 18\n"
+        "*SURFACE, NAME=LOW\n2, S1\n*NSET, NSET=HEAD\n15, 16, 17, 18\n"
+    )
+
+
+def test_tie(run_deck: Run, tmp_path: Path) -> None:
+    """Two cubes tied, turned rigidly and pulled by displacement: tied nodes are on the facet, also after ADJUST."""
+    cards = two_cubes(0.01) + "*TIE, NAME=T\nLOW, UP\n"
+    loads = "*BOUNDARY\n1, 1, 3\n2, 2, 3\n4, 3\n3, 3\n*CLOAD\nHEAD, 3, 2.5\n"
+    done = run_deck(job(cards, loads))
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = read_rows(tmp_path, "displacements")
+    top = [rows[n] for n in (5, 6, 7, 8)]
+    for node, x, y in ((11, 0.2, 0.1), (13, 0.8, 0.9)):
+        weights = [(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y]
+        check(rows, node, [sum(w * u[k] for w, u in zip(weights, top, strict=True)) for k in range(3)], 0.01, "displacement")
+    forces = read_rows(tmp_path, "forces")
+    assert sum(forces[n][2] for n in (1, 2, 3, 4)) == pytest.approx(-10.0, rel=1e-5)
+
+
+def test_tie_too_far(run_deck: Run) -> None:
+    """Surfaces farther apart than the tolerance: told, nothing is run."""
+    cards = two_cubes(0.01) + "*TIE, NAME=T, POSITION TOLERANCE=.001\nLOW, UP\n"
+    done = run_deck(job(cards, "*BOUNDARY\nBOTTOM, 1, 3\nHEAD, 1, 3\n"))
+    assert done.returncode == 4
+    assert "ties no node" in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("is_force", [True, False])
+def test_pretension(run_deck: Run, tmp_path: Path, is_force: bool) -> None:
+    """A column of two cubes between plates, cut in the middle: stress = force; overlap d gives stress E d / length."""
+    cards = CUBE.split("*NSET, NSET=BOTTOM")[0]
+    nodes = "11, 0, 0, 2\n12, 1, 0, 2\n13, 1, 1, 2\n14, 0, 1, 2\n90, 0, 0, 0\n"
+    text = (
+        f"{cards}*NODE, NSET=ALL\n{nodes}*ELEMENT, TYPE=C3D8, ELSET=E\n2, 5, 6, 7, 8, 11, 12, 13, 14\n"
+        "*SURFACE, NAME=CUT\n2, S1\n*PRE-TENSION SECTION, SURFACE=CUT, NODE=90\n0, 0, 1\n"
+        f"*NSET, NSET=SHOWN\nALL\n{MATERIAL}*STEP\n*STATIC\n{TIGHT}"
+        "*BOUNDARY\n1, 1, 3\n2, 2, 3\n3, 3\n4, 3\n11, 1, 3\n12, 2, 3\n13, 3\n14, 3\n"
+    )
+    # the pre-tension node moves by u = n (u_new - u_old); the upper cube has the new nodes
+    text += "*CLOAD\n90, 1, -5.\n" if is_force else "*BOUNDARY\n90, 1, 1, -.01\n"
+    done = run_deck(text + PRINT + "*END STEP\n")
+    assert done.returncode == 0, done.stdout + done.stderr
+    forces = read_rows(tmp_path, "forces")
+    pull = 5.0 if is_force else YOUNG * 0.01 / 2
+    assert sum(forces[n][2] for n in (1, 2, 3, 4)) == pytest.approx(-pull, rel=1e-6)
+    u = read_rows(tmp_path, "displacements")
+    assert u[90][0] == pytest.approx(-5.0 * 2 / YOUNG if is_force else -0.01, rel=1e-6)
+
+
+def test_plane_and_straight(run_deck: Run, tmp_path: Path) -> None:
+    """A node pushed out of the plane of three others pulls them along; the four are in a plane in the end, NLGEOM."""
+    cards = "*MPC\nPLANE, 5, 6, 7, 8\n"
+    loads = "*BOUNDARY\nBOTTOM, 1, 3\n*CLOAD\n8, 3, 10.\n6, 1, 8.\n"
+    done = run_deck(job(cards, loads, "*STEP, NLGEOM\n*STATIC\n"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert iterations(tmp_path) <= 7
+    u = read_rows(tmp_path, "displacements")
+    corners = {5: (0, 0, 1), 6: (1, 0, 1), 7: (1, 1, 1), 8: (0, 1, 1)}
+    place = {n: [x + d for x, d in zip(corners[n], u[n], strict=True)] for n in corners}
+    a, b, c = ([p - q for p, q in zip(place[n], place[5], strict=True)] for n in (6, 7, 8))
+    volume = (
+        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )
+    assert abs(volume) < 1e-5
+    assert abs(u[8][2] - u[5][2]) > 0.01
+
+
+def test_mean_rotation(run_deck: Run, tmp_path: Path) -> None:
+    """MEANROT: the top turned by 1.2 rad about z on the mean; by symmetry each corner turns by it."""
+    cards = "*NODE, NSET=ALL\n90, 0, 0, 1\n*MPC\nMEANROT, 5, 5, 5, 6, 6, 6, 7, 7, 7, 8, 8, 8, 90\n"
+    loads = "*BOUNDARY\nBOTTOM, 1, 3\n90, 1, 1, 1.2\n"
+    done = run_deck(job(cards, loads, "*STEP, NLGEOM\n*STATIC\n.25, 1.\n"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    u = read_rows(tmp_path, "displacements")
+    for node, x, y in ((5, -0.5, -0.5), (7, 0.5, 0.5)):
+        turned = math.atan2(y + u[node][1], x + u[node][0]) - math.atan2(y, x)
+        assert turned == pytest.approx(1.2, rel=1e-5)
+    forces = read_rows(tmp_path, "forces")
+    assert forces[90][0] > 0  # the moment that turns it
+
+
+def test_constraint_conflict(run_deck: Run) -> None:
+    """A rigid body whose nodes are prescribed apart is told with its line."""
+    cards = "*NODE, NSET=ALL\n90, .5, .5, 1.\n*RIGID BODY, NSET=TOP, REF NODE=90\n"
+    loads = "*BOUNDARY\nBOTTOM, 1, 3\n5, 1, 3\n6, 1, 3\n7, 1, 3\n8, 1, 1, .1\n8, 2, 3\n"
+    done = run_deck(job(cards, loads))
+    assert done.returncode == 4, done.stdout + done.stderr
+    assert re.search(r"RIGID BODY of line \d+ contradicts", done.stdout + done.stderr)
