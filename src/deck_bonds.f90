@@ -131,12 +131,12 @@ contains
   end subroutine one_node
 
 
-  !> All other cards of this room. Before: sets, surfaces, transforms and equations are read.
+  !> All other cards of this room. Before: sets, surfaces and transforms are read.
   subroutine read_bonds(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer :: c
-    allocate (model%bonds(0), model%ties(0), model%spreads(0))
+    allocate (model%bonds(0), model%ties(0), model%spreads(0), model%equations(0))
     allocate (model%rotation_of(model%mesh%n_nodes), source=0)
     do c = 1, reader%cards%n_cards
       if (is_card(reader, c, 'MPC')) call read_mpc(reader, model, c)

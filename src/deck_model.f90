@@ -411,13 +411,13 @@ contains
   subroutine read_equations(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(equation_type), allocatable :: larger(:)
+    type(equation_type), allocatable :: larger(:), equations(:)
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(terms_type) :: terms
     integer :: c, line, n_terms, n, i
     logical :: is_ok
-    allocate (model%equations(64))
+    allocate (equations(64))
     n = 0
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'EQUATION')) cycle
@@ -432,18 +432,18 @@ contains
         call read_terms(reader, model%mesh, row, n_terms, terms, is_ok)
         if (.not. is_ok) exit
         do i = 1, size(terms%node, 1)
-          if (n == size(model%equations)) then
+          if (n == size(equations)) then
             allocate (larger(2 * n))
-            larger(:n) = model%equations
-            call move_alloc(larger, model%equations)
+            larger(:n) = equations
+            call move_alloc(larger, equations)
           end if
           n = n + 1
-          call merge_terms(reader, terms, i, line, model%equations(n))
-          if (allocated(model%frame_of)) call turn_terms(model, model%equations(n))
+          call merge_terms(reader, terms, i, line, equations(n))
+          if (allocated(model%frame_of)) call turn_terms(model, equations(n))
         end do
       end do
     end do
-    model%equations = model%equations(:n)
+    model%equations = [equations(:n), model%equations]   ! those of other cards, which are read already, come after
   end subroutine read_equations
 
 
