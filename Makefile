@@ -84,7 +84,7 @@ $(B)/$(1).o: $(foreach used,$(filter $(ROOMS),$(uses_$(1))),$(B)/$(used).o)
 endef
 $(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
 
-.PHONY: bench study all build ready proven deps run programs test check verify unit debug sanitize format lint install hooks clean help
+.PHONY: bench study all build ready proven deps run programs test check verify unit debug sanitize format lint doc install hooks clean help
 
 all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize: into build/debug, ...; WERROR=1)
 	@$(MAKE) build
@@ -175,6 +175,18 @@ bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) a
 
 study: programs $(VENV)/installed ## Ironing over facets: iterations by friction, shape and size of the increments
 	@$(PY) verify/study/ironing_table.py --program $(BIN)/amontons
+
+# --- the documentation --------------------------------------------------------------------------------------------
+doc: all $(VENV)-doc/installed ## Build the documentation site into build/site
+	$(BIN)/amontons --cards | $(PYTHON) verify/card_reference.py > doc/manual/cards.md
+	$(Q)NO_MKDOCS_2_WARNING=1 $(VENV)-doc/bin/mkdocs build
+	@echo "The site is build/site/index.html."
+
+$(VENV)-doc/installed: doc/requirements.txt
+	@echo "installing the Python packages of $< into $(VENV)-doc"
+	$(Q)$(PYTHON) -m venv --clear $(VENV)-doc
+	$(Q)$(VENV)-doc/bin/python -m pip install --quiet --disable-pip-version-check --no-input -r $<
+	@touch $@
 
 # --- the look of the source ---------------------------------------------------------------------------------------
 SOURCES = $(wildcard src/*.f90 verify/unit/*.f90)

@@ -259,10 +259,7 @@ def test_le10(proof: Proof, kind: str, tolerance: float) -> None:
 # -------------------------------------------------------------------------------------------------- the elastica
 
 
-SLOW_BEAM = pytest.mark.xfail(reason="AUTO guards the norm of the residual, which a slender beam must raise: 18 iterations", strict=False)
-
-
-@pytest.mark.parametrize("search", ["NONE", pytest.param("AUTO", marks=SLOW_BEAM)])
+@pytest.mark.parametrize("search", ["NONE", "AUTO"])
 def test_elastica(proof: Proof, search: str) -> None:
     """A slender cantilever with a large rotation under an end force."""
     length, load = 20.0, 4.0

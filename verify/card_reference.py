@@ -1,0 +1,95 @@
+"""Turns `amontons --cards` into the card reference of the manual (Markdown).
+
+    bin/amontons --cards | python verify/card_reference.py > doc/manual/cards.md
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import dataclass, field
+
+HEAD = """# Cards
+
+Written by `make doc` from `amontons --cards`, which comes from the table by which decks are read. A parameter that is *refused*
+ends the job before it starts, with the sentence shown; one *without effect* is accepted, and a note says so.
+
+"""
+
+
+@dataclass
+class Card:
+    """One card as `--cards` prints it."""
+
+    name: str
+    place: str
+    sentence: str = ""
+    data: str = ""
+    taken: list[tuple[str, str]] = field(default_factory=list)
+    ignored: dict[str, list[str]] = field(default_factory=dict)
+    refused: dict[str, list[str]] = field(default_factory=dict)
+
+
+def read_cards(text: str) -> list[Card]:
+    """All cards, in the order of the table."""
+    cards: list[Card] = []
+    for line in text.splitlines():
+        head = re.match(r"(\*[A-Z][A-Z0-9 -]*?)  \((.*)\)$", line)
+        if head:
+            cards.append(Card(head.group(1), head.group(2)))
+        elif line.strip():
+            _add_line(cards[-1], line.strip())
+    return cards
+
+
+def _add_line(card: Card, line: str) -> None:
+    """The sentence, the data lines, or a parameter."""
+    if line.startswith("data lines: "):
+        card.data = line.removeprefix("data lines: ")
+        return
+    if not card.sentence:
+        card.sentence = line
+        return
+    name, _, rest = line.partition(": ")
+    for word, group in (("no effect.", card.ignored), ("refused.", card.refused)):
+        if rest.startswith(word):
+            group.setdefault(rest.removeprefix(word).strip(), []).append(name.split("=")[0])
+            return
+    card.taken.append((name, rest))
+
+
+def page_of(cards: list[Card]) -> str:
+    """The page: a list of all cards, then each of them."""
+    links = ", ".join(f"[`{c.name}`](#{anchor(c.name)})" for c in cards)
+    return HEAD + links + "\n\n" + "\n".join(section(card) for card in cards)
+
+
+def anchor(name: str) -> str:
+    """The anchor that Markdown makes of a heading."""
+    return name.lower().lstrip("*").replace(" ", "-")
+
+
+def plain(text: str) -> str:
+    """Text in which no asterisk starts an emphasis."""
+    return text.replace("*", "\\*").replace("|", "/")
+
+
+def section(card: Card) -> str:
+    """One card."""
+    lines = [f"## {plain(card.name)}", "", f"{plain(card.sentence)} *({plain(card.place)})*", ""]
+    if card.taken:
+        lines += ["| parameter | |", "|---|---|"]
+        lines += [f"| `{name.replace('|', '/')}` | {plain(text)} |" for name, text in card.taken] + [""]
+    if card.data:
+        lines += [f"Data lines: {plain(card.data)}.", ""]
+    for title, groups in (("Without effect", card.ignored), ("Refused", card.refused)):
+        if groups:
+            told = [f"`{'`, `'.join(names)}`" + (f" ({plain(why.rstrip('.'))})" if why else "") for why, names in groups.items()]
+            lines += [f"{title}: " + "; ".join(told) + ".", ""]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.stdout.write(page_of(read_cards(sys.stdin.read())))
