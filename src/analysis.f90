@@ -562,7 +562,7 @@ contains
     integer :: outcome
     character(120) :: place
     associate (record => analysis%records(analysis%n_records))
-      record%reason = failure_reason(analysis%model, analysis%system, analysis%newton, verdict)
+      record%reason = failure_reason(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
       call close_record(analysis, record)
       call tell_attempt(analysis, journal)
       call reject_increment(analysis%stepper, step, dt, verdict, outcome)
@@ -570,7 +570,7 @@ contains
         write (place, '(a,i0,a,i0,a,i0,a,i0,a)') 'Step ', record%step, ', increment ', record%increment, ', attempt ', &
           record%attempt, ', iteration ', record%n_iterations, ': '
         call journal%explain(trim(place) // ' ' // record%reason, &
-          failure_lines(analysis%model, analysis%system, analysis%state, analysis%newton))
+          failure_lines(analysis%model, analysis%system, analysis%state, analysis%newton, record%reason))
         call set_error(error, EXIT_NOT_CONVERGED, trim(place) // ' ' // record%reason // &
           ' No smaller increment is allowed. All converged increments are on disk.')
       end if

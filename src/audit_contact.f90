@@ -7,6 +7,7 @@ module amontons_audit_contact
   use amontons_lookup, only: integer_list_type
   use amontons_loads, only: amplitude_type, prescribed_type
   use amontons_model, only: model_type
+  use amontons_surfaces, only: is_compliant
   use amontons_state, only: slave_type, STATUS_OPEN
   use amontons_contact, only: contact_type
   use amontons_audit_words, only: complain, warn, label_list, number_of
@@ -226,16 +227,32 @@ contains
     allocate (pair_of(model%mesh%n_nodes), source=0)
     do p = 1, size(model%pairs)
       associate (nodes => model%surfaces(model%pairs(p)%slave)%nodes)
-        call collect_common(model, pair_of, nodes, common)
+        call collect_common(model, without_soft(model, p, pair_of), nodes, common)
         call tell_common(model, p, common, .true., report)
         where (pair_of(nodes) == 0) pair_of(nodes) = p
       end associate
     end do
     do p = 1, size(model%pairs)
-      call collect_common(model, pair_of, model%surfaces(model%pairs(p)%master)%nodes, common)
+      call collect_common(model, without_soft(model, p, pair_of), model%surfaces(model%pairs(p)%master)%nodes, common)
       call tell_common(model, p, common, .false., report)
     end do
   end subroutine check_overlap
+
+
+  !> Pairs of compliant laws may share nodes in every way, as their forces are laws of the positions and add up: for
+  !! such a pair the slaves of other such pairs are none. (Exact contact takes its force from the node's own balance.)
+  pure function without_soft(model, p, pair_of) result(pairs)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: p                       !< pair that is looked at
+    integer, intent(in) :: pair_of(:)              !< (n_nodes) pair or 0
+    integer :: pairs(size(pair_of)), i
+    pairs = pair_of
+    if (.not. is_compliant(model%interactions(model%pairs(p)%interaction))) return
+    do i = 1, size(pairs)
+      if (pairs(i) == 0 .or. pairs(i) == p) cycle
+      if (is_compliant(model%interactions(model%pairs(pairs(i))%interaction))) pairs(i) = 0
+    end do
+  end function without_soft
 
 
   !> Sorts the labels of nodes by the pair whose slaves they are.
@@ -267,7 +284,7 @@ contains
       if (is_slave) then
         call complain(report, slave_of // pair_name(model, q) // ' and in ' // pair_name(model, p) // &
           ': a node can be slave of one pair only. Take it out of one slave surface, or put both master surfaces ' // &
-          'into one.')
+          'into one, or give both pairs a compliant *SURFACE BEHAVIOR.')
       else if (q == p) then
         call complain(report, capital(number_of('node', common(q)%trimmed(), 'belongs', 'belong')) // ' to both ' // &
           'surfaces of ' // pair_name(model, p) // '. A body cannot touch itself at its own nodes: take them out ' // &
@@ -275,7 +292,7 @@ contains
       else
         call complain(report, slave_of // pair_name(model, q) // ' and on the master of ' // pair_name(model, p) // &
           ': contact forces cannot be passed on through a slave. Order the pairs in one direction, so ' // &
-          'that a surface is always slave or always master.')
+          'that a surface is always slave or always master, or give both a compliant *SURFACE BEHAVIOR.')
       end if
     end do
   end subroutine tell_common
@@ -296,6 +313,7 @@ contains
       allocate (found(size(model%pairs)))
       do s = 1, size(slaves)
         if (slaves(s)%facet == 0) cycle
+        if (is_compliant(model%interactions(model%pairs(slaves(s)%pair)%interaction))) cycle
         if (norm2(merge(slaves(s)%normal, 0.0_DP, is_free(:, slaves(s)%node))) >= HELD) cycle
         call found(slaves(s)%pair)%add(model%mesh%node_label(slaves(s)%node))
       end do

@@ -80,7 +80,7 @@ uses_adjust = kinds errors model state contact
 uses_contact_tangent = kinds errors sparse topology surfaces model gap compliance state constraints contact
 uses_system = kinds errors history sparse partition factor krylov surfaces steps model state constraints condensed assembly bonds supports contact contact_tangent
 uses_audit_words = errors text
-uses_audit_contact = kinds errors text lookup loads model state contact audit_words
+uses_audit_contact = kinds errors text lookup surfaces loads model state contact audit_words
 uses_audit_bodies = kinds text topology model element
 uses_audit_motion = kinds errors text lookup tensor dense topology steps model state contact audit_words audit_contact audit_bodies
 uses_audit = kinds errors text lookup topology loads steps model element state constraints bonds contact audit_words audit_contact audit_bodies audit_motion
@@ -88,7 +88,8 @@ uses_audit = kinds errors text lookup topology loads steps model element state c
 # 6 solution: the increment, the steps, the results
 uses_converge = kinds steps
 uses_line_search = kinds steps model slip state contact system
-uses_newton = kinds errors history steps model state contact system converge line_search
+uses_forensics = kinds state
+uses_newton = kinds errors history steps model state contact system converge line_search forensics
 uses_stepper = kinds steps converge
 uses_nodal = kinds topology mesh shapes element
 uses_columns = kinds errors history store
@@ -98,7 +99,7 @@ uses_printed = kinds errors text tensor history posix topology mesh steps model 
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state system newton stepper
-uses_failure = kinds model state system converge newton
+uses_failure = kinds text model state system converge forensics newton
 uses_analysis = kinds errors text history journal posix dense factor store steps model deck state fasten contact adjust system audit converge newton stepper results printed restart failure
 uses_drive = kinds errors text loads steps model
 uses_library = kinds errors text journal sparse model state system converge stepper columns results analysis drive

@@ -1,96 +1,192 @@
 !> Failure: why an increment did not converge: the reason, the worst nodes, and what a person can do.
 !! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! | reason | found by | advice |
+!! |---|---|---|
+!! | MATERIAL | an element turned inside out, or a material gave no answer | smaller increments |
+!! | LINEAR SOLVER | no direction, or a force that is not finite | constraints, numbers of the deck |
+!! | FREE BODY | a direction of many times the size of the model | supports |
+!! | LEFT MASTER | closed slave nodes ran off their master | a larger master |
+!! | CYCLE, STICK-SLIP FLIP | the hash of all slave nodes returns | smaller increments, a finer master |
+!! | PENETRATION JUMP | a slave node went deep inside at once | smaller increments |
+!! | LIMIT POINT | the stiffness is not positive while contact rests | drive by displacement |
+!! | SLOW | none of these | smaller increments |
 module amontons_failure
   use amontons_kinds, only: DP
+  use amontons_text, only: text_of
   use amontons_model, only: model_type
-  use amontons_state, only: state_type, STATUS_OPEN
-  use amontons_converge, only: VERDICT_DIVERGES, VERDICT_TOO_SLOW
-  use amontons_newton, only: newton_type
+  use amontons_state, only: state_type, slave_type, STATUS_OPEN
+  use amontons_forensics, only: find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
+  use amontons_converge, only: VERDICT_DIVERGES
+  use amontons_newton, only: newton_type, TROUBLE_FREE
   use amontons_system, only: system_type, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
   implicit none
   private
   public :: failure_reason, failure_lines
 
   integer, parameter :: N_WORST = 10               !< nodes listed
+  integer, parameter :: N_NAMED = 8                !< nodes named in the reason
 
 contains
 
-  !> One sentence: why the attempt failed.
-  function failure_reason(model, system, newton, verdict) result(reason)
+  !> One sentence: why the attempt failed. It begins with a word in capitals that programs can look for.
+  function failure_reason(model, system, state, newton, verdict) result(reason)
     type(model_type), intent(in) :: model
     type(system_type), intent(in) :: system
+    type(state_type), intent(in) :: state
     type(newton_type), intent(in) :: newton
     integer, intent(in) :: verdict                 !< VERDICT_... of the last iteration
     character(:), allocatable :: reason
-    character(120) :: text
     select case (newton%trouble)
     case (TROUBLE_ELEMENT)
-      write (text, '(a,i0,a)') 'Element ', model%mesh%element_label(max(1, system%trouble_item)), ' turned inside out.'
+      reason = 'MATERIAL: element ' // text_of(model%mesh%element_label(max(1, system%trouble_item))) // &
+        ' turned inside out, or its material found no answer.'
     case (TROUBLE_SOLVER)
-      text = 'The stiffness matrix is singular: a body is free to move, or the structure has buckled.'
+      reason = 'LINEAR SOLVER: the stiffness matrix is singular: a body is free to move, or the structure has buckled.'
+      if (size(state%new%slaves) > 0 .and. all(state%new%slaves%status == STATUS_OPEN)) reason = &
+        'FREE BODY: no slave node touches its master any more, and nothing else holds a body.'
     case (TROUBLE_NOT_FINITE)
-      text = 'A force is not finite.'
+      reason = 'LINEAR SOLVER: a force is not finite.'
+    case (TROUBLE_FREE)
+      reason = 'FREE BODY: nothing holds a body against its load; it would fly off at node ' // &
+        text_of(model%mesh%node_label(max(1, newton%farthest))) // '.'
     case default
-      text = 'The force imbalance does not fall any more.'
-      if (verdict == VERDICT_DIVERGES) text = 'The force imbalance grows from iteration to iteration.'
-      if (verdict == VERDICT_TOO_SLOW .and. system%contact%n_changed > 0) &
-        write (text, '(a,i0,a)') 'Contact does not settle: ', system%contact%n_changed, ' slave nodes still change their status.'
+      reason = contact_reason(model, system, state, newton)
+      if (reason == '' .and. system%n_shifted > newton%n_shifted) reason = 'LIMIT POINT: the stiffness is not positive: ' // &
+        'the structure buckles, snaps through, or softens.'
+      if (reason == '' .and. verdict == VERDICT_DIVERGES) &
+        reason = 'SLOW: the force imbalance grows from iteration to iteration.'
+      if (reason == '') reason = 'SLOW: the force imbalance does not fall any more.'
     end select
-    reason = trim(text)
   end function failure_reason
 
 
-  !> What a person can look at and do: the nodes with the largest imbalance, contact, and a remedy.
-  function failure_lines(model, system, state, newton) result(lines)
+  !> A reason that contact gives; empty if it gives none.
+  function contact_reason(model, system, state, newton) result(reason)
     type(model_type), intent(in) :: model
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state
     type(newton_type), intent(in) :: newton
-    character(120), allocatable :: lines(:)
-    character(120) :: line
+    character(:), allocatable :: reason
+    integer, allocatable :: slaves(:)
+    integer :: length
+    reason = ''
+    if (size(state%new%slaves) == 0) return
+    slaves = left_nodes(state%old%slaves, state%new%slaves)
+    length = find_cycle(newton%forensics)
+    if (size(slaves) > 0 .and. length == 0) then
+      reason = 'LEFT MASTER: ' // names_of(model, state%new%slaves, slaves) // ' ran off the master surface.'
+      return
+    end if
+    if (length > 0) then
+      slaves = cycle_nodes(newton%forensics, length)
+      reason = 'CYCLE of length ' // text_of(length) // ' at ' // names_of(model, state%new%slaves, slaves) // '.'
+      if (is_flip(newton%forensics, length, slaves)) reason = 'STICK-SLIP FLIP of length ' // text_of(length) // ' at ' // &
+        names_of(model, state%new%slaves, slaves) // '.'
+      return
+    end if
+    slaves = jumped_nodes(newton%forensics, state%new%slaves, system%contact%edge)
+    if (size(slaves) > 0) then
+      reason = 'PENETRATION JUMP: ' // names_of(model, state%new%slaves, slaves) // ' went deep into the master at once.'
+    else if (system%contact%n_changed > 0) then
+      slaves = cycle_nodes(newton%forensics, 2)
+      reason = 'CONTACT UNSETTLED: status or facet still changes at ' // names_of(model, state%new%slaves, slaves) // '.'
+    end if
+  end function contact_reason
+
+
+  !> The labels of slave nodes: the first of them, and how many more.
+  function names_of(model, all_slaves, slaves) result(names)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: all_slaves(:)
+    integer, intent(in) :: slaves(:)               !< indices
+    character(:), allocatable :: names
+    integer :: i
+    names = 'node'
+    if (size(slaves) /= 1) names = 'nodes'
+    do i = 1, min(size(slaves), N_NAMED)
+      if (i > 1) names = names // ','
+      names = names // ' ' // text_of(model%mesh%node_label(all_slaves(slaves(i))%node))
+    end do
+    if (size(slaves) > N_NAMED) names = names // ' and ' // text_of(size(slaves) - N_NAMED) // ' more'
+  end function names_of
+
+
+  !> What a person can look at and do: the ten worst nodes with their contact in the last iterations, and one sentence.
+  function failure_lines(model, system, state, newton, reason) result(lines)
+    type(model_type), intent(in) :: model
+    type(system_type), intent(in) :: system
+    type(state_type), intent(in) :: state
+    type(newton_type), intent(in) :: newton
+    character(*), intent(in) :: reason             !< of failure_reason
+    character(160), allocatable :: lines(:)
+    character(160) :: line
     real(DP), allocatable :: size_of(:)
     integer :: i, n
     allocate (lines(0))
-    if (newton%trouble == TROUBLE_ELEMENT) then
-      lines = [character(120) :: 'Remedy: smaller increments, a better shaped mesh there, or a smaller load.']
-      return
+    if (newton%trouble /= TROUBLE_ELEMENT) then
+      write (line, '(a,i0,a,es10.3,a,es10.3,a)') 'After ', newton%progress%iteration, &
+        ' iterations the largest imbalance is ', newton%progress%residual(0), ' of the largest force, the correction ', &
+        newton%progress%correction, '.'
+      lines = [line, [character(160) :: 'Nodes with the largest imbalance:']]
+      size_of = norm2(system%residual, dim=1)
+      do i = 1, min(N_WORST, model%mesh%n_nodes)
+        n = maxloc(size_of, dim=1)
+        if (size_of(n) <= 0.0_DP) exit
+        write (line, '(a,i0,a,es10.3,a)') '  node ', model%mesh%node_label(n), ': imbalance ', size_of(n), &
+          contact_words(model, state, newton, n)
+        lines = [lines, line]
+        size_of(n) = -1.0_DP
+      end do
     end if
-    write (line, '(a,i0,a,es10.3,a,es10.3,a)') 'After ', newton%progress%iteration, ' iterations the largest imbalance is ', &
-      newton%progress%residual(0), ' of the largest force, the correction ', newton%progress%correction, '.'
-    lines = [line]
-    allocate (size_of(model%mesh%n_nodes))
-    size_of = norm2(system%residual, dim=1)
-    lines = [lines, [character(120) :: 'Nodes with the largest imbalance:']]
-    do i = 1, min(N_WORST, model%mesh%n_nodes)
-      n = maxloc(size_of, dim=1)
-      if (size_of(n) <= 0.0_DP) exit
-      write (line, '(a,i0,a,es10.3,a)') '  node ', model%mesh%node_label(n), ': imbalance ', size_of(n), &
-        trim(contact_words(model, state, n))
-      lines = [lines, line]
-      size_of(n) = -1.0_DP
-    end do
-    lines = [lines, [character(120) :: &
-      'Remedy: smaller increments (the first number after *STATIC, the third is the least allowed), or look at the', &
-      'nodes named: is a body held only by contact, does a slave node run over an edge of its master?']]
+    line = 'Remedy: ' // advice(reason)
+    lines = [lines, line]
   end function failure_lines
 
 
-  !> What contact says of a node.
-  function contact_words(model, state, node) result(words)
+  !> What contact says of a node: pair, gap, and what it was in the last iterations.
+  function contact_words(model, state, newton, node) result(words)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
+    type(newton_type), intent(in) :: newton
     integer, intent(in) :: node
-    character(80) :: words
-    character(5), parameter :: STATUS_NAMES(0:2) = ['open ', 'stick', 'slip ']
+    character(:), allocatable :: words
+    character(10) :: gap
     integer :: s
     words = ''
     do s = 1, size(state%new%slaves)
       associate (slave => state%new%slaves(s))
         if (slave%node /= node) cycle
-        write (words, '(4a,es10.3,a,i0)') ', pair ', model%pairs(slave%pair)%name, ': ', &
-          trim(STATUS_NAMES(slave%status)) // ', gap ', slave%gap, ', scenario ', slave%scenario
+        write (gap, '(es10.3)') slave%gap
+        words = ', pair ' // model%pairs(slave%pair)%name // ', gap ' // trim(adjustl(gap)) // ': ' // &
+          trim(story_of(newton%forensics, s))
       end associate
     end do
   end function contact_words
+
+
+  !> One sentence of advice for a reason.
+  pure function advice(reason) result(words)
+    character(*), intent(in) :: reason
+    character(:), allocatable :: words
+    select case (reason(:index(reason // ' ', ' ') - 1))
+    case ('MATERIAL:')
+      words = 'smaller increments, a better shaped mesh there, or a smaller load.'
+    case ('LINEAR')
+      words = 'look for bodies or nodes that nothing holds, and for numbers in the deck that are out of scale.'
+    case ('FREE')
+      words = 'hold the body by supports, or let it touch from the start (ADJUST); friction alone holds only what is pressed.'
+    case ('LEFT')
+      words = 'make the master surface larger there, swap slave and master, or check the direction of the motion.'
+    case ('CYCLE', 'STICK-SLIP', 'CONTACT')
+      words = 'smaller increments (first and third number after *STATIC), or a master that is finer or smoother at these nodes.'
+    case ('PENETRATION')
+      words = 'smaller increments, so that a node moves less than half an edge of the master in each.'
+    case ('LIMIT')
+      words = 'prescribe displacements instead of forces beyond this load.'
+    case default
+      words = 'smaller increments (the first number after *STATIC; the third is the least allowed).'
+    end select
+  end function advice
 
 end module amontons_failure

@@ -8,13 +8,17 @@ module amontons_newton
   use amontons_history, only: iteration_record_type
   use amontons_state, only: state_type
   use amontons_contact, only: farthest_travel
+  use amontons_forensics, only: forensics_type, note_slaves
   use amontons_converge, only: progress_type, judge, VERDICT_GO_ON, VERDICT_DIVERGES
   use amontons_line_search, only: search_type, search_line
   use amontons_system, only: system_type, begin_increment, evaluate, find_direction, TROUBLE_NONE, &
     TROUBLE_ELEMENT
   implicit none
   private
-  public :: newton_type, begin_newton, iterate
+  public :: newton_type, begin_newton, iterate, TROUBLE_FREE
+
+  integer, parameter :: TROUBLE_FREE = 4            !< a body flies off: newton%farthest is a node of it
+  real(DP), parameter :: FAR_OFF = 100.0_DP         !< a displacement of this many sizes of the model in an increment is none [-]
 
   real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times the largest of the job so far [-]
   real(DP), parameter :: FAR_TRAVEL = 0.6_DP        !< facets: a slave node that goes farther may meet or leave its master [-]
@@ -24,6 +28,9 @@ module amontons_newton
     type(progress_type) :: progress
     type(iteration_record_type) :: record          !< of the last iteration
     integer :: trouble = TROUBLE_NONE
+    integer :: farthest = 0                        !< the node that moved farthest, where that was too far
+    integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
+    type(forensics_type) :: forensics
     real(DP) :: force_scale = 0                    !< largest force of the job so far [force]
   end type newton_type
 
@@ -41,6 +48,8 @@ contains
     real(DP) :: dt
     newton%progress = progress_type()
     newton%record = iteration_record_type()
+    newton%forensics = forensics_type()
+    newton%n_shifted = system%n_shifted
     call begin_increment(system, model, step, is_step_start, state)
     newton%trouble = TROUBLE_ELEMENT
     if (.not. is_step_start) then
@@ -55,6 +64,7 @@ contains
       call begin_increment(system, model, step, is_step_start, state)
       call evaluate(system, model, step, .true., state, newton%trouble)
     end if
+    call note_slaves(newton%forensics, state%new%slaves)
     call note_residual(newton, system)
   end subroutine begin_newton
 
@@ -79,10 +89,26 @@ contains
     if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
     call search_line(system, model, step, du, state, search, newton%trouble)
     if (newton%trouble /= TROUBLE_NONE) return
+    call note_slaves(newton%forensics, state%new%slaves)
+    call watch_bodies(newton, model, state)
+    if (newton%trouble /= TROUBLE_NONE) return
     call note_residual(newton, system)
     call note_step(newton, system, state, search, system%n_krylov - n_krylov)
     verdict = judge(step%controls, newton%progress)
   end subroutine iterate
+
+
+  !> A body that moves by many times the size of the model in one increment is held by nothing.
+  subroutine watch_bodies(newton, model, state)
+    type(newton_type), intent(inout) :: newton
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    real(DP) :: extent
+    extent = norm2(maxval(model%mesh%coordinates, dim=2) - minval(model%mesh%coordinates, dim=2))
+    if (maxval(abs(state%new%u - state%old%u)) <= FAR_OFF * extent) return
+    newton%trouble = TROUBLE_FREE
+    newton%farthest = maxloc(maxval(abs(state%new%u - state%old%u), dim=1), dim=1)
+  end subroutine watch_bodies
 
 
   !> The residual over the largest force, and the two before it.

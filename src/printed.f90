@@ -223,6 +223,10 @@ contains
       record%n_cutbacks, record%n_factorisations, record%n_krylov, record%residual, record%correction
     if (printed%status == 0) printed%status = status
     call bring_out(printed, printed%sta)
+    if (record%is_converged .or. printed%cvg == 0 .or. .not. allocated(record%reason)) return
+    write (printed%cvg, '(2a)', iostat=status) '  ** ', record%reason
+    if (printed%status == 0) printed%status = status
+    call bring_out(printed, printed%cvg)
   end subroutine print_increment
 
 

@@ -490,7 +490,7 @@ contains
     call expect_error(suite, BASE // PAIR // NL // STEP_PART, 'needs a data line')
     call expect_error(suite, BASE // PAIR // ';low,low;' // STEP_PART, 'with itself')
     call expect_error(suite, BASE // PAIR // ';low,points;' // STEP_PART, 'a master needs element faces')
-    call expect_error(suite, BASE // PAIR // ',ADJUST=BOT;high,low;' // STEP_PART, 'must be a distance')
+    call expect_error(suite, BASE // PAIR // ',ADJUST=-1.;high,low;' // STEP_PART, 'must be a distance')
   end subroutine test_pairs
 
 

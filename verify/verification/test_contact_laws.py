@@ -254,3 +254,19 @@ def test_small_sliding(bench: Bench) -> None:
                          pair=", SMALL SLIDING")
     assert answer.gap[-1] == pytest.approx(0.0, abs=1e-9)
     assert answer.pressure[-1] == pytest.approx(10.0, rel=1e-6)
+
+
+def test_symmetric_pairs(bench: Bench) -> None:
+    """Each surface slave of the other, under a compliant law: both share the load."""
+    law = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR\n0., 0.\n100., 0.1"
+    back = "*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nMASTER, SLAVE"
+    answer = bench.solve(law, step(pressed(10.0)), gap=-0.001, model=back)
+    assert -answer.gap[-1] == pytest.approx(0.005, rel=1e-6)
+    assert answer.pressure[-1] == pytest.approx(5.0, rel=1e-6)
+
+
+def test_free_body_is_named(bench: Bench) -> None:
+    """A body that is pulled off its only contact: the reason says so, in the results, in .cvg and on the terminal."""
+    with pytest.raises(AssertionError, match="FREE BODY|LINEAR SOLVER"):
+        bench.solve("", step(pressed(-10.0)))
+    assert "** FREE BODY" in (bench.folder / "job.cvg").read_text() or "** LINEAR" in (bench.folder / "job.cvg").read_text()
