@@ -206,11 +206,12 @@ hooks: ## Let git run `make lint` before each commit
 	@chmod +x "$$(git rev-parse --git-path hooks/pre-commit)"
 
 # --- the rest -----------------------------------------------------------------------------------------------------
-install: all ## Install program, libraries and header below PREFIX (default /usr/local)
+install: all ## Install program, libraries, header and modules below PREFIX (default /usr/local)
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include
 	install $(BIN)/amontons $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(LIB)/libamontons.a $(LIB)/libamontons.so $(DESTDIR)$(PREFIX)/lib
-	$(if $(wildcard src/amontons.h),install -m 644 src/amontons.h $(DESTDIR)$(PREFIX)/include)
+	install -m 644 src/amontons.h $(DESTDIR)$(PREFIX)/include
+	install -d $(DESTDIR)$(PREFIX)/include/amontons && install -m 644 $(B)/amontons_*.mod $(DESTDIR)$(PREFIX)/include/amontons
 
 clean: ## Remove all that make built, but not .venv
 	rm -rf build bin lib results

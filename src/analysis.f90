@@ -424,8 +424,9 @@ contains
     end do
     analysis%n_iterations = 0
     do i = first, last
-      if (analysis%is_trial .or. analysis%records(i)%is_converged) &
-        call print_increment(analysis%printed, analysis%records(i))   ! the others were told when they failed
+      if (analysis%is_trial .or. analysis%records(i)%is_converged) then   ! the others were told when they failed
+        call print_increment(analysis%printed, analysis%records(i))
+      end if
       call write_attempt(analysis%results, analysis%records(i), error)
       if (allocated(error)) return
     end do
@@ -543,8 +544,9 @@ contains
       total%correction = record%correction
       call journal%show_iteration(record)
       analysis%n_iterations = analysis%n_iterations + 1
-      if (analysis%n_iterations > size(analysis%iterations)) &
+      if (analysis%n_iterations > size(analysis%iterations)) then
         analysis%iterations = [analysis%iterations, analysis%iterations]
+      end if
       analysis%iterations(analysis%n_iterations) = record
       if (analysis%has_files .and. .not. analysis%is_trial) call print_iteration(analysis%printed, record)
     end associate
@@ -662,7 +664,7 @@ contains
     if (allocated(error) .or. .not. analysis%options%is_guarded) return
     if (.not. is_at_end(analysis) .or. analysis%model%keeps_restart) return
     open (newunit=unit, file=job_path(analysis%options, '.restart'), status='old', iostat=status)
-    if (status == 0) close (unit, status='delete', iostat=status)
+    if (status == 0) close (unit, status='delete')
   end subroutine close_files
 
 

@@ -392,6 +392,14 @@ contains
       'length from the slave nodes; NODAL: a length for each slave node; AUTO: we choose.', allowed= &
       'NONE|ALL|GLOBAL|NODAL|AUTO', default='required')
 
+    call table%card('RESTART', IN_BOTH, 'The checkpoint job.restart, which every job writes, and which goes when the job ' // &
+      'is done.')
+    call table%option('WRITE', VALUE_NONE, 'The checkpoint stays when the job is done.')
+    call table%option('READ', VALUE_NONE, 'amontons --resume job goes on from a checkpoint, with the same deck.', &
+      status=STATUS_NOTED)
+    call table%option('FREQUENCY|OVERLAY|STEP|INC|ITERATION|END STEP', VALUE_TEXT, 'There is one checkpoint, of the last ' // &
+      'converged increment.', status=STATUS_NOTED)
+
     call table%card('END STEP', IN_STEP, 'Ends the step.')
   end subroutine describe_steps
 
@@ -480,7 +488,7 @@ contains
   !> Cards that cannot change the solution.
   subroutine describe_noted(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(STATUS_NOTED, 'PREPRINT|RESTART|TIME POINTS|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE ' // &
+    call table%cards_with(STATUS_NOTED, 'PREPRINT|TIME POINTS|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE ' // &
       'OUTPUT|SECTION PRINT|SECTION FILE|SECTION OUTPUT|FACE PRINT|INTEGRATED OUTPUT|INTEGRATED OUTPUT SECTION|' // &
       'INCREMENTATION OUTPUT|MODAL FILE|MODAL OUTPUT|MODAL PRINT|RADIATION FILE|RADIATION OUTPUT|RADIATION PRINT|' // &
       'SURFACE OUTPUT|USER OUTPUT VARIABLES|ELEMENT RESPONSE|NODE RESPONSE|CONTACT RESPONSE|ELEMENT MATRIX OUTPUT|' // &

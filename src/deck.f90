@@ -3,7 +3,8 @@
 module amontons_deck
   use amontons_cards, only: row_type, parameter_type, open_cards, open_cards_text, publish_remarks, line_text, &
     read_parameters, start_rows, next_row
-  use amontons_card_form, only: find_entry, match_parameters, IN_MODEL, IN_STEP, IN_BOTH, STATUS_USED, STATUS_NOTED, &
+  use amontons_card_form, only: find_entry, has_parameter, match_parameters, &
+    IN_MODEL, IN_STEP, IN_BOTH, STATUS_USED, STATUS_NOTED, &
     STATUS_REFUSED
   use amontons_card_table, only: make_card_table
   use amontons_deck_mesh, only: draft_type, read_nodes, read_elements, read_sections, read_constants, &
@@ -85,11 +86,26 @@ contains
     call read_clearances(reader, model)
     call read_equations(reader, model)
     call read_steps(reader, model)
+    call read_restart(reader, model)
     call publish_remarks(reader%cards, reader%remarks, complaints)
     model%deck_text = reader%cards%text(:reader%cards%n_text)
     if (reader%remarks%n_errors > 0) call set_error(error, EXIT_DECK, plural(reader%remarks%n_errors, 'error') // &
       ' in the deck.')
   end subroutine read_model
+
+
+  !> RESTART, WRITE anywhere in the deck: the checkpoint stays when the job is done.
+  subroutine read_restart(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: c
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'RESTART')) cycle
+      call read_parameters(reader%cards, reader%cards%cards(c), parameters)
+      model%keeps_restart = model%keeps_restart .or. has_parameter(parameters, 'WRITE')
+    end do
+  end subroutine read_restart
 
 
   !> The dialect: what the job says, else a comment '** dialect: calculix' before the first card that is not HEADING.

@@ -311,8 +311,8 @@ contains
   pure integer function step_of(job) result(i_step)
     type(job_type), intent(in) :: job
     i_step = max(1, job%analysis%stepper%step)
-    if (job%analysis%is_step_start .and. job%analysis%stepper%step_time > 0.0_DP) &
-      i_step = min(i_step + 1, size(job%analysis%model%steps))
+    if (.not. job%analysis%is_step_start .or. job%analysis%stepper%step_time == 0.0_DP) return
+    i_step = min(i_step + 1, size(job%analysis%model%steps))
   end function step_of
 
 
@@ -657,8 +657,9 @@ contains
         call use_threads(analysis%options%n_threads)
         state = analysis%state
         call evaluate(system, analysis%model, analysis%model%steps(i_step), .true., state, trouble)
-        if (trouble == TROUBLE_NONE) &
+        if (trouble == TROUBLE_NONE) then
           call linearise(system, analysis%model, analysis%model%steps(i_step), state, trouble, error)
+        end if
       end if
       if (allocated(error)) return
       if (trouble /= TROUBLE_NONE) then

@@ -47,23 +47,26 @@ contains
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
+    integer :: status
     printed%sta_path = job_path(options, '.sta')
     call open_text(printed%sta_path, printed%sta, error)
     if (allocated(error)) return
-    write (printed%sta, '(a)', iostat=printed%status) 'SUMMARY OF JOB INFORMATION', &
+    write (printed%sta, '(a)', iostat=status) 'SUMMARY OF JOB INFORMATION', &
       '  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME' // &
       '    OPEN  STICK   SLIP      S-I     S-II    S-III     S-IV  CUT  FACT  KRYLOV   RESIDUAL  CORRECTION'
+    if (printed%status == 0) printed%status = status
     call bring_out(printed, printed%sta)
     printed%cvg_path = job_path(options, '.cvg')
     call open_text(printed%cvg_path, printed%cvg, error)
     if (allocated(error)) return
-    write (printed%cvg, '(a)', iostat=printed%status) 'SUMMARY OF C0NVERGENCE INFORMATION', &
+    write (printed%cvg, '(a)', iostat=status) 'SUMMARY OF C0NVERGENCE INFORMATION', &
       '  STEP   INC  ATT   ITER     CONT.   RESID.        CORR.      RESID.      CORR.' // &
       '    OPEN  STICK   SLIP    S-I   S-II  S-III   S-IV OPENED CLOSED KRYLOV       STEP        WORST', &
       '                              EL.    FORCE         DISP       FLUX        TEMP.' // &
       '                                                                      LENGTH          GAP', &
       '                              (#)     (%)           (%)        (%)         (%)' // &
       '     (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)         (-)     (LENGTH)'
+    if (printed%status == 0) printed%status = status
     call bring_out(printed, printed%cvg)
     if (.not. has_prints(model)) return
     printed%dat_path = job_path(options, '.dat')
@@ -130,6 +133,17 @@ contains
     if (printed%status /= 0) call set_error(error, EXIT_IO, 'Cannot write the file ' // printed%sta_path // ' or ' // &
       'the .cvg or .dat beside it (is the disk full?).')
   end subroutine check_printed
+
+
+  !> Closes a file; the first trouble is kept.
+  subroutine close_text(printed, unit)
+    type(printed_type), intent(inout) :: printed
+    integer, intent(in) :: unit
+    integer :: status
+    if (unit == 0) return
+    close (unit, iostat=status)
+    if (printed%status == 0) printed%status = status
+  end subroutine close_text
 
 
   !> Whether a step has PRINT cards.
@@ -259,10 +273,9 @@ contains
   !> Closes the files that are open.
   subroutine close_printed(printed)
     type(printed_type), intent(inout) :: printed
-    integer :: unused
-    if (printed%sta /= 0) close (printed%sta, iostat=unused)
-    if (printed%cvg /= 0) close (printed%cvg, iostat=unused)
-    if (printed%dat /= 0) close (printed%dat, iostat=unused)
+    call close_text(printed, printed%sta)
+    call close_text(printed, printed%cvg)
+    call close_text(printed, printed%dat)
     printed = printed_type()
   end subroutine close_printed
 

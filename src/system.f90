@@ -452,6 +452,7 @@ contains
     call renew_bulk(system, error)
     state%new%u = u
     if (allocated(error)) return
+    if (system%condensed%is_ready) system%n_factorisations = system%n_factorisations - 1   ! the job that ran on had it
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
   end subroutine provide_bulk
 

@@ -67,7 +67,7 @@ def test_element_without_volume(run: Run, cubes: Path, tmp_path: Path) -> None: 
 
 def test_singular_matrix(run: Run, cubes: Path, tmp_path: Path) -> None:  # noqa: F811
     """A body that nothing holds is told before the first step, or the solver tells it; it is never solved."""
-    cube_deck(cubes, tmp_path, ("FLOOR, 1, 3\n", "FLOOR, 3, 3\n"))
+    cube_deck(cubes, tmp_path, ("FLOOR, 1, 3\n", "FLOOR, 3, 3\n"), ("*FRICTION\n0.3\n", ""))
     done = run(["job"], cwd=tmp_path)
     assert done.returncode in (SETUP, NOT_CONVERGED, SOLVER), done.stdout
     assert done.stdout.splitlines()[-1].startswith("*ERROR")

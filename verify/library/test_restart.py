@@ -193,3 +193,15 @@ def test_no_checkpoint(run: Run, block: Path, whole: Path, tmp_path: Path) -> No
     """Without checkpoints the results are the same."""
     assert run(["--no-checkpoint", "--outdir", tmp_path, block]).returncode == 0
     assert_same(whole, tmp_path)
+
+
+def test_restart_write_keeps_the_checkpoint(run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """RESTART, WRITE: it stays, and a job that is done and resumed is done at once, with the same files."""
+    (tmp_path / "job.inp").write_text(block.read_text().replace("*STATIC\n", "*RESTART, WRITE, FREQUENCY=1\n*STATIC\n", 1))
+    assert run(["job"], cwd=tmp_path).returncode == 0
+    assert (tmp_path / "job.restart").exists()
+    before = data_sets(tmp_path / "job.vtkhdf")
+    done = run(["--resume", "job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert data_sets(tmp_path / "job.vtkhdf").keys() == before.keys()
+    assert len(data_sets(tmp_path / "job.vtkhdf")["VTKHDF/Steps/Values"]) == 21

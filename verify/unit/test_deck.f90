@@ -879,7 +879,8 @@ contains
     call expect_error(suite, MODEL_PART // '*NONSENSE;1;' // STEP_PART, 'is not known', '*NONSENSE')
     call expect_error(suite, MODEL_PART // STEP_START // '*FREQUENCY;10;' // STEP_END, 'Use *STATIC')
     call read_good(suite, 'noted cards', 'text;' // MODEL_PART // '*PREPRINT, ECHO=NO;*TIME POINTS, NAME=T;1.,2.;' // &
-      STEP_START // '*RESTART, WRITE;*MONITOR, NODE=1;' // STEP_END, model, n_notes=5)
+      STEP_START // '*RESTART, WRITE;*MONITOR, NODE=1;' // STEP_END, model, n_notes=4)
+    call suite%that('RESTART, WRITE keeps the checkpoint', model%keeps_restart)
     call read_good(suite, 'abbreviations', MODEL_PART // '*BOUND;1,1;' // STEP_PART, model, n_notes=1)
     call suite%that('are expanded', size(model%steps(1)%prescribed) == 1)
   end subroutine test_refused
