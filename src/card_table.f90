@@ -234,7 +234,8 @@ contains
     call table%option('DEFINITION', VALUE_WORD, 'Kind of amplitude.', allowed='TABULAR', default='TABULAR')
     call table%refuse_words('EQUALLY SPACED|PERIODIC|MODULATED|DECAY|SMOOTH STEP|SOLUTION DEPENDENT|USER|ACTUATOR|' // &
       'SPECTRUM', 'Give a table of time and factor.')
-    call table%option('SHIFTX|SHIFTY|SMOOTH|FIXED INTERVAL|BEGIN|VARIABLES|USER', VALUE_TEXT, &
+    call table%option('SHIFTX|SHIFTY', VALUE_REAL, 'Added to all times, to all factors.', default='0')
+    call table%option('SMOOTH|FIXED INTERVAL|BEGIN|VARIABLES|USER', VALUE_TEXT, &
       'Write the shifted or smoothed table itself.', status=STATUS_REFUSED)
 
     call table%card('EQUATION', IN_MODEL, 'Sums of displacements that are zero; the first term is the one ' // &
@@ -319,7 +320,7 @@ contains
   !> Prescribed displacements, forces, pressures, gravity.
   subroutine describe_loads(table)
     type(card_table_type), intent(inout) :: table
-    character(*), parameter :: LATER = 'Give an amplitude with the delay in it.'
+    character(*), parameter :: LATER = 'The amplitude runs this much later.'
     call table%card('BOUNDARY', IN_BOTH, 'Prescribes displacements; before the first step it holds from the first ' // &
       'step on.', data='node or node set, first and last degree of freedom (1 to 3), displacement; or node, ' // &
       'PINNED, ENCASTRE, XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM or ZASYMM')
@@ -329,7 +330,7 @@ contains
     call table%option('FIXED', VALUE_NONE, 'Keeps the displacement that the nodes have at the start of the step.')
     call table%option('TYPE', VALUE_WORD, 'What is prescribed.', allowed='DISPLACEMENT', default='DISPLACEMENT')
     call table%refuse_words('VELOCITY|ACCELERATION', 'Prescribe displacements.')
-    call table%option('TIME DELAY', VALUE_REAL, LATER, status=STATUS_REFUSED)
+    call table%option('TIME DELAY', VALUE_REAL, LATER, default='0')
     call table%option('USER|SUBMODEL|STEP|DATA SET|LOAD CASE|REGION TYPE|BASE NAME|MASSLESS', VALUE_TEXT, &
       'Give the displacements themselves.', status=STATUS_REFUSED)
 
@@ -337,7 +338,7 @@ contains
     call table%option('OP', VALUE_WORD, 'NEW lets the forces of earlier steps go to zero.', allowed='MOD|NEW', &
       default='MOD')
     call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the force grows linearly over the step.')
-    call table%option('TIME DELAY', VALUE_REAL, LATER, status=STATUS_REFUSED)
+    call table%option('TIME DELAY', VALUE_REAL, LATER, default='0')
     call table%option('FOLLOWER|USER|SUBMODEL|STEP|DATA SET|LOAD CASE|SECTOR|OMEGA0|CYCLIC MODE|REGION TYPE', &
       VALUE_TEXT, 'Give forces that keep their direction.', status=STATUS_REFUSED)
 
@@ -359,7 +360,7 @@ contains
     call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the load grows linearly over the step.')
     call table%option('FOLLOWER', VALUE_WORD, 'Under NLGEOM a pressure follows the face.', allowed='YES', default='YES')
     call table%refuse_words('NO', 'A pressure follows its face.')
-    call table%option('TIME DELAY', VALUE_REAL, 'Give an amplitude with the delay in it.', status=STATUS_REFUSED)
+    call table%option('TIME DELAY', VALUE_REAL, 'The amplitude runs this much later.', default='0')
     call table%option('SUBMODEL|STEP|DATA SET|LOAD CASE|SECTOR|CYCLIC MODE|REGION TYPE|ORIENTATION|CONSTANT ' // &
       'RESULTANT|REF NODE', VALUE_TEXT, 'Give pressures on faces.', status=STATUS_REFUSED)
   end subroutine describe_distributed
@@ -430,7 +431,8 @@ contains
     call table%card('NODE PRINT', IN_STEP, 'Prints values of nodes to the .dat file.', data='variables: U, RF')
     call describe_print(table)
     call table%option('NSET', VALUE_NAME, 'The nodes.', default='required')
-    call table%option('GLOBAL', VALUE_WORD, 'Values are in global directions.', allowed='YES|NO', default='YES')
+    call table%option('GLOBAL', VALUE_WORD, 'Values are in global directions, or in those of *TRANSFORM.', &
+      allowed='YES|NO', default='YES (abaqus), NO (calculix)')
     call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
 
     call table%card('EL PRINT', IN_STEP, 'Prints values of integration points to the .dat file.', data= &

@@ -199,6 +199,8 @@ contains
       call check_name(reader, c, amplitude%name)
       amplitude%is_total_time = parameter_word(parameters, 'TIME', 'STEPTIME') == 'TOTALTIME'
       call read_pairs_of_numbers(reader, row, amplitude)
+      amplitude%time = amplitude%time + parameter_real(parameters, 'SHIFTX')
+      amplitude%factor = amplitude%factor + parameter_real(parameters, 'SHIFTY')
       call reader%amplitudes%add(amplitude%name, position, is_new)
       if (is_new) then
         model%amplitudes = [model%amplitudes, amplitude]
@@ -207,7 +209,49 @@ contains
           ''' is defined twice.')
       end if
     end do
+    call delay_amplitudes(reader, model)
   end subroutine read_amplitudes
+
+
+  !> The value of a parameter that is a number; 0 if it is not given, or none (that was told).
+  function parameter_real(parameters, name) result(value)
+    type(parameter_type), intent(in) :: parameters(:)
+    character(*), intent(in) :: name
+    real(DP) :: value
+    integer :: status
+    value = 0
+    if (.not. has_parameter(parameters, name)) return
+    call parse_real(parameter_text(parameters, name), value, status)
+    if (status /= NUMBER_OK) value = 0
+  end function parameter_real
+
+
+  !> Cards with TIME DELAY get an amplitude of their own that runs later.
+  subroutine delay_amplitudes(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(amplitude_type) :: amplitude
+    integer :: c, found
+    allocate (reader%delayed_amplitude(reader%cards%n_cards), source=0)
+    do c = 1, reader%cards%n_cards
+      if (.not. (is_card(reader, c, 'BOUNDARY') .or. is_card(reader, c, 'CLOAD') .or. is_card(reader, c, 'DLOAD') .or. &
+        is_card(reader, c, 'DSLOAD'))) cycle
+      call open_card(reader, c, parameters, row)
+      if (.not. has_parameter(parameters, 'TIME DELAY')) cycle
+      found = reader%amplitudes%find(parameter_text(parameters, 'AMPLITUDE'))
+      if (found == 0) then
+        if (.not. has_parameter(parameters, 'AMPLITUDE')) call complain(reader, reader%cards%cards(c)%line, &
+          'TIME DELAY needs an AMPLITUDE that it delays.')
+        cycle
+      end if
+      amplitude = model%amplitudes(found)
+      amplitude%time = amplitude%time + parameter_real(parameters, 'TIME DELAY')
+      model%amplitudes = [model%amplitudes, amplitude]
+      reader%delayed_amplitude(c) = size(model%amplitudes)
+    end do
+  end subroutine delay_amplitudes
 
 
   !> The rows of an amplitude.

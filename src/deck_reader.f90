@@ -20,6 +20,7 @@ module amontons_deck_reader
     type(card_table_type) :: table
     type(remarks_type) :: remarks
     integer :: dialect = DIALECT_ABAQUS          !< DIALECT_ABAQUS or DIALECT_CALCULIX
+    integer, allocatable :: delayed_amplitude(:) !< (n_cards) amplitude of a card with TIME DELAY, 0
     integer, allocatable :: step_of_card(:)      !< (n_cards) step in which a card stands; 0: the model
     type(name_table_type) :: node_sets, element_sets, surfaces, materials, interactions, amplitudes
     type(label_table_type) :: node_labels, element_labels
@@ -227,6 +228,8 @@ contains
     if (name == '') return
     amplitude = reader%amplitudes%find(name)
     if (amplitude == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no amplitude ''' // name // '''.')
+    if (.not. allocated(reader%delayed_amplitude)) return
+    if (reader%delayed_amplitude(c) > 0) amplitude = reader%delayed_amplitude(c)
   end subroutine find_amplitude
 
 

@@ -411,6 +411,8 @@ contains
     if (kind == PRINT_NODE) then
       name = parameter_text(parameters, 'NSET')
       request%set = reader%node_sets%find(name)
+      request%is_local = parameter_word(parameters, 'GLOBAL', &
+        trim(merge('NO ', 'YES', reader%dialect == DIALECT_CALCULIX))) == 'NO'
     else if (kind == PRINT_ELEMENT) then
       name = parameter_text(parameters, 'ELSET')
       request%set = reader%element_sets%find(name)

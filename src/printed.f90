@@ -311,9 +311,10 @@ contains
     associate (set => model%mesh%node_sets(request%set))
       select case (variable)
       case ('U')
-        call print_node_rows(unit, 'displacements (vx,vy,vz)', model%mesh, set, fields, fields%u)
+        call print_node_rows(unit, 'displacements (vx,vy,vz)', model%mesh, set, fields, &
+          in_directions(model, request, fields%u))
       case ('RF')
-        force = printed_forces(model, fields)
+        force = in_directions(model, request, printed_forces(model, fields))
         if (.not. request%is_only_totals) &
           call print_node_rows(unit, 'forces (fx,fy,fz)', model%mesh, set, fields, force)
         if (.not. (request%is_totals .or. request%is_only_totals)) return
@@ -322,6 +323,21 @@ contains
       end select
     end associate
   end subroutine print_node_variable
+
+
+  !> Vectors at the nodes in the directions that a request asks for.
+  pure function in_directions(model, request, values) result(turned)
+    type(model_type), intent(in) :: model
+    type(print_request_type), intent(in) :: request
+    real(DP), intent(in) :: values(:, :)           !< (3, n_nodes) global
+    real(DP) :: turned(3, size(values, 2))
+    integer :: i
+    turned = values
+    if (.not. (request%is_local .and. allocated(model%frame_of))) return
+    do i = 1, size(values, 2)
+      if (model%frame_of(i) > 0) turned(:, i) = matmul(values(:, i), model%frames(:, :, model%frame_of(i)))
+    end do
+  end function in_directions
 
 
   !> RF: the reactions of supports. CalculiX prints the internal forces at all nodes that have elements.

@@ -215,6 +215,7 @@ contains
     call read_good(BODY, model, step='*STEP;*STATIC;*BOUNDARY;90,6,6,.1;*CLOAD;90,4,2.;*END STEP;')
     call suite%that('a rotation', model%steps(1)%prescribed(1)%node == 15 .and. model%steps(1)%prescribed(1)%dof == 3)
     call suite%that('a moment', model%steps(1)%concentrated(1)%node == 15 .and. model%steps(1)%concentrated(1)%dof == 1)
+    call expect_error(BODY, 'TIME DELAY needs', '*STEP;*STATIC;*CLOAD, TIME DELAY=1.;90,1,1.;*END STEP;')
     call expect_error(BODY, 'no rotations', '*STEP;*STATIC;*BOUNDARY;1,6,6,.1;*END STEP;')
     call expect_error(BODY, 'no moments', '*STEP;*STATIC;*CLOAD;1,4,1.;*END STEP;')
     call expect_error(BODY, '4, 5 or 6', '*STEP;*STATIC;*CLOAD;90,7,1.;*END STEP;')

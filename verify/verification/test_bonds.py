@@ -103,6 +103,11 @@ def test_skew_support(run_deck: Run, tmp_path: Path, kind: str) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     u = read_rows(tmp_path, "displacements")[7]
     assert u[1] * c + u[2] * s == pytest.approx(0.01, rel=1e-6)
+    done = run_deck(job(cards, loads).replace("*NODE PRINT, NSET=SHOWN", "*NODE PRINT, NSET=SHOWN, GLOBAL=NO"))
+    local = read_rows(tmp_path, "forces")[7]
+    assert read_rows(tmp_path, "displacements")[7][0] == pytest.approx(0.01, rel=1e-6)
+    assert local[0] > 0 and local[1] == pytest.approx(0, abs=1e-9) and local[2] == pytest.approx(0, abs=1e-9)
+    done = run_deck(job(cards, loads))
     rf = read_rows(tmp_path, "forces")[7]
     assert rf[0] == pytest.approx(0, abs=1e-9) and rf[1] == pytest.approx(rf[2], rel=1e-6) and rf[1] > 0
 
@@ -255,6 +260,15 @@ def test_mean_rotation(run_deck: Run, tmp_path: Path) -> None:
         assert turned == pytest.approx(1.2, rel=1e-5)
     forces = read_rows(tmp_path, "forces")
     assert forces[90][0] > 0  # the moment that turns it
+
+
+def test_time_delay_and_shift(run_deck: Run, tmp_path: Path) -> None:
+    """A delayed and shifted amplitude: at the end of the step of length 1 the table stands at 1 - .25 + .5."""
+    cards = "*AMPLITUDE, NAME=A, SHIFTX=-.5, SHIFTY=1.\n0., 0., 2., 2.\n"
+    loads = "*BOUNDARY\nBOTTOM, 1, 3\n*BOUNDARY, AMPLITUDE=A, TIME DELAY=.25\nTOP, 3, 3, .01\n"
+    done = run_deck(job(cards, loads))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert read_rows(tmp_path, "displacements")[5][2] == pytest.approx(0.01 * (1.25 + 1.0), rel=1e-6)
 
 
 def test_constraint_conflict(run_deck: Run) -> None:
