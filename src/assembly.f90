@@ -429,7 +429,9 @@ contains
     points%initial_temperature(:n) = 0.0_DP
     if (allocated(model%initial_temperature)) points%initial_temperature(:n) = model%initial_temperature(nodes(:n))
     points%time = state%new%total_time
-    points%time_increment = state%new%total_time - state%old%total_time
+    points%time_increment = state%new%creep_time - state%old%creep_time
+    points%has_frame = allocated(state%new%frame)
+    if (points%has_frame) points%frame(:, :, :m) = state%new%frame(:, :, p:p + m - 1)
   end subroutine bring_along
 
 

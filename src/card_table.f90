@@ -4,6 +4,7 @@
 !! Checks, messages, `amontons --cards` and the manual come from this table. A new card is one entry here and one small
 !! procedure in the reader.
 module amontons_card_table
+  use amontons_card_materials, only: describe_materials
   use amontons_card_form, only: card_table_type, render_table, IN_MODEL, IN_STEP, IN_BOTH, STATUS_NOTED, &
     STATUS_REFUSED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD
   implicit none
@@ -11,7 +12,7 @@ module amontons_card_table
   public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES
 
   character(*), parameter :: NODE_VARIABLES = 'U|RF'              !< what NODE PRINT knows
-  character(*), parameter :: ELEMENT_VARIABLES = 'S|E'            !< what EL PRINT knows
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|PEEQ|CEEQ' !< what EL PRINT knows
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS' !< what CONTACT PRINT knows
 
 contains
@@ -96,49 +97,6 @@ contains
     call table%option('COMBINE|CROP|SCALE|FILLET RADIUS|MAX RATIO', VALUE_TEXT, 'Give element faces.', &
       status=STATUS_REFUSED)
   end subroutine describe_mesh
-
-
-  !> Materials and sections.
-  subroutine describe_materials(table)
-    type(card_table_type), intent(inout) :: table
-    call table%card('MATERIAL', IN_MODEL, 'Starts a material; the cards of its properties follow.')
-    call table%option('NAME', VALUE_NAME, 'Name of the material.', default='required')
-    call table%option('SRATE FACTOR|RTOL', VALUE_TEXT, 'Only rates of strain use it.', status=STATUS_NOTED)
-
-    call table%card('ELASTIC', IN_MODEL, 'Isotropic linear elasticity.', parent='MATERIAL', &
-      data='Young''s modulus, Poisson''s ratio; one line, without temperature dependence')
-    call table%option('TYPE', VALUE_WORD, 'Kind of elasticity.', allowed='ISOTROPIC|ISO', default='ISOTROPIC')
-    call table%refuse_words('ORTHO|ORTHOTROPIC|ENGINEERING CONSTANTS|ANISO|ANISOTROPIC|LAMINA|TRACTION|COUPLED ' // &
-      'TRACTION|SHEAR', 'Only isotropic elasticity is.')
-    call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=STATUS_NOTED)
-    call table%option('DEPENDENCIES', VALUE_TEXT, 'Properties cannot depend on field variables.', status=STATUS_REFUSED)
-
-    call table%card('DENSITY', IN_MODEL, 'Mass density, needed by gravity.', parent='MATERIAL', data= &
-      'density; one line')
-    call table%option('DEPENDENCIES', VALUE_TEXT, 'Properties cannot depend on field variables.', status=STATUS_REFUSED)
-
-    call table%card('SOLID SECTION', IN_MODEL, 'Gives the elements of a set their material.', data= &
-      'thickness of plane elements or cross-section of trusses, default 1; of no meaning for the others')
-    call table%option('ELSET', VALUE_NAME, 'The elements.', default='required')
-    call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
-    call table%option('ORIENTATION', VALUE_NAME, 'Isotropic materials have no direction.', status=STATUS_NOTED)
-    call table%option('CONTROLS|STACK DIRECTION|LAYUP|OFFSET|NODAL THICKNESS', VALUE_TEXT, &
-      'The elements are chosen by their type alone.', status=STATUS_NOTED)
-    call table%option('COMPOSITE|SYMMETRIC', VALUE_TEXT, 'Layered solids do not exist here.', status=STATUS_REFUSED)
-    call table%option('REF NODE', VALUE_TEXT, 'Generalised plane strain does not exist here.', status=STATUS_REFUSED)
-
-    call table%card('SPRING', IN_MODEL, 'Gives springs their constant.', data= &
-      'SPRING1, SPRING2: direction at the first node, at the second; then, and for SPRINGA at once: spring constant')
-    call table%option('ELSET', VALUE_NAME, 'The springs.', default='required')
-    call table%option('NONLINEAR', VALUE_NONE, 'Springs are linear.', status=STATUS_REFUSED)
-    call table%option('ORIENTATION|DEPENDENCIES|COMPLEX STIFFNESS', VALUE_TEXT, 'Springs act along global axes and are ' // &
-      'the same at all times.', status=STATUS_REFUSED)
-    call table%option('RTOL', VALUE_TEXT, '', status=STATUS_NOTED)
-
-    call table%card('MASS', IN_MODEL, 'Gives point masses their mass; it counts for gravity.', data='mass')
-    call table%option('ELSET', VALUE_NAME, 'The masses.', default='required')
-    call table%option('ALPHA|COMPOSITE|TYPE|ORIENTATION|DEPENDENCIES', VALUE_TEXT, 'A mass is one number.', status=STATUS_REFUSED)
-  end subroutine describe_materials
 
 
   !> Interactions and contact pairs.
@@ -253,15 +211,6 @@ contains
     call table%option('NSET', VALUE_NAME, 'The nodes.', default='required')
     call table%option('TYPE', VALUE_WORD, 'Rectangular or cylindrical.', allowed='R|C', default='R')
     call table%refuse_words('S', 'Use R or C.')
-
-    call table%card('ORIENTATION', IN_MODEL, 'Names directions, for *COUPLING.', data='RECTANGULAR: a point on the ' // &
-      'local x axis, one in the xy plane; CYLINDRICAL: two points of the axis')
-    call table%option('NAME', VALUE_NAME, 'Its name.', default='required')
-    call table%option('SYSTEM', VALUE_WORD, 'Rectangular or cylindrical.', allowed='RECTANGULAR|CYLINDRICAL', &
-      default='RECTANGULAR')
-    call table%refuse_words('SPHERICAL|Z RECTANGULAR|USER', 'Use RECTANGULAR or CYLINDRICAL.')
-    call table%option('DEFINITION', VALUE_WORD, 'How the points are given.', allowed='COORDINATES', default='COORDINATES')
-    call table%refuse_words('NODES|OFFSET TO NODES', 'Give coordinates.')
 
     call table%card('MPC', IN_MODEL, 'Constraints between nodes: PLANE (all nodes stay in the plane of the first ' // &
       'three), STRAIGHT (on the line through the first two), BEAM (calculix: the distance of two nodes stays; ' // &
@@ -382,10 +331,13 @@ contains
 
     call table%card('STATIC', IN_STEP, 'The step is quasi-static.', &
       data='first increment, length of the step, least increment, largest increment; all optional')
-    call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', allowed='NO STOP')
-    call table%option('SOLVER', VALUE_TEXT, 'The solver is our own.', status=STATUS_NOTED)
-    call table%option('FULLY PLASTIC|RIKS|STABILIZE|ALLSDTOL|CONTINUE|FACTOR|ADIABATIC|LONG TERM|TIME RESET|' // &
-      'TOTAL TIME AT START', VALUE_TEXT, 'Leave it out.', status=STATUS_REFUSED)
+    call describe_static(table)
+    call table%card('VISCO', IN_STEP, 'The step is quasi-static, and materials creep.', &
+      data='first increment, length of the step, least increment, largest increment; all optional')
+    call describe_static(table)
+    call table%option('CETOL', VALUE_REAL, 'Creep is integrated implicitly; choose the largest increment instead.', &
+      status=STATUS_NOTED)
+    call table%option('CREEP', VALUE_WORD, 'Creep is always integrated implicitly.', status=STATUS_NOTED)
 
     call table%card('LINE SEARCH', IN_STEP, 'The one-step line search of contact, in this step and all later ones ' // &
       '(our own card).')
@@ -403,6 +355,16 @@ contains
 
     call table%card('END STEP', IN_STEP, 'Ends the step.')
   end subroutine describe_steps
+
+
+  !> What STATIC and VISCO share.
+  subroutine describe_static(table)
+    type(card_table_type), intent(inout) :: table
+    call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', allowed='NO STOP')
+    call table%option('SOLVER', VALUE_TEXT, 'The solver is our own.', status=STATUS_NOTED)
+    call table%option('FULLY PLASTIC|RIKS|STABILIZE|ALLSDTOL|CONTINUE|FACTOR|ADIABATIC|LONG TERM|TIME RESET|' // &
+      'TOTAL TIME AT START', VALUE_TEXT, 'Leave it out.', status=STATUS_REFUSED)
+  end subroutine describe_static
 
 
   !> The controls of a step.
@@ -496,10 +458,10 @@ contains
       'SURFACE OUTPUT|USER OUTPUT VARIABLES|ELEMENT RESPONSE|NODE RESPONSE|CONTACT RESPONSE|ELEMENT MATRIX OUTPUT|' // &
       'MATRIX OUTPUT|DIAGNOSTICS|FILTER|DATA CHECK|LOAD CASE NAME|END LOAD CASE NAME', 'It asks for output that ' // &
       'we do not write; the result file holds all fields, and forces and moments are in its tables.')
-    call table%cards_with(STATUS_NOTED, 'EXPANSION|CONDUCTIVITY|SPECIFIC HEAT|LATENT HEAT|INELASTIC HEAT FRACTION|' // &
+    call table%cards_with(STATUS_NOTED, 'CONDUCTIVITY|SPECIFIC HEAT|LATENT HEAT|INELASTIC HEAT FRACTION|' // &
       'ELECTRICAL CONDUCTIVITY|JOULE HEAT FRACTION|MAGNETIC PERMEABILITY|FLUID CONSTANTS|SPECIFIC GAS CONSTANT|' // &
-      'PHYSICAL CONSTANTS|ABSOLUTE ZERO|GAP CONDUCTANCE|GAP HEAT GENERATION|EMISSIVITY', 'There is no temperature ' // &
-      'here, so it has no effect.')
+      'PHYSICAL CONSTANTS|ABSOLUTE ZERO|GAP CONDUCTANCE|GAP HEAT GENERATION|EMISSIVITY', 'There is no flow of ' // &
+      'heat here, so it has no effect.')
     call table%cards_with(STATUS_NOTED, 'DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
       'FIXED MASS SCALING', 'Rates do not count in a quasi-static step, so it has no effect.')
     call table%cards_with(STATUS_NOTED, 'CONTACT CONTROLS|CONTACT FORMULATION|CONTACT STABILIZATION|SECTION ' // &
@@ -510,8 +472,8 @@ contains
   !> Materials, temperatures and directions that we do not have.
   subroutine describe_refused_materials(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(STATUS_REFUSED, 'PLASTIC|CYCLIC HARDENING|DEFORMATION PLASTICITY|CREEP|VISCO|' // &
-      'VISCOELASTIC|HYPERELASTIC|HYPERFOAM|HYPOELASTIC|MOHR COULOMB|MOHR COULOMB HARDENING|DRUCKER PRAGER|DRUCKER ' // &
+    call table%cards_with(STATUS_REFUSED, 'VISCOELASTIC|HYPOELASTIC|MOHR COULOMB|MOHR COULOMB HARDENING|' // &
+      'DRUCKER PRAGER|DRUCKER ' // &
       'PRAGER HARDENING|DRUCKER PRAGER CREEP|CAP PLASTICITY|CAP HARDENING|CLAY PLASTICITY|CLAY HARDENING|' // &
       'CRUSHABLE FOAM|CRUSHABLE FOAM HARDENING|CONCRETE|CONCRETE DAMAGED PLASTICITY|CONCRETE COMPRESSION ' // &
       'HARDENING|CONCRETE TENSION STIFFENING|BRITTLE CRACKING|CAST IRON PLASTICITY|CAST IRON COMPRESSION ' // &
@@ -520,13 +482,13 @@ contains
       'COMPRESSION|NO TENSION|FAIL STRAIN|FAIL STRESS|SHEAR FAILURE|TENSILE FAILURE|ANNEAL TEMPERATURE|SWELLING|' // &
       'JOINTED MATERIAL|SUPERELASTIC|SHAPE MEMORY ALLOY|EOS|FABRIC|GASKET ELASTICITY|GASKET THICKNESS BEHAVIOR|' // &
       'VISCOUS|UNIAXIAL TEST DATA|BIAXIAL TEST DATA|PLANAR TEST DATA|SIMPLE SHEAR TEST DATA|VOLUMETRIC TEST DATA', &
-      'Give the material with *ELASTIC; linear elasticity, with finite strains under NLGEOM, is the only law.')
+      'Give the material with *ELASTIC, *PLASTIC, *CREEP, *HYPERELASTIC or *HYPERFOAM.')
     call table%cards_with(STATUS_REFUSED, 'USER MATERIAL|USER ELEMENT|USER SECTION|USER DEFINED FIELD|UEL ' // &
       'PROPERTY|DEPVAR', 'User subroutines do not exist here.')
-    call table%cards_with(STATUS_REFUSED, 'TEMPERATURE|INITIAL CONDITIONS|INITIAL STRAIN INCREASE|FIELD|PRESSURE ' // &
-      'STRESS|MASS FLOW RATE', 'The bodies start without stress and have no temperature.')
-    call table%cards_with(STATUS_REFUSED, 'DISTRIBUTION|DISTRIBUTION TABLE|TRANSFORMF|' // &
-      'SYSTEM|NODAL ROTATION', 'Everything is in the global Cartesian directions; with skew supports use *EQUATION.')
+    call table%cards_with(STATUS_REFUSED, 'INITIAL STRAIN INCREASE|FIELD|PRESSURE STRESS|MASS FLOW RATE', &
+      'Give *INITIAL CONDITIONS and *TEMPERATURE.')
+    call table%cards_with(STATUS_REFUSED, 'TRANSFORMF|SYSTEM|NODAL ROTATION', &
+      'Supports and forces are in the global Cartesian directions; with skew supports use *EQUATION.')
   end subroutine describe_refused_materials
 
 

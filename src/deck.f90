@@ -9,7 +9,9 @@ module amontons_deck
   use amontons_card_table, only: make_card_table
   use amontons_deck_mesh, only: draft_type, read_nodes, read_elements, read_sections, read_constants, &
     keep_elements
-  use amontons_deck_model, only: read_heading, read_materials, read_amplitudes, read_surfaces, read_equations
+  use amontons_deck_conditions, only: read_orientations, read_initial_conditions
+  use amontons_deck_materials, only: read_materials, finish_materials
+  use amontons_deck_model, only: read_heading, read_amplitudes, read_surfaces, read_equations
   use amontons_deck_contact, only: read_interactions, read_pairs, read_clearances
   use amontons_deck_bonds, only: read_transforms, read_bonds
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
@@ -85,7 +87,10 @@ contains
     call read_bonds(reader, model)
     call read_clearances(reader, model)
     call read_equations(reader, model)
+    call read_orientations(reader, model)
+    call read_initial_conditions(reader, model)
     call read_steps(reader, model)
+    call finish_materials(model)
     call read_restart(reader, model)
     call publish_remarks(reader%cards, reader%remarks, complaints)
     model%deck_text = reader%cards%text(:reader%cards%n_text)

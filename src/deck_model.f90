@@ -1,4 +1,4 @@
-!> Deck model: the cards of materials, amplitudes, surfaces and equations to the model.
+!> Deck model: the cards of amplitudes, surfaces and equations to the model.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_model
   use amontons_kinds, only: DP
@@ -8,7 +8,6 @@ module amontons_deck_model
     need_no_data, nodes_of_field, elements_of_field, is_card, check_name
   use amontons_loads, only: amplitude_type, equation_type
   use amontons_lookup, only: integer_list_type, sort_integers
-  use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, direction_of, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_surfaces, only: surface_type
@@ -16,7 +15,7 @@ module amontons_deck_model
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
-  public :: read_heading, read_materials, read_amplitudes, read_surfaces, read_equations
+  public :: read_heading, read_amplitudes, read_surfaces, read_equations
   public :: face_number
 
   !> Terms of one equation on their way.
@@ -59,126 +58,6 @@ contains
     if (heading /= '') heading = heading // NEWLINE
     heading = heading // text
   end subroutine add_heading_line
-
-
-  !> MATERIAL with ELASTIC and DENSITY.
-  subroutine read_materials(reader, model)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    integer, allocatable :: line(:)
-    integer :: c, m
-    logical :: is_new
-    allocate (model%materials(0), line(0))
-    m = 0
-    do c = 1, reader%cards%n_cards
-      if (is_card(reader, c, 'MATERIAL')) then
-        call open_card(reader, c, parameters, row)
-        if (parameter_text(parameters, 'NAME') == '') cycle
-        call check_name(reader, c, parameter_text(parameters, 'NAME'))
-        call reader%materials%add(parameter_text(parameters, 'NAME'), m, is_new)
-        if (is_new) then
-          line = [line, reader%cards%cards(c)%line]
-          call add_material(model, parameter_text(parameters, 'NAME'), reader%dialect)
-        else
-          call complain(reader, reader%cards%cards(c)%line, 'The material ''' // parameter_text(parameters, 'NAME') // &
-            ''' is defined twice.')
-        end if
-      else if (m > 0 .and. is_card(reader, c, 'ELASTIC')) then
-        call read_elastic(reader, c, model%materials(m))
-      else if (m > 0 .and. is_card(reader, c, 'DENSITY')) then
-        call read_density(reader, c, model%materials(m))
-      else if (m > 0 .and. is_refused(reader, c)) then
-        model%materials(m)%has_elastic = .true.  ! it may have stood in place of ELASTIC, and is told
-      end if
-    end do
-    do m = 1, size(model%materials)
-      if (.not. model%materials(m)%has_elastic) call complain(reader, line(m), 'The material ''' // &
-        model%materials(m)%name // ''' has no *ELASTIC card.')
-    end do
-  end subroutine read_materials
-
-
-  !> Whether a card is one that we do not read.
-  pure function is_refused(reader, c) result(is_so)
-    type(reader_type), intent(in) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    logical :: is_so
-    is_so = reader%cards%cards(c)%entry == 0
-    if (.not. is_so) is_so = reader%table%entries(reader%cards%cards(c)%entry)%status == STATUS_REFUSED
-  end function is_refused
-
-
-  !> Adds a material with the finite-strain law of the dialect.
-  subroutine add_material(model, name, dialect)
-    type(model_type), intent(inout) :: model
-    character(*), intent(in) :: name
-    integer, intent(in) :: dialect
-    type(material_type) :: material
-    material%name = name
-    material%law = merge(LAW_SAINT_VENANT, LAW_HENCKY, dialect == DIALECT_CALCULIX)
-    model%materials = [model%materials, material]
-  end subroutine add_material
-
-
-  !> ELASTIC: E > 0, -1 < nu < 0.5.
-  subroutine read_elastic(reader, c, material)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c
-    type(material_type), intent(inout) :: material
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    logical :: is_ok
-    call open_card(reader, c, parameters, row)
-    material%has_elastic = .true.                ! what is wrong with it is told below
-    if (parameter_word(parameters, 'TYPE', 'ISO') /= 'ISO' .and. parameter_word(parameters, 'TYPE', 'ISO') /= &
-      'ISOTROPIC') return
-    if (.not. next_row(reader%cards, row)) then
-      call complain(reader, row%line, '*ELASTIC needs a data line: Young''s modulus, Poisson''s ratio.')
-      return
-    end if
-    is_ok = .true.
-    call need_at_most(reader, row, 3)
-    call need_real(reader, row, 1, 'Young''s modulus', material%youngs_modulus, is_ok)
-    call need_real(reader, row, 2, 'Poisson''s ratio', material%poissons_ratio, is_ok, 0.0_DP)
-    if (is_ok .and. material%youngs_modulus <= 0) call complain(reader, row%line, &
-      'Young''s modulus must be positive.')
-    if (is_ok .and. (material%poissons_ratio <= -1 .or. material%poissons_ratio >= 0.5_DP)) call complain(reader, &
-      row%line, 'Poisson''s ratio must be greater than -1 and less than 0.5.')
-    call need_no_temperatures(reader, row)
-  end subroutine read_elastic
-
-
-  !> Tells a second line of a property: it would be for another temperature.
-  subroutine need_no_temperatures(reader, row)
-    type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
-    if (next_row(reader%cards, row)) call complain(reader, row%line, &
-      'A second line would be for another temperature; properties cannot depend on temperature.')
-  end subroutine need_no_temperatures
-
-
-  !> DENSITY: rho > 0.
-  subroutine read_density(reader, c, material)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c
-    type(material_type), intent(inout) :: material
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    logical :: is_ok
-    call open_card(reader, c, parameters, row)
-    material%has_density = .true.
-    if (.not. next_row(reader%cards, row)) then
-      call complain(reader, row%line, '*DENSITY needs a data line: the density.')
-      return
-    end if
-    is_ok = .true.
-    call need_at_most(reader, row, 2)
-    call need_real(reader, row, 1, 'density', material%density, is_ok)
-    if (is_ok .and. material%density <= 0) call complain(reader, row%line, 'The density must be positive.')
-    call need_no_temperatures(reader, row)
-  end subroutine read_density
 
 
   !> AMPLITUDE: pairs time, factor in rows of any length; times ascend.

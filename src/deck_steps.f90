@@ -5,6 +5,8 @@ module amontons_deck_steps
   use amontons_cards, only: parameter_type, row_type, next_row, field_text, line_text
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
   use amontons_card_table, only: NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES
+  use amontons_deck_conditions, only: thermal_type, start_thermal, begin_thermal_step, read_temperature, &
+    hand_over_temperatures
   use amontons_deck_loads, only: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, &
     hand_over_loads
   use amontons_deck_contact, only: read_contact_change
@@ -24,6 +26,7 @@ module amontons_deck_steps
   !> What is known while the steps are read.
   type :: progress_type
     type(step_type) :: step                      !< present step; what is sticky stays in it for the next one
+    type(thermal_type) :: thermal
     type(standing_type) :: standing
     integer :: n = 0                             !< steps begun
     real(DP) :: total_time = 0                   !< at the end of the step before [time]
@@ -47,6 +50,7 @@ contains
     allocate (model%steps(n_steps))
     if (n_steps == 0) call complain(reader, 0, 'The deck has no step: there is no *STEP card.')
     call start_standing(model, progress%standing)
+    call start_thermal(model, progress%thermal)
     progress%step%controls = default_controls(reader%dialect)
     allocate (progress%step%prints(0))
     do c = 1, reader%cards%n_cards
@@ -111,8 +115,11 @@ contains
     progress%step%period = 1
     progress%step%dt_min = 1.0e-6_DP
     progress%step%dt_max = 1
+    progress%step%is_creeping = .false.
     call begin_step(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == 'STEP', &
       progress%standing)
+    call begin_thermal_step(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == &
+      'STEP', progress%thermal)
   end subroutine open_step
 
 
@@ -130,9 +137,10 @@ contains
       k = k - 1
     end do
     if (.not. (progress%has_static .or. progress%has_refused)) call complain(reader, reader%cards%cards(k)%line, &
-      'This step has no *STATIC card.')
+      'This step has no *STATIC or *VISCO card.')
     call hand_over_loads(progress%standing, progress%step%prescribed, progress%step%concentrated, &
       progress%step%distributed)
+    call hand_over_temperatures(progress%thermal, progress%step%temperatures)
     model%steps(progress%n) = progress%step
     progress%total_time = progress%total_time + progress%step%period
   end subroutine close_step
@@ -148,8 +156,9 @@ contains
     associate (entry => reader%table%entries(reader%cards%cards(c)%entry))
       if (entry%status == STATUS_REFUSED) progress%has_refused = .true.
       select case (entry%key)
-      case ('STATIC')
+      case ('STATIC', 'VISCO')
         progress%has_static = .true.
+        progress%step%is_creeping = entry%key == 'VISCO'
         call read_static(reader, c, progress%step)
       case ('CONTROLS')
         call read_controls(reader, c, progress%step%controls)
@@ -159,6 +168,8 @@ contains
         call read_boundary(reader, model, c, progress%n, progress%standing)
       case ('CLOAD')
         call read_cload(reader, model, c, progress%standing)
+      case ('TEMPERATURE')
+        call read_temperature(reader, model, c, progress%thermal)
       case ('DLOAD', 'DSLOAD')
         call read_dload(reader, model, c, progress%standing)
       case ('CHANGEFRICTION', 'CHANGESURFACEBEHAVIOR', 'FRICTION', 'SURFACEBEHAVIOR', 'MODELCHANGE', &

@@ -34,16 +34,19 @@ uses_model = kinds mesh materials surfaces loads ties steps
 # 3 reading: text to cards, cards to model
 uses_cards = kinds errors text lookup
 uses_card_form = kinds text lookup cards
-uses_card_table = card_form
+uses_card_materials = card_form
+uses_card_table = card_form card_materials
 uses_deck_reader = kinds text lookup mesh model cards card_form
 uses_deck_mesh = kinds text lookup topology mesh materials model cards card_form deck_reader
 uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
-uses_deck_model = kinds text lookup topology mesh materials surfaces loads model cards card_form deck_reader
+uses_deck_model = kinds text lookup topology mesh surfaces loads model cards card_form deck_reader
+uses_deck_materials = kinds text materials model cards card_form deck_reader
+uses_deck_conditions = kinds text lookup mesh materials loads model cards card_form deck_reader
 uses_deck_contact = kinds text mesh surfaces steps model cards card_form deck_reader
 uses_deck_bonds = kinds text tensor topology mesh loads ties model cards card_form deck_reader
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
-uses_deck_steps = kinds text steps model cards card_form card_table deck_reader deck_contact deck_loads
-uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_model deck_contact deck_bonds deck_steps
+uses_deck_steps = kinds text steps model cards card_form card_table deck_reader deck_contact deck_conditions deck_loads
+uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_conditions deck_materials deck_model deck_contact deck_bonds deck_steps
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -68,7 +71,7 @@ uses_compliance = kinds surfaces
 uses_areas = kinds topology mesh surfaces shapes compliance
 
 # 5 system: unknowns, residual, matrix
-uses_state = kinds mesh model
+uses_state = kinds tensor topology materials mesh loads steps model shapes material_point
 uses_constraints = kinds errors sparse
 uses_condensed = kinds errors sparse dense partition factor constraints
 uses_assembly = kinds errors sparse partition topology mesh loads steps model element state

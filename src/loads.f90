@@ -6,7 +6,8 @@ module amontons_loads
   use amontons_kinds, only: DP
   implicit none
   private
-  public :: amplitude_type, load_type, prescribed_type, concentrated_type, distributed_type, equation_type
+  public :: amplitude_type, load_type, prescribed_type, concentrated_type, distributed_type, temperature_type, &
+    equation_type
   public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, amplitude_value, load_value
 
   integer, parameter :: DISTRIBUTED_PRESSURE = 1   !< pressure on an element face, positive pushing into the element
@@ -49,6 +50,11 @@ module amontons_loads
     integer :: face = 0                          !< face number, pressure only
     real(DP) :: direction(3) = 0                 !< unit vector, gravity only
   end type distributed_type
+
+  !> The temperature of a node.
+  type, extends(load_type) :: temperature_type
+    integer :: node = 0
+  end type temperature_type
 
   !> sum coefficient * u(node, dof) = 0. Of the first terms one is eliminated.
   type :: equation_type

@@ -16,18 +16,18 @@ module amontons_material_point
   use amontons_kinds, only: DP
   use amontons_hyperelastic, only: hyper_type, respond_rubber, respond_foam
   use amontons_log_strain, only: log_axes_type, find_log_axes, push_log_law, transform_matrix, tensor_log, tensor_exp
-  use amontons_materials, only: material_type, evaluate_table, LAW_SAINT_VENANT, ELASTIC_ISOTROPIC, &
-    ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, &
-    HISTORY_BACK, MAX_CONSTANTS
+  use amontons_materials, only: material_type, orientation_type, evaluate_table, LAW_SAINT_VENANT, &
+    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
+    HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL
   use amontons_plastic, only: return_type, return_radially, is_inelastic, deform_ramberg_osgood, RETURN_OK
   use amontons_principal, only: principal_type, find_principal, left_cauchy_green, principal_stress, &
     principal_tangent, exponential_m1, logarithm_1p
   use amontons_stress, only: hooke, isotropic_tangent, gradient_status, STRESS_OK, STRESS_INVERTED, &
     STRESS_NOT_FINITE
-  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, double_dot, invert, pack_voigt, unpack_voigt, von_mises
+  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, double_dot, invert, pack_voigt, unpack_voigt, von_mises
   implicit none
   private
-  public :: point_type, update_point, elastic_strain_of
+  public :: point_type, update_point, elastic_strain_of, axes_at
 
   !> What goes into a material point and what comes out. The past is committed: it is read, never written.
   type :: point_type
@@ -408,6 +408,43 @@ contains
     b = pack_voigt(matmul(inverse, matmul(unpack_voigt(b), transpose(inverse)))) + left_cauchy_green(rest)
     point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = tensor_log(b, -0.5_DP)
   end subroutine keep_flow
+
+
+  !> The local axes of an orientation at a place. Rectangular: x through a, y towards b. Cylindrical: z from a to b, x
+  !! radial (global x or y where the place is on the axis).
+  pure function axes_at(orientation, place) result(frame)
+    type(orientation_type), intent(in) :: orientation
+    real(DP), intent(in) :: place(3)               !< [length]
+    real(DP) :: frame(3, 3)                        !< axes in columns
+    real(DP) :: x(3), z(3), a(3), b(3), c, s
+    integer :: i, j
+    if (orientation%system == SYSTEM_CYLINDRICAL) then
+      z = (orientation%b - orientation%a) / norm2(orientation%b - orientation%a)
+      x = place - orientation%a
+      x = x - dot_product(x, z) * z
+      if (norm2(x) <= 1.0e-12_DP * norm2(orientation%b - orientation%a)) then
+        x = IDENTITY(:, minloc(abs(z), 1))
+        x = x - dot_product(x, z) * z
+      end if
+    else
+      x = orientation%a
+      z = cross_product(orientation%a, orientation%b)
+    end if
+    x = x / norm2(x)
+    z = z / norm2(z)
+    frame(:, 1) = x
+    frame(:, 2) = cross_product(z, x)
+    frame(:, 3) = z
+    if (orientation%turn_axis == 0) return
+    i = modulo(orientation%turn_axis, 3) + 1
+    j = modulo(orientation%turn_axis + 1, 3) + 1
+    c = cos(orientation%turn_angle)
+    s = sin(orientation%turn_angle)
+    a = frame(:, i)
+    b = frame(:, j)
+    frame(:, i) = c * a + s * b
+    frame(:, j) = c * b - s * a
+  end function axes_at
 
 
   !> The elastic strain of a stress: what initial stresses are taken as, with the sign turned, in the inelastic strain.

@@ -3,7 +3,7 @@
 module amontons_model
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type
-  use amontons_materials, only: material_type
+  use amontons_materials, only: material_type, orientation_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
   use amontons_loads, only: amplitude_type, equation_type
   use amontons_ties, only: bond_type, tie_type, spread_type
@@ -45,6 +45,9 @@ module amontons_model
     type(equation_type), allocatable :: equations(:)
     real(DP), allocatable :: initial_temperature(:)   !< (n_nodes) of INITIAL CONDITIONS; not there: 0 [temperature]
     real(DP), allocatable :: initial_history(:, :)    !< (HISTORY_..., n_points) of INITIAL CONDITIONS; not there: 0
+    real(DP), allocatable :: initial_stress(:, :)     !< (6, n_points) of INITIAL CONDITIONS; not there: 0 [stress]
+    type(orientation_type), allocatable :: orientations(:)
+    integer, allocatable :: element_orientation(:)    !< (n_elements) index into orientations, 0: global; not there: 0
     type(bond_type), allocatable :: bonds(:)    !< constraints that are not linear
     type(tie_type), allocatable :: ties(:)      !< surfaces tied; they become equations before the start
     type(spread_type), allocatable :: spreads(:)   !< distributing couplings; they become equations before the start

@@ -125,10 +125,11 @@ contains
     type(return_type), intent(inout) :: answer
     integer, intent(out) :: status                 !< RETURN_...
     type(resistance_type) :: r
-    real(DP) :: p, low, high, step
+    real(DP) :: p, low, high, step, q_strain
     integer :: i
+    q_strain = problem%q_trial / (3 * problem%G)   ! what rounding of the stresses is measured by
     low = 0
-    high = problem%q_trial / (3 * problem%G)
+    high = q_strain
     p = 0
     status = RETURN_FAILED
     do i = 1, MOST_ITERATIONS
@@ -139,7 +140,7 @@ contains
       step = -r%f / r%df
       if (.not. (p + step >= low .and. p + step <= high)) step = 0.5_DP * (low + high) - p
       p = p + step
-      if (abs(step) <= TOLERANCE * max(p, tiny(p)) .or. high - low <= TOLERANCE * high) then
+      if (abs(step) <= TOLERANCE * max(p, q_strain) .or. high - low <= TOLERANCE * q_strain) then
         status = RETURN_OK
         exit
       end if

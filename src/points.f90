@@ -22,6 +22,8 @@ module amontons_points
     ! comes in: the section; the past, committed, and the temperature
     real(DP) :: section                            !< thickness [length], cross-section [length^2], spring constant
     integer :: directions(2)                       !< of SPRING1, SPRING2
+    logical :: has_frame                           !< frame is set; else the axes are the global ones
+    real(DP) :: frame(3, 3, MAX_POINTS)            !< local axes of the material in columns
     real(DP) :: past(MAX_HISTORY, MAX_POINTS)      !< committed history
     real(DP) :: temperature(MAX_NODES)             !< of the nodes, at the end of the increment [temperature]
     real(DP) :: initial_temperature(MAX_NODES)     !< of the nodes [temperature]
@@ -46,6 +48,7 @@ contains
     type(point_type), intent(inout) :: point
     point%frame = IDENTITY
     if (material%is_plain) return
+    if (points%has_frame) point%frame = points%frame(:, :, p)
     point%time = points%time
     point%time_increment = points%time_increment
     point%temperature = dot_product(weight, points%temperature(:size(weight)))

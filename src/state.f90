@@ -2,10 +2,18 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_state
   use amontons_kinds, only: DP
-  use amontons_mesh, only: mesh_type
+  use amontons_mesh, only: mesh_type, element_nodes
+  use amontons_loads, only: load_value
+  use amontons_material_point, only: elastic_strain_of, axes_at
+  use amontons_materials, only: HISTORY_INELASTIC
   use amontons_model, only: model_type
+  use amontons_shapes, only: shape_functions, quadrature
+  use amontons_steps, only: step_type
+  use amontons_tensor, only: IDENTITY
+  use amontons_topology, only: MAX_NODES, MAX_POINTS
   implicit none
   private
+  public :: set_temperatures
   public :: state_type, fields_type, slave_type, create_state, create_material_state, commit_state, restore_state
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
 
@@ -50,6 +58,8 @@ module amontons_state
     real(DP), allocatable :: volume(:)      !< (n_points) reference volume [length^3]
     real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 if none needs it
     real(DP), allocatable :: temperature(:) !< (n_nodes) [temperature]
+    real(DP) :: creep_time = 0              !< time spent in steps in which materials creep [time]
+    real(DP), allocatable :: frame(:, :, :) !< (3, 3, n_points) local axes in columns, fixed; not there: global
     type(slave_type), allocatable :: slaves(:)
     real(DP), allocatable :: internal_force(:, :)   !< (3, n_nodes) F_int [force]
     real(DP), allocatable :: applied_force(:, :)    !< (3, n_nodes) F_ext [force]
@@ -98,10 +108,75 @@ contains
       if (allocated(model%initial_temperature)) new%temperature = model%initial_temperature
       deallocate (new%history)
       allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
-      if (allocated(model%initial_history)) new%history(:size(model%initial_history, 1), :) = model%initial_history
+      if (allocated(model%initial_history)) new%history = model%initial_history(:n_history, :)
+      if (allocated(model%orientations)) then
+        if (size(model%orientations) > 0) call find_frames(model, new%frame)
+      end if
+      if (allocated(model%initial_stress)) call start_with_stress(model, new)
     end associate
     state%old = state%new
   end subroutine create_material_state
+
+
+  !> The local axes of the points from the orientations of their elements.
+  subroutine find_frames(model, frame)
+    type(model_type), intent(in) :: model
+    real(DP), allocatable, intent(out) :: frame(:, :, :)
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
+    integer :: e, k, p, n_rule, n_nodes, nodes(MAX_NODES)
+    allocate (frame(3, 3, model%mesh%n_points), source=spread(IDENTITY, 3, model%mesh%n_points))
+    do e = 1, model%mesh%n_elements
+      k = model%element_orientation(e)
+      if (k == 0) cycle
+      call element_nodes(model%mesh, e, n_nodes, nodes)
+      call quadrature(model%mesh%kind(e), n_rule, xi, w)
+      do p = 1, model%mesh%point_first(e + 1) - model%mesh%point_first(e)
+        call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
+        frame(:, :, model%mesh%point_first(e) + p - 1) = axes_at(model%orientations(k), &
+          matmul(model%mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes)))
+      end do
+    end do
+  end subroutine find_frames
+
+
+  !> Initial stresses become inelastic strains of the other sign.
+  subroutine start_with_stress(model, fields)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(inout) :: fields
+    real(DP) :: frame(3, 3), temperature
+    integer :: e, p, n, nodes(MAX_NODES)
+    frame = IDENTITY
+    do e = 1, model%mesh%n_elements
+      if (model%mesh%material(e) == 0) cycle
+      call element_nodes(model%mesh, e, n, nodes)
+      temperature = sum(fields%temperature(nodes(:n))) / real(n, DP)
+      do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
+        if (allocated(fields%frame)) frame = fields%frame(:, :, p)
+        associate (strain => fields%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p))
+          strain = strain - elastic_strain_of(model%materials(model%mesh%material(e)), temperature, frame, &
+            model%initial_stress(:, p))
+        end associate
+      end do
+    end do
+  end subroutine start_with_stress
+
+
+  !> The temperatures at the time of the trial state, and how long materials have crept.
+  subroutine set_temperatures(model, step, state)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< in: times; out: new temperature, creep_time
+    integer :: i
+    associate (new => state%new)
+      new%creep_time = state%old%creep_time
+      if (step%is_creeping) new%creep_time = new%creep_time + (new%total_time - state%old%total_time)
+      if (.not. allocated(step%temperatures)) return
+      do i = 1, size(step%temperatures)
+        new%temperature(step%temperatures(i)%node) = load_value(step%temperatures(i), model%amplitudes, &
+          new%step_time, new%total_time, step%period)
+      end do
+    end associate
+  end subroutine set_temperatures
 
 
   !> The trial fields become the committed ones.

@@ -3,7 +3,7 @@
 module amontons_steps
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type
-  use amontons_loads, only: prescribed_type, concentrated_type, distributed_type
+  use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, temperature_type
   implicit none
   private
   public :: step_type, controls_type, print_request_type, calculix_controls, is_output_due
@@ -65,6 +65,8 @@ module amontons_steps
     type(prescribed_type), allocatable :: prescribed(:)
     type(concentrated_type), allocatable :: concentrated(:)
     type(distributed_type), allocatable :: distributed(:)
+    type(temperature_type), allocatable :: temperatures(:)   !< nodes not in it keep their temperature
+    logical :: is_creeping = .false.       !< VISCO: materials creep
     type(print_request_type), allocatable :: prints(:)
     type(interaction_type), allocatable :: interactions(:)  !< those in force if this or an earlier step changes some
     logical, allocatable :: is_removed(:)  !< (n_pairs) pairs taken out; not allocated: none

@@ -17,7 +17,7 @@ module amontons_system
   use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type
   use amontons_history, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
-  use amontons_state, only: state_type, fields_type, STATUS_OPEN
+  use amontons_state, only: set_temperatures, state_type, fields_type, STATUS_OPEN
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, multiply, multiply_transpose, &
     multiply_symmetric, product_of, transpose_of, full_of, sum_of
   use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, lu_factorise, lu_solve, FACTOR_OK
@@ -181,6 +181,7 @@ contains
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state
+    call set_temperatures(model, step, state)
     call begin_contact_increment(system%contact, model, step%is_nlgeom, is_step_start, state%new)
     call drop_bulk(system, model, step, is_step_start, state)
   end subroutine begin_increment

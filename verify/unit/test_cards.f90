@@ -246,7 +246,7 @@ contains
     call expect_match(suite, '*NSET, NSET=A, INSTANCE=P', 1, 0)
     call expect_match(suite, '*ELASTIC, TYPE=ISO', 0, 0)
     call expect_match(suite, '*ELASTIC, TYPE=ISOTR', 0, 1)
-    call expect_match(suite, '*ELASTIC, TYPE=ORTHO', 1, 0)
+    call expect_match(suite, '*ELASTIC, TYPE=LAMINA', 1, 0)
     call expect_match(suite, '*ELASTIC, TYPE=NONSENSE', 1, 0)
     call expect_match(suite, '*STEP, NLGEOM', 0, 0)
     call expect_match(suite, '*STEP, nlgeom = no, INC=50', 0, 0)

@@ -33,6 +33,7 @@ program test_material_point
   call check_axes()
   call check_tension()
   call check_cycle()
+  call check_standing_still()
   call check_shared_finite_strain()
   call check_creep_closed_forms()
   call check_initial_stress()
@@ -542,6 +543,29 @@ contains
     call suite%that('cycle: yield on the way back', &
       (point%history(HISTORY_PEEQ) <= point%past(HISTORY_PEEQ)) .eqv. is_elastic)
   end subroutine probe
+
+
+  !> A state on the yield surface stays where it is: rounding must not make the return fail.
+  subroutine check_standing_still()
+    type(material_type) :: material
+    type(point_type) :: point, again
+    integer :: i, k, status
+    do k = 1, 2
+      material = metal()
+      if (k == 2) material = kinematic_metal(.true.)
+      do i = 1, 200
+        point = virgin()
+        point%H = any_gradient(0.05_DP)
+        call update_point(material, .true., point, status)
+        again = point
+        again%past = point%history
+        call update_point(material, .true., again, status)
+        if (status /= STRESS_OK) exit
+        if (maxval(abs(again%history - point%history)) > 1e-9_DP * maxval(abs(point%history))) exit
+      end do
+      call suite%that('standing still on the yield surface', i > 200)
+    end do
+  end subroutine check_standing_still
 
 
   !> Finite strain without rotation of the axes: the multiplicative and the additive way agree, isotropic or kinematic in
