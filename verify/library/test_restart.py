@@ -5,6 +5,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 import os
 import random
+import re
 import signal
 import subprocess
 import time
@@ -193,6 +194,17 @@ def test_no_checkpoint(run: Run, block: Path, whole: Path, tmp_path: Path) -> No
     """Without checkpoints the results are the same."""
     assert run(["--no-checkpoint", "--outdir", tmp_path, block]).returncode == 0
     assert_same(whole, tmp_path)
+
+
+def test_every_committed_field_is_carried(root: Path) -> None:
+    """Each component of fields_type, new ones too, stands in carry_fields: a forgotten one would be lost by a restart."""
+    state, restart = ((root / "src" / f"{name}.f90").read_text() for name in ("state", "restart"))
+    fields = re.search(r"type :: fields_type\n(.*?)end type fields_type", state, re.S)
+    carried = re.search(r"subroutine carry_fields(.*?)end subroutine carry_fields", restart, re.S)
+    assert fields and carried
+    names = re.findall(r"^    (?:real|type|integer|logical)[^!]*?:: (\w+)", fields[1], re.M)
+    assert {"u", "stress", "slaves", "external_work"} <= set(names)
+    assert set(names) == set(re.findall(r"fields%(\w+)", carried[1]))
 
 
 def test_restart_write_keeps_the_checkpoint(run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
