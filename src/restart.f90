@@ -22,7 +22,7 @@ module amontons_restart
   public :: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it tells the byte order too
-  integer(I64), parameter :: FORMAT_VERSION = 3
+  integer(I64), parameter :: FORMAT_VERSION = 4
   integer, parameter :: N_HEAD = 4                 !< words before those of carry_all
 
   !> All that the next increment depends on.
@@ -307,12 +307,13 @@ contains
   end subroutine carry_bulk
 
 
-  !> The committed fields.
+  !> The committed fields; those that are fixed come from the model.
   subroutine carry_fields(parcel, fields)
     type(parcel_type), intent(inout) :: parcel
     type(fields_type), intent(inout) :: fields
     call parcel%carry(fields%step_time)
     call parcel%carry(fields%total_time)
+    call parcel%carry(fields%creep_time)
     call parcel%carry(fields%external_work)
     call parcel%carry(fields%friction_work)
     call parcel%carry(fields%u)
