@@ -26,6 +26,7 @@ module amontons_contact
   public :: facet_weights, contact_slip_vector, farthest_travel, commit_slip, elastic_trial, shear_most
 
   real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
+  real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
   real(DP), parameter :: SUPPORTED = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
 
@@ -417,7 +418,7 @@ contains
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields
     type(trial_type) :: trial
-    real(DP) :: free_normal(3), share, mu, most, d(3), N
+    real(DP) :: free_normal(3), share, mu, most, d(3), N, gap
     integer :: status, before
     associate (slave => fields%slaves(s), view => contact%view)
       before = slave%status
@@ -441,7 +442,9 @@ contains
       most = contact%laws(slave%pair)%shear_limit * slave%area
       d = 0.0_DP
       if (slave%origin_facet > 0) d = contact%mask(:, s) * contact_slip_vector(contact, model, fields%u, slave)
-      call trial_traction(imbalance, slave%gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
+      gap = slave%gap                              ! an open node that grazes its master stays open: it would only chatter
+      if (before == STATUS_OPEN) gap = gap + GRAZE * contact%edge(slave%pair)
+      call trial_traction(imbalance, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
       status = merge(before, trial%status, is_frozen)
       if (status /= STATUS_OPEN .and. slave%origin_facet == 0) then
         call close_slave(contact, model, u_old, fields%u, slave)

@@ -20,13 +20,15 @@ module amontons_converge
     real(DP) :: correction = 0                     !< over the largest increment of displacement [-]
     real(DP) :: gap = 0                            !< worst violation of a closed node over the facet's edge [-]
     logical :: is_whole_step = .true.              !< the last step had length 1
+    logical :: is_arrived = .true.                 !< no prescribed displacement is still missing
   end type progress_type
 
 contains
 
   !> The verdict on an iterate.
   !!
-  !! Converged: the residual is at most r_n (r_p after i_p iterations), the closed nodes are on their facets, and the
+  !! Converged: the supports have arrived, the residual is at most r_n (r_p after i_p iterations), the closed nodes are on
+  !! their facets, and the
   !! correction is at most c_n. The last correction is the error of the iterate *before*; that of this one is, to first
   !! order, the correction that the residual now would give: last correction times residual now over residual before.
   !! The smaller of the two counts. A residual below r_l needs no correction.
@@ -39,7 +41,7 @@ contains
     if (progress%is_whole_step .and. progress%residual(0) < progress%residual(1)) &
       correction = correction * progress%residual(0) / progress%residual(1)
     verdict = VERDICT_GO_ON
-    if (progress%residual(0) <= tolerance .and. progress%gap <= controls%gap_tolerance .and. &
+    if (progress%is_arrived .and. progress%residual(0) <= tolerance .and. progress%gap <= controls%gap_tolerance .and. &
       (correction <= controls%c_n .or. progress%residual(0) <= controls%r_l)) then
       verdict = VERDICT_CONVERGED
     else if (progress%iteration >= controls%i_c) then

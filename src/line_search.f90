@@ -28,6 +28,7 @@ module amontons_line_search
   type :: search_type
     real(DP) :: step_length = 1                    !< of the whole step; for NODAL the mean over the nodes that moved [-]
     logical :: is_whole_step = .true.              !< every unknown moved by the whole direction
+    logical :: is_arrived = .true.                 !< the prescribed displacements have all arrived
     real(DP) :: correction = 0                     !< largest change of a displacement [length]
     integer :: n_scenario(4) = 0
     integer :: n_opened = 0, n_closed = 0          !< slave nodes, from the iterate before to this one
@@ -76,6 +77,7 @@ contains
       call back_track(system, model, step, du, start, state, search, trouble)
     end select
     search%correction = maxval(abs(state%new%u - start%u))
+    search%is_arrived = start%is_comparable .or. search%is_whole_step
 
   contains
 
@@ -222,7 +224,7 @@ contains
   end subroutine try_nodal
 
 
-  !> AUTO: the full step if the merit does not grow; else (LS) over all unknowns, then halves; the best of them is taken.
+  !> AUTO: the full step if the merit does not grow, or without contact; else (LS) over all unknowns, then halves; the best is taken.
   subroutine back_track(system, model, step, du, start, state, search, trouble)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model

@@ -136,6 +136,7 @@ contains
     newton%progress%iteration = newton%progress%iteration + 1
     newton%progress%correction = search%correction / largest
     newton%progress%is_whole_step = search%is_whole_step
+    newton%progress%is_arrived = search%is_arrived
     associate (record => newton%record)
       record%iteration = newton%progress%iteration
       record%residual = newton%progress%residual(0)

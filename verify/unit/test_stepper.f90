@@ -90,6 +90,9 @@ contains
     call suite%that('no estimate after a damped step', judge(controls, progress) == VERDICT_GO_ON)
     progress%correction = 5.0e-7_DP
     call suite%that('small correction', judge(controls, progress) == VERDICT_CONVERGED)
+    progress%is_arrived = .false.
+    call suite%that('supports have still way to go', judge(controls, progress) == VERDICT_GO_ON)
+    progress%is_arrived = .true.
     progress%gap = 2.0e-9_DP
     call suite%that('a gap is left', judge(controls, progress) == VERDICT_GO_ON)
     progress = progress_type(iteration=1, residual=[1.0e-10_DP, 0.0_DP, 0.0_DP], correction=1.0_DP)
