@@ -170,7 +170,7 @@ contains
       'first line: blank, six default coordinates; then element or element set, six coordinates')
     call table%option('NAME', VALUE_NAME, 'Name of the distribution.', default='required')
     call table%option('LOCATION|TABLE', VALUE_TEXT, '', status=STATUS_NOTED)
-    call table%card('DISTRIBUTION TABLE', IN_MODEL, '*DISTRIBUTION gives coordinates.', data='anything', &
+    call table%card('DISTRIBUTION TABLE', IN_MODEL, 'DISTRIBUTION gives coordinates.', data='anything', &
       status=STATUS_NOTED)
   end subroutine describe_axes
 

@@ -43,6 +43,23 @@ NOT_JUDGED = {
     "resstress3": "needs a subroutine compiled into CalculiX",
 }
 
+# What is not there yet, so that these decks run but do not agree (or do not run): told in the table, expected to fail. A deck that
+# begins to agree shows as XPASS and leaves this list.
+SECTIONS = "*SECTION PRINT is not there"
+UNFINISHED = {
+    "achtel2": "RF and U of nodes without elements are not printed", "achtel9": "the same",
+    "beam20t": "temperature-dependent ELASTIC", "beamt3": "temperature-dependent EXPANSION or ELASTIC", "beamt4": "the same",
+    "beammrco": "E and ENER prints after a loose convergence", "beamnh": "neo-Hooke with the replaced D1: cut-backs exhausted",
+    "beamnlptp": "*TIME POINTS", "beamplane": "*TIME POINTS and ENER prints",
+    "beamp": SECTIONS, "coupling1": SECTIONS, "coupling12": SECTIONS, "coupling3": SECTIONS, "coupling7": SECTIONS,
+    "coupling8": SECTIONS, "cyl": SECTIONS,
+    "beamp2rotate": "the audit refuses it: supports in turned directions",
+    "beampik": "its second step is found singular", "beampiso": "its second step is found singular",
+    "beampo3": "axes of ORIENTATION under NLGEOM", "beampo4": "COORD prints",
+    "inistrain": "a stress that should be nothing is rounding", "pret5": "new nodes of the section in the .frd", "pret6": "the same",
+    "bolt": "contact of axisymmetric bodies",
+}  # fmt: skip
+
 FOLDERS = [folder for folder in ("static", "contact") if (DECKS / folder).is_dir()]
 FILES = [deck for folder in FOLDERS for deck in sorted((DECKS / folder).glob("*.inp"))]
 SLOW = {"hueeber1", "hueeber3_mortar", "hueeber4", "hueeber4_mortar", "cubef2f1", "cubef2f2", "cubef2f3", "metalforming"}
@@ -52,8 +69,16 @@ pytestmark = pytest.mark.skipif(not FILES, reason=f"no decks in {DECKS}; AMONTON
 
 def parameters() -> list[object]:
     """One test for each deck."""
-    return [pytest.param(deck, id=f"{deck.parent.name}-{deck.stem}", marks=[pytest.mark.slow] if deck.stem in SLOW else [])
+    return [pytest.param(deck, id=f"{deck.parent.name}-{deck.stem}", marks=marks_of(deck))
             for deck in FILES]
+
+
+def marks_of(deck: Path) -> list[pytest.MarkDecorator]:
+    """Slow decks, and those that are known not to agree yet."""
+    marks = [pytest.mark.slow] if deck.stem in SLOW else []
+    if deck.stem in UNFINISHED:
+        marks.append(pytest.mark.xfail(reason=UNFINISHED[deck.stem], strict=False))
+    return marks
 
 
 def refusal(text: str) -> str:
