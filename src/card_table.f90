@@ -12,7 +12,7 @@ module amontons_card_table
   public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES
 
   character(*), parameter :: NODE_VARIABLES = 'U|RF'              !< what NODE PRINT knows
-  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|PEEQ|CEEQ' !< what EL PRINT knows
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|PEEQ|CEEQ|ENER|ELSE|EVOL' !< what EL PRINT knows
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS' !< what CONTACT PRINT knows
 
 contains
@@ -401,7 +401,8 @@ contains
       'variables: S, E')
     call describe_print(table)
     call table%option('ELSET', VALUE_NAME, 'The elements.', default='required')
-    call table%option('GLOBAL', VALUE_WORD, 'Values are in global directions.', allowed='YES|NO', default='YES')
+    call table%option('GLOBAL', VALUE_WORD, 'Tensors are in global directions, or in the axes of the section.', &
+      allowed='YES|NO', default='NO')
     call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
     call table%option('POSITION', VALUE_WORD, 'Values are at the integration points.', allowed='INTEGRATION POINTS', &
       default='INTEGRATION POINTS')

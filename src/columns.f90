@@ -26,12 +26,13 @@ module amontons_columns
     logical :: is_integer = .false.
   end type column_type
 
-  type(column_type), parameter :: POINT_COLUMNS(13) = [ &
+  type(column_type), parameter :: POINT_COLUMNS(15) = [ &
     column_type('U', 3, '[length]', 'Displacement.'), &
     column_type('RF', 3, '[force]', 'Reaction force of supports and equations.'), &
     column_type('S', 6, '[stress]', &
       'Cauchy stress xx yy zz xy yz xz, extrapolated to the nodes, mean of the elements.'), &
-    column_type('E', 6, '[-]', 'Strain xx yy zz xy yz xz, tensor shear components, as S; LE is logarithmic.'), &
+    column_type('E', 6, '[-]', &
+      'Strain xx yy zz xy yz xz, tensor shears, as S. Under NLGEOM LE is logarithmic, E is Green''s.'), &
     column_type('S_mises', 1, '[stress]', 'Von Mises stress of S at the node.'), &
     column_type('CPRESS', 1, '[stress]', 'Pressure on slave nodes: normal force over tributary area; 0 elsewhere.'), &
     column_type('CSHEAR', 3, '[stress]', 'Friction on slave nodes: shear force over tributary area; 0 elsewhere.'), &
@@ -40,17 +41,20 @@ module amontons_columns
     column_type('CSLIP', 3, '[length]', 'Slip vector of slave nodes since the start of the job; 0 elsewhere.'), &
     column_type('CNORMF', 3, '[force]', 'Contact force on slave nodes, normal part; 0 elsewhere.'), &
     column_type('CSHEARF', 3, '[force]', 'Contact force on slave nodes, tangential part; 0 elsewhere.'), &
+    column_type('PEEQ', 1, '[-]', 'Equivalent plastic strain, as S.'), &
+    column_type('NT', 1, '[temperature]', 'Temperature.'), &
     column_type('CSTATUS', 1, '[-]', 'Status of slave nodes: 0 open, 1 stick, 2 slip; 0 elsewhere.', .true.), &
     column_type('CSCENARIO', 1, '[-]', &
       'Slip scenario 1 to 4 of the last iteration that moved the slave node, else 0.', .true.)]
-  integer, parameter :: N_POINT_REALS = 33, N_POINT_INTEGERS = 2, STRAIN_COLUMN = 4
+  integer, parameter :: N_POINT_REALS = 35, N_POINT_INTEGERS = 2, STRAIN_COLUMN = 4
 
-  type(column_type), parameter :: INTEGRATION_COLUMNS(3) = [ &
+  type(column_type), parameter :: INTEGRATION_COLUMNS(4) = [ &
     column_type('S', 6, '[stress]', 'Cauchy stress xx yy zz xy yz xz.'), &
     column_type('E', 6, '[-]', &
-      'Strain xx yy zz xy yz xz, tensor shear components; logarithmic if the step has NLGEOM.'), &
-    column_type('energy', 1, '[energy/volume]', 'Strain energy per reference volume.')]
-  integer, parameter :: N_INTEGRATION_REALS = 13
+      'Strain xx yy zz xy yz xz, tensor shear components; NLGEOM: logarithmic (abaqus), Green''s (calculix).'), &
+    column_type('energy', 1, '[energy/volume]', 'Strain energy per reference volume.'), &
+    column_type('PEEQ', 1, '[-]', 'Equivalent plastic strain.')]
+  integer, parameter :: N_INTEGRATION_REALS = 14
 
   type(column_type), parameter :: CONTACT_COLUMNS(11) = [ &
     column_type('facet', 1, '[-]', &

@@ -427,6 +427,7 @@ contains
     else if (kind == PRINT_ELEMENT) then
       name = parameter_text(parameters, 'ELSET')
       request%set = reader%element_sets%find(name)
+      request%is_local = parameter_word(parameters, 'GLOBAL', 'NO') == 'NO'
     end if
     if (kind /= PRINT_CONTACT .and. request%set == 0) then
       if (name /= '') call complain(reader, reader%cards%cards(c)%line, 'There is no ' // &

@@ -45,8 +45,8 @@ uses_deck_conditions = kinds text lookup mesh materials loads model cards card_f
 uses_deck_contact = kinds text mesh surfaces steps model cards card_form deck_reader
 uses_deck_bonds = kinds text tensor topology mesh loads ties model cards card_form deck_reader
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
-uses_deck_steps = kinds text steps model cards card_form card_table deck_reader deck_contact deck_conditions deck_loads
-uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_conditions deck_materials deck_model deck_contact deck_bonds deck_steps
+uses_deck_steps = kinds text steps model cards card_form card_table deck_reader deck_conditions deck_contact deck_loads
+uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_steps
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -71,7 +71,7 @@ uses_compliance = kinds surfaces
 uses_areas = kinds topology mesh surfaces shapes compliance
 
 # 5 system: unknowns, residual, matrix
-uses_state = kinds tensor topology materials mesh loads steps model shapes material_point
+uses_state = kinds tensor topology mesh materials loads steps model shapes material_point
 uses_constraints = kinds errors sparse
 uses_condensed = kinds errors sparse dense partition factor constraints
 uses_assembly = kinds errors sparse partition topology mesh loads steps model element state
@@ -98,7 +98,7 @@ uses_nodal = kinds topology mesh shapes element
 uses_columns = kinds errors history store
 uses_columns = kinds errors history store
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state nodal columns
-uses_printed = kinds errors text tensor history posix topology mesh steps model state nodal
+uses_printed = kinds errors text tensor history posix topology mesh materials steps model state nodal
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state system newton stepper

@@ -645,26 +645,44 @@ contains
   end subroutine update_points
 
 
-  !> Weights of the nodal temperatures at the points: one degree below the displacements, so that thermal strains and
-  !! strains match: the mean in linear elements, linear from the corners in quadratic ones.
+  !> Weights of the nodal temperatures at the points, such that thermal strains match the strains of the element:
+  !!
+  !! | element | temperature |
+  !! |---|---|
+  !! | linear | the mean |
+  !! | C3D10 | linear from the corners |
+  !! | C3D15, C3D20R | quadratic: at these few points it is as good as linear |
+  !! | C3D20 | trilinear through the eight points of the C3D20R |
   pure subroutine temperature_weights(kind, weight)
     integer, intent(in) :: kind
     real(DP), intent(out) :: weight(MAX_NODES, MAX_POINTS)
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
-    integer :: n_rule, p, corner_kind
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), at_corner(MAX_NODES, 8), L(MAX_NODES)
+    real(DP), parameter :: CORNER(3, 8) = reshape([real(DP) :: -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, &
+      -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
+    integer :: n_rule, p, k
     weight = 0
-    corner_kind = 0
-    if (N_NODES(kind) == 10) corner_kind = KIND_C3D4
-    if (N_NODES(kind) == 15) corner_kind = KIND_C3D6
-    if (N_NODES(kind) == 20) corner_kind = KIND_C3D8
-    if (corner_kind == 0) then
+    if (N_NODES(kind) < 10) then
       weight(:N_NODES(kind), :) = 1.0_DP / real(N_NODES(kind), DP)
       return
     end if
     call quadrature(kind, n_rule, xi, w)
+    if (kind == KIND_C3D20) then
+      do k = 1, 8
+        call shape_functions(kind, CORNER(:, k) / sqrt(3.0_DP), at_corner(:, k), dN)
+      end do
+    end if
     do p = 1, n_rule
-      call shape_functions(corner_kind, xi(:, p), N, dN)
-      weight(:N_NODES(corner_kind), p) = N(:N_NODES(corner_kind))
+      select case (kind)
+      case (KIND_C3D10)
+        call shape_functions(KIND_C3D4, xi(:, p), N, dN)
+        weight(:4, p) = N(:4)
+      case (KIND_C3D20)
+        call shape_functions(KIND_C3D8, sqrt(3.0_DP) * xi(:, p), L, dN)
+        weight(:20, p) = matmul(at_corner(:20, :), L(:8))
+      case default
+        call shape_functions(kind, xi(:, p), N, dN)
+        weight(:N_NODES(kind), p) = N(:N_NODES(kind))
+      end select
     end do
   end subroutine temperature_weights
 

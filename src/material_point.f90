@@ -9,6 +9,7 @@
 !! | six strains to six stresses: linear elasticity with axes, kinematic hardening, deformation plasticity | ln(C)/2 |
 !! | the same for linear elasticity under LAW_SAINT_VENANT (calculix dialect) | Green's strain |
 !! | isotropic: linear elasticity, isotropic hardening, creep, rubber, foam | logarithms of the elastic stretches |
+!! | plasticity and creep under LAW_SAINT_VENANT | the isochoric elastic b (Simo), as CalculiX |
 !!
 !! Initial stresses and given plastic strains are inelastic strains that are there from the start. Theory:
 !! doc/theory/materials.md.
@@ -21,10 +22,11 @@ module amontons_material_point
     HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL
   use amontons_plastic, only: return_type, return_radially, is_inelastic, deform_ramberg_osgood, RETURN_OK
   use amontons_principal, only: principal_type, find_principal, left_cauchy_green, principal_stress, &
-    principal_tangent, exponential_m1, logarithm_1p
-  use amontons_stress, only: hooke, isotropic_tangent, gradient_status, STRESS_OK, STRESS_INVERTED, &
+    principal_tangent, exponential_m1, logarithm_1p, divided_coth, NEXT_AXIS
+  use amontons_stress, only: hooke, isotropic_tangent, green_strain, gradient_status, STRESS_OK, STRESS_INVERTED, &
     STRESS_NOT_FINITE
-  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, double_dot, invert, pack_voigt, unpack_voigt, von_mises
+  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, determinant_minus_one, double_dot, invert, &
+    pack_voigt, unpack_voigt, von_mises
   implicit none
   private
   public :: point_type, update_point, elastic_strain_of, axes_at
@@ -33,7 +35,7 @@ module amontons_material_point
   type :: point_type
     ! comes in
     real(DP) :: H(3, 3)                            !< finite strain: displacement gradient, F = 1 + H [-]
-    real(DP) :: strain(6)                          !< small strain: comes in; finite: goes out, logarithmic [-]
+    real(DP) :: strain(6)                          !< small strain: comes in; finite: goes out, ln(b)/2 or Green's [-]
     real(DP) :: frame(3, 3)                        !< local axes of the material in its columns
     real(DP) :: temperature                        !< at the end of the increment [temperature]
     real(DP) :: initial_temperature                !< [temperature]
@@ -82,6 +84,8 @@ contains
     else if (material%law == LAW_SAINT_VENANT .and. .not. (is_inelastic(material) .or. &
       material%has_deformation_plasticity)) then
       call update_green(material, moduli, point, status)
+    else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material)) then
+      call update_simo(material, moduli, point, status)
     else if (allocated(material%kinematic) .or. material%has_deformation_plasticity .or. &
       .not. (moduli%is_isotropic .and. moduli%is_swelling)) then
       call update_log(material, moduli, point, status)
@@ -268,6 +272,19 @@ contains
   end subroutine deform_strains
 
 
+  !> The strain that is shown: ln(b)/2, or Green's under LAW_SAINT_VENANT.
+  pure function shown_strain(material, H) result(strain)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    real(DP) :: strain(6)                          !< tensor components [-]
+    if (material%law == LAW_SAINT_VENANT) then
+      strain = green_strain(H)
+    else
+      strain = tensor_log(left_cauchy_green(H), 0.5_DP)
+    end if
+  end function shown_strain
+
+
   !> The law of six strains between Green's strain and the second Piola-Kirchhoff stress, pushed forward.
   pure subroutine update_green(material, moduli, point, status)
     type(material_type), intent(in) :: material
@@ -275,8 +292,8 @@ contains
     type(point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
     real(DP) :: push(6, 6)
-    point%strain = tensor_log(left_cauchy_green(point%H), 0.5_DP)
-    call strain_law(material, moduli, pack_voigt(point%H + 0.5_DP * matmul(transpose(point%H), point%H)), point, status)
+    point%strain = shown_strain(material, point%H)
+    call strain_law(material, moduli, point%strain, point, status)
     push = transform_matrix(IDENTITY + point%H)
     point%stress = matmul(push, point%stress)
     point%tangent = matmul(push, matmul(point%tangent, transpose(push)))
@@ -294,7 +311,7 @@ contains
     call find_log_axes(point%H, axes, is_positive)
     status = STRESS_INVERTED
     if (.not. is_positive) return
-    point%strain = tensor_log(left_cauchy_green(point%H), 0.5_DP)
+    point%strain = shown_strain(material, point%H)
     call strain_law(material, moduli, tensor_log(left_cauchy_green(transpose(point%H)), 0.5_DP), point, status)
     if (status == STRESS_OK) call push_log_law(axes, point%stress, point%tangent)
   end subroutine update_log
@@ -308,24 +325,24 @@ contains
     integer, intent(out) :: status                 !< STRESS_...
     type(principal_type) :: principal
     type(hyper_type) :: answer
-    real(DP) :: e(3), flow(3), F(3, 3)
+    real(DP) :: e(3), flow(3), F(3, 3), x(6)
     logical :: is_positive, has_past
     status = STRESS_INVERTED
     F = IDENTITY + point%H
-    point%strain = left_cauchy_green(point%H)
+    x = left_cauchy_green(point%H)
     associate (inelastic => point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
       has_past = any(abs(inelastic) > 0)
       if (has_past) then
-        call find_principal(point%strain + pack_voigt(matmul(F, matmul(unpack_voigt(tensor_exp(inelastic, -2.0_DP)), &
+        call find_principal(x + pack_voigt(matmul(F, matmul(unpack_voigt(tensor_exp(inelastic, -2.0_DP)), &
           transpose(F)))), principal, is_positive)
       else
-        call find_principal(point%strain, principal, is_positive)
+        call find_principal(x, principal, is_positive)
       end if
     end associate
     if (.not. is_positive) return
     status = STRESS_OK
-    if (has_past) then
-      point%strain = tensor_log(point%strain, 0.5_DP)
+    if (has_past .or. material%law == LAW_SAINT_VENANT) then
+      point%strain = shown_strain(material, point%H)
     else
       point%strain = principal_stress(principal, principal%e)
     end if
@@ -445,6 +462,131 @@ contains
     frame(:, i) = c * a + s * b
     frame(:, j) = c * b - s * a
   end function axes_at
+
+
+  !> Plasticity as CalculiX has it, Simo's: b is the isochoric elastic b and k the back stress, both carried by F,
+  !! x = b - k/G, tau = K/2 (J^2 - 1) 1 + G dev b - 2 G' sqrt(3/2) (dp + dc) n, n along dev x, G' = G tr b/3; the yield
+  !! stress is one of Cauchy's. The tangent leaves out terms of the order of the elastic strains: symmetric, not exact.
+  !! Reference: J. C. Simo, T. J. R. Hughes, Computational Inelasticity (1998), box 9.1.
+  pure subroutine update_simo(material, moduli, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    type(principal_type) :: b, x
+    type(return_type) :: back
+    real(DP) :: F(3, 3), J, k(6), N(3), q, modulus, flow, correction(6)
+    logical :: is_positive
+    integer :: trouble
+    status = STRESS_INVERTED
+    F = exp(-moduli%thermal(1)) * (IDENTITY + point%H)
+    J = 1 + determinant_minus_one(F - IDENTITY)
+    k = carried(F, point%past(HISTORY_BACK:HISTORY_BACK + 5)) * J**(-2 / 3.0_DP)
+    call find_principal(left_cauchy_green(F - IDENTITY) + carried(F, tensor_exp( &
+      point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5), -2.0_DP)), b, is_positive)
+    if (.not. is_positive) return
+    x = b
+    if (any(abs(k) > 0)) call find_principal(principal_stress(b, b%x) - (J**(2 / 3.0_DP) / moduli%G) * k, x, is_positive)
+    if (.not. is_positive) return
+    point%strain = shown_strain(material, point%H)
+    N = J**(-2 / 3.0_DP) * (x%x - sum(x%x) / 3)
+    q = SQRT_3_2 * moduli%G * norm2(N)
+    modulus = moduli%G * J**(-2 / 3.0_DP) * (3 + sum(b%x)) / 3
+    call return_radially(material, modulus / J, q / J, point%temperature, [point%time, point%time_increment], &
+      point%past, back, trouble)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    if (status /= STRESS_OK) return
+    call add_isochoric(b, moduli%G, moduli%lambda + 2 * moduli%G / 3, J, point)
+    flow = back%plastic + back%creep
+    if (.not. flow > 0) return
+    call subtract_flow(x, moduli%G, J, back, point)
+    correction = (2 * SQRT_3_2 * modulus / moduli%G * flow / norm2(N)) * principal_stress(x, N)
+    call keep_simo(F, J, principal_stress(b, b%x) - J**(2 / 3.0_DP) * correction, k + (SQRT_2_3 * J * back%back / &
+      norm2(N)) * principal_stress(x, N), point)
+    point%history(HISTORY_PEEQ) = point%past(HISTORY_PEEQ) + back%plastic
+    point%history(HISTORY_CEEQ) = point%past(HISTORY_CEEQ) + back%creep
+  end subroutine update_simo
+
+
+  !> A symmetric tensor carried forward: F T F^T.
+  pure function carried(F, T) result(y)
+    real(DP), intent(in) :: F(3, 3)
+    real(DP), intent(in) :: T(6)
+    real(DP) :: y(6)
+    y = 0
+    if (any(abs(T) > 0)) y = pack_voigt(matmul(F, matmul(unpack_voigt(T), transpose(F))))
+  end function carried
+
+
+  !> K/2 (J^2 - 1) 1 + G dev b, b isochoric, with its tangent and energy.
+  pure subroutine add_isochoric(b, G, bulk, J, point)
+    type(principal_type), intent(in) :: b          !< of J^(2/3) b
+    real(DP), intent(in) :: G, bulk                !< [stress]
+    real(DP), intent(in) :: J                      !< det F [-]
+    type(point_type), intent(inout) :: point       !< out: stress, tangent, energy
+    real(DP) :: tau(3), slope(3, 3), secant(3)
+    call isochoric(b, G, J, tau, slope, secant)
+    tau = tau + 0.5_DP * bulk * (J - 1) * (J + 1)
+    slope = slope + bulk * J * J
+    point%stress = principal_stress(b, tau)
+    point%tangent = principal_tangent(b, tau, slope, secant)
+    point%energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) &
+      + 0.5_DP * G * (J**(-2 / 3.0_DP) * (3 + sum(b%x)) - 3)
+  end subroutine add_isochoric
+
+
+  !> G dev b, b isochoric, and its derivatives by the principal logarithms of J^(2/3) b.
+  pure subroutine isochoric(b, G, J, tau, slope, secant)
+    type(principal_type), intent(in) :: b          !< of J^(2/3) b
+    real(DP), intent(in) :: G, J
+    real(DP), intent(out) :: tau(3), slope(3, 3), secant(3)   !< [stress]
+    real(DP) :: stretch(3)
+    integer :: A, C
+    tau = G * J**(-2 / 3.0_DP) * (b%x - sum(b%x) / 3)
+    stretch = G * J**(-2 / 3.0_DP) * (1 + b%x)
+    do A = 1, 3
+      C = NEXT_AXIS(A)
+      slope(:, A) = -2 * tau(A) / 3 - 2 * tau / 3 - 2 * sum(stretch) / 9
+      slope(A, A) = slope(A, A) + 2 * stretch(A)
+      secant(A) = (stretch(A) + stretch(C)) / divided_coth(b, A, C)
+    end do
+  end subroutine isochoric
+
+
+  !> Takes the flow out of the stress: tau = ... - (1 - theta) G dev x, with its tangent.
+  pure subroutine subtract_flow(x, G, J, back, point)
+    type(principal_type), intent(in) :: x          !< of J^(2/3) x
+    real(DP), intent(in) :: G, J
+    type(return_type), intent(in) :: back
+    type(point_type), intent(inout) :: point       !< stress and tangent change
+    real(DP) :: tau(3), slope(3, 3), secant(3), N(3), along(3)
+    integer :: A
+    call isochoric(x, G, J, tau, slope, secant)
+    N = tau / norm2(tau)
+    along = matmul(N, slope)
+    slope = -(1 - back%ratio) * slope
+    do A = 1, 3
+      slope(:, A) = slope(:, A) + 0.5_DP * (back%slope - back%ratio) * (N * along(A) + along * N(A))
+    end do
+    tau = -(1 - back%ratio) * tau
+    point%stress = point%stress + principal_stress(x, tau)
+    point%tangent = point%tangent + principal_tangent(x, tau, slope, -(1 - back%ratio) * secant)
+  end subroutine subtract_flow
+
+
+  !> Carries b and the back stress back to the reference placement: the history.
+  pure subroutine keep_simo(F, J, b, k, point)
+    real(DP), intent(in) :: F(3, 3)
+    real(DP), intent(in) :: J
+    real(DP), intent(in) :: b(6)                   !< J^(2/3) b - 1 [-]
+    real(DP), intent(in) :: k(6)                   !< back stress [stress]
+    type(point_type), intent(inout) :: point
+    real(DP) :: inverse(3, 3), det
+    call invert(F, inverse, det)
+    point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = &
+      tensor_log(carried(inverse, b) + left_cauchy_green(-matmul(inverse, F - IDENTITY)), -0.5_DP)
+    point%history(HISTORY_BACK:HISTORY_BACK + 5) = J**(2 / 3.0_DP) * carried(inverse, k)
+  end subroutine keep_simo
 
 
   !> The elastic strain of a stress: what initial stresses are taken as, with the sign turned, in the inelastic strain.

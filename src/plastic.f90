@@ -16,6 +16,7 @@ module amontons_plastic
   integer, parameter :: RETURN_OK = 0              !< all is well
   integer, parameter :: RETURN_FAILED = 1          !< no solution: hardening below -3 G, or a creep increment too large
   integer, parameter :: MOST_ITERATIONS = 100
+  real(DP), parameter :: EXCESS = 1.0e-9_DP        !< above the yield stress that is taken for rounding [-]
   real(DP), parameter :: TOLERANCE = 1.0e-13_DP    !< of a strain increment over its bracket [-]
 
   !> What happens in an increment.
@@ -78,7 +79,7 @@ contains
       call creep_alone(material, problem, answer, status)
     if (status /= RETURN_OK .or. .not. (allocated(material%isotropic) .or. allocated(material%kinematic))) return
     call yield_stress(material, problem, 0.0_DP, yield, slope)
-    if (q_trial - 3 * G * answer%creep <= yield) return
+    if (q_trial - 3 * G * answer%creep <= yield * (1 + EXCESS)) return
     call yield_with_creep(material, problem, answer, status)
   end subroutine return_radially
 

@@ -32,7 +32,7 @@ module amontons_points
     ! goes out
     real(DP) :: history(MAX_HISTORY, MAX_POINTS)   !< at the end of the increment
     real(DP) :: stress(6, MAX_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]
-    real(DP) :: strain(6, MAX_POINTS)              !< small or logarithmic strain, tensor components [-]
+    real(DP) :: strain(6, MAX_POINTS)              !< small, logarithmic or Green's strain, tensor components [-]
     real(DP) :: energy(MAX_POINTS)                 !< strain energy per reference volume [stress]
     real(DP) :: volume(MAX_POINTS)                 !< reference volume of the point: weight times determinant [length^3]
   end type points_type

@@ -11,13 +11,14 @@ module amontons_printed
   use amontons_errors, only: error_type, set_error, EXIT_IO
   use amontons_posix, only: cut_file, sync_file
   use amontons_text, only: upper_case
-  use amontons_tensor, only: cross_product
+  use amontons_tensor, only: cross_product, pack_voigt, unpack_voigt
   use amontons_topology, only: MAX_POINTS
   use amontons_mesh, only: mesh_type, set_type
   use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE
+  use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN
+  use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
   use amontons_nodal, only: point_volumes
   implicit none
   private
@@ -380,15 +381,20 @@ contains
     type(print_request_type), intent(in) :: request
     character(*), intent(in) :: variable
     ! CalculiX prints xx yy zz xy xz yz.
-    integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
     associate (set => mesh%element_sets(request%set), time => fields%total_time)
       select case (variable)
       case ('S')
         call print_head(unit, 'stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)', set, time)
-        call print_point_rows(unit, mesh, set, fields%stress(ORDER, :))
+        call print_point_rows(unit, mesh, set, in_axes(fields, request, fields%stress))
       case ('E', 'LE', 'ME')
         call print_head(unit, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
-        call print_point_rows(unit, mesh, set, fields%strain(ORDER, :))
+        call print_point_rows(unit, mesh, set, in_axes(fields, request, fields%strain))
+      case ('PEEQ')
+        call print_head(unit, 'equivalent plastic strain (elem, integ.pnt.,pe)', set, time)
+        call print_point_rows(unit, mesh, set, reshape(history_row(fields, HISTORY_PEEQ), [1, mesh%n_points]))
+      case ('CEEQ')
+        call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
+        call print_point_rows(unit, mesh, set, reshape(history_row(fields, HISTORY_CEEQ), [1, mesh%n_points]))
       case ('ENER')
         call print_head(unit, 'internal energy density (elem, integ.pnt.,energy)', set, time)
         call print_point_rows(unit, mesh, set, reshape(fields%energy, [1, size(fields%energy)]))
@@ -400,6 +406,25 @@ contains
       end select
     end associate
   end subroutine print_element_variable
+
+
+  !> Tensors at the points in the axes that a request asks for, components ordered as they are printed.
+  pure function in_axes(fields, request, values) result(turned)
+    type(fields_type), intent(in) :: fields
+    type(print_request_type), intent(in) :: request
+    real(DP), intent(in) :: values(:, :)           !< (6, n_points) xx yy zz xy yz xz, global
+    real(DP) :: turned(6, size(values, 2))
+    integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
+    integer :: p
+    turned = values(ORDER, :)
+    if (.not. (request%is_local .and. allocated(fields%frame))) return
+    do p = 1, size(values, 2)
+      associate (R => fields%frame(:, :, p))
+        turned(:, p) = pack_voigt(matmul(transpose(R), matmul(unpack_voigt(values(:, p)), R)))
+      end associate
+    end do
+    turned = turned(ORDER, :)
+  end function in_axes
 
 
   !> Rows of the integration points of the elements of a set.

@@ -32,9 +32,10 @@ module amontons_results
   use amontons_materials, only: LAW_HENCKY
   use amontons_surfaces, only: surface_type
   use amontons_steps, only: is_output_due, step_type
+  use amontons_materials, only: HISTORY_PEEQ
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type, PHASE_NAMES
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN
+  use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
   use amontons_store, only: append_rows, apply_pages, close_store, create_group, create_store, create_table, drop_store, &
     flush_store, form_type, open_store, open_table, pages_type, store_type, table_type, take_pages, write_attribute, &
     write_data, STORE_I64, STORE_TEXT, STORE_U8
@@ -92,7 +93,8 @@ contains
     results%n_points = model%mesh%n_points
     results%far = model_size(model%mesh)
     results%point_columns = POINT_COLUMNS
-    if (any(model%steps%is_nlgeom)) results%point_columns(STRAIN_COLUMN)%name = 'LE'
+    if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
+      results%point_columns(STRAIN_COLUMN)%name = 'LE'
     call create_store(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
     if (.not. allocated(error)) call write_grid(results%store, model%mesh, error)
     if (.not. allocated(error)) call create_frames(results, error)
@@ -118,7 +120,8 @@ contains
     results%n_slaves = n_slaves
     results%far = model_size(model%mesh)
     results%point_columns = POINT_COLUMNS
-    if (any(model%steps%is_nlgeom)) results%point_columns(STRAIN_COLUMN)%name = 'LE'
+    if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
+      results%point_columns(STRAIN_COLUMN)%name = 'LE'
     call open_store(results%store, job_path(options, '.vtkhdf'), error)
     if (.not. allocated(error)) call open_frames(results, error)
     if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, &
@@ -561,6 +564,7 @@ contains
     at_points(:6, :) = fields%stress
     at_points(7:12, :) = fields%strain
     at_points(13, :) = fields%energy
+    at_points(14, :) = history_row(fields, HISTORY_PEEQ)
     call check_finite('integration point', INTEGRATION_COLUMNS, at_points, error)
     if (allocated(error)) return
     call point_fields(mesh, fields, results%far, reals, integers)
@@ -628,7 +632,7 @@ contains
   end subroutine point_fields
 
 
-  !> Displacement, reaction, stress, strain, Mises stress of all nodes.
+  !> Displacement, reaction, stress, strain, Mises stress, plastic strain and temperature of all nodes.
   subroutine pack_solid(mesh, fields, reals)
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
@@ -642,6 +646,8 @@ contains
       reals(19, i) = von_mises(reals(7:12, i))
     end do
     reals(20:, :) = 0
+    call average_at_nodes(mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, mesh%n_points]), reals(34:34, :))
+    reals(35, :) = fields%temperature
   end subroutine pack_solid
 
 

@@ -13,7 +13,7 @@ module amontons_state
   use amontons_topology, only: MAX_NODES, MAX_POINTS
   implicit none
   private
-  public :: set_temperatures
+  public :: set_temperatures, history_row
   public :: state_type, fields_type, slave_type, create_state, create_material_state, commit_state, restore_state
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
 
@@ -53,7 +53,7 @@ module amontons_state
     real(DP), allocatable :: u(:, :)        !< (3, n_nodes) displacement [length]
     real(DP), allocatable :: v(:, :)        !< (3, n_nodes) mean velocity of the last increment [length/time]
     real(DP), allocatable :: stress(:, :)   !< (6, n_points) Cauchy stress xx yy zz xy yz xz [stress]
-    real(DP), allocatable :: strain(:, :)   !< (6, n_points) small or logarithmic strain, tensor components, same order [-]
+    real(DP), allocatable :: strain(:, :)   !< (6, n_points) small, logarithmic (abaqus) or Green's (calculix) strain, tensor components, same order [-]
     real(DP), allocatable :: energy(:)      !< (n_points) strain energy per reference volume [energy/volume]
     real(DP), allocatable :: volume(:)      !< (n_points) reference volume [length^3]
     real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 if none needs it
@@ -177,6 +177,16 @@ contains
       end do
     end associate
   end subroutine set_temperatures
+
+
+  !> One history variable at all points; zero where materials do not keep it.
+  pure function history_row(fields, row) result(values)
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: row              !< HISTORY_...
+    real(DP) :: values(size(fields%energy))
+    values = 0
+    if (row <= size(fields%history, 1)) values = fields%history(row, :)
+  end function history_row
 
 
   !> The trial fields become the committed ones.

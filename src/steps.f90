@@ -47,7 +47,7 @@ module amontons_steps
     character(4), allocatable :: variables(:)   !< e.g. 'U', 'RF', 'S', 'E', 'CDIS', 'CSTR', 'SCEN'
     logical :: is_totals = .false.         !< TOTALS=YES: rows and their sum
     logical :: is_only_totals = .false.    !< TOTALS=ONLY
-    logical :: is_local = .false.          !< GLOBAL=NO: in the directions of TRANSFORM
+    logical :: is_local = .false.          !< GLOBAL=NO: in the directions of TRANSFORM, or of ORIENTATION
   end type print_request_type
 
   !> One load step with everything that acts in it.

@@ -14,7 +14,7 @@ module amontons_stress
   implicit none
   private
   public :: stress_small, stress_finite, kirchhoff_stress, lame_constants, logarithm_1p, gradient_status
-  public :: hooke, isotropic_tangent
+  public :: hooke, isotropic_tangent, green_strain
   public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, LARGEST_GRADIENT
 
   integer, parameter :: STRESS_OK = 0              !< all is well
@@ -52,7 +52,7 @@ contains
   end subroutine stress_small
 
 
-  !> Kirchhoff stress, its spatial tangent, the logarithmic strain and the energy at finite strain.
+  !> Kirchhoff stress, its spatial tangent, the strain and the energy at finite strain.
   !!
   !! The tangent is that of the Lie (Oldroyd) rate: L_v tau = tangent : d.
   !!
@@ -64,18 +64,18 @@ contains
   !! The displacement gradient H = F - 1 comes in, not F: strains of 1e-9 keep full relative precision, and H = 0
   !! gives zero. Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed.,
   !! sections 6.5, 6.6.
-  pure subroutine stress_finite(material, H, tau, tangent, log_strain, energy, status)
+  pure subroutine stress_finite(material, H, tau, tangent, strain, energy, status)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient du_i/dX_j, F = 1 + H [-]
     real(DP), intent(out) :: tau(6)                !< Kirchhoff stress [stress]
     real(DP), intent(out) :: tangent(6, 6)         !< spatial tangent, engineering shears [stress]
-    real(DP), intent(out) :: log_strain(6)         !< e = 1/2 ln b, tensor components [-]
+    real(DP), intent(out) :: strain(6)         !< of the law: ln(b)/2, or Green's; tensor components [-]
     real(DP), intent(out) :: energy                !< per reference volume [stress]
     integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK the rest is zero
     type(principal_type) :: principal
     real(DP) :: lambda, G
     tangent = 0
-    call deform(material, H, principal, tau, log_strain, energy, status)
+    call deform(material, H, principal, tau, strain, energy, status)
     if (status /= STRESS_OK) return
     call lame_constants(material, lambda, G)
     if (material%law == LAW_SAINT_VENANT) then
@@ -87,15 +87,15 @@ contains
 
 
   !> The same without the tangent, for the residual alone.
-  pure subroutine kirchhoff_stress(material, H, tau, log_strain, energy, status)
+  pure subroutine kirchhoff_stress(material, H, tau, strain, energy, status)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient du_i/dX_j [-]
     real(DP), intent(out) :: tau(6)                !< Kirchhoff stress [stress]
-    real(DP), intent(out) :: log_strain(6)         !< e = 1/2 ln b, tensor components [-]
+    real(DP), intent(out) :: strain(6)         !< of the law: ln(b)/2, or Green's; tensor components [-]
     real(DP), intent(out) :: energy                !< per reference volume [stress]
     integer, intent(out) :: status                 !< STRESS_...
     type(principal_type) :: principal
-    call deform(material, H, principal, tau, log_strain, energy, status)
+    call deform(material, H, principal, tau, strain, energy, status)
   end subroutine kirchhoff_stress
 
 
@@ -111,34 +111,42 @@ contains
   end function gradient_status
 
 
+  !> Green's strain, (F^T F - 1)/2, formed so that nothing cancels.
+  pure function green_strain(H) result(strain)
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    real(DP) :: strain(6)                          !< tensor components [-]
+    strain = pack_voigt(H + 0.5_DP * matmul(transpose(H), H))
+  end function green_strain
+
+
   !> Strain, stress and energy of either law.
-  pure subroutine deform(material, H, principal, tau, log_strain, energy, status)
+  pure subroutine deform(material, H, principal, tau, strain, energy, status)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: H(3, 3)
     type(principal_type), intent(out) :: principal
-    real(DP), intent(out) :: tau(6), log_strain(6), energy
+    real(DP), intent(out) :: tau(6), strain(6), energy
     integer, intent(out) :: status
-    real(DP) :: lambda, G, green(6), S(6), F(3, 3)
+    real(DP) :: lambda, G, S(6), F(3, 3)
     logical :: is_positive
     tau = 0
-    log_strain = 0
+    strain = 0
     energy = 0
     status = gradient_status(H)
     if (status /= STRESS_OK) return
-    call find_principal(left_cauchy_green(H), principal, is_positive)
-    status = merge(STRESS_OK, STRESS_INVERTED, is_positive)
-    if (.not. is_positive) return
-    log_strain = principal_stress(principal, principal%e)
     call lame_constants(material, lambda, G)
     if (material%law == LAW_SAINT_VENANT) then
-      green = pack_voigt(H + 0.5_DP * matmul(transpose(H), H))
-      S = hooke(lambda, G, green)
-      energy = 0.5_DP * double_dot(S, green)
+      strain = green_strain(H)
+      S = hooke(lambda, G, strain)
+      energy = 0.5_DP * double_dot(S, strain)
       F = IDENTITY + H
       tau = pack_voigt(matmul(F, matmul(unpack_voigt(S), transpose(F))))
     else
-      tau = hooke(lambda, G, log_strain)
-      energy = 0.5_DP * double_dot(tau, log_strain)
+      call find_principal(left_cauchy_green(H), principal, is_positive)
+      status = merge(STRESS_OK, STRESS_INVERTED, is_positive)
+      if (.not. is_positive) return
+      strain = principal_stress(principal, principal%e)
+      tau = hooke(lambda, G, strain)
+      energy = 0.5_DP * double_dot(tau, strain)
     end if
   end subroutine deform
 

@@ -30,6 +30,10 @@ program test_material_point
   call check_plastic(creeping(CREEP_STRAIN_HARDENING, -0.4_DP), 'strain hardening')
   call check_plastic(creeping_metal(), 'creep and yield')
   call check_plastic(ramberg_osgood(), 'deformation plasticity')
+  call check_simo(metal(), 'Simo, isotropic')
+  call check_simo(kinematic_metal(.false.), 'Simo, kinematic')
+  call check_simo(kinematic_metal(.true.), 'Simo, combined')
+  call check_simo_tension()
   call check_axes()
   call check_tension()
   call check_cycle()
@@ -428,6 +432,66 @@ contains
     if (.not. material%has_deformation_plasticity) call suite%that(name // ': has yielded', &
       point%past(HISTORY_PEEQ) + point%past(HISTORY_CEEQ) > 0.01_DP)
   end subroutine check_plastic
+
+
+  !> Simo's plasticity: objectivity, a tangent that is right to the order of the elastic strains, exact without flow.
+  subroutine check_simo(simo, name)
+    type(material_type), intent(in) :: simo
+    character(*), intent(in) :: name
+    type(material_type) :: material
+    type(point_type) :: point
+    integer :: i, status
+    material = simo
+    material%law = LAW_SAINT_VENANT
+    point = virgin()
+    do i = 1, 4
+      point%H = any_gradient(0.05_DP)
+      call check_tangent(name, material, point, .true., 0.03_DP)
+      call check_objectivity(name, material, point)
+      call update_point(material, .true., point, status)
+      point%past = point%history
+    end do
+    call suite%that(name // ': has yielded', point%past(HISTORY_PEEQ) > 0.01_DP)
+    if (allocated(material%isotropic)) material%isotropic(1)%stress = 3 * material%isotropic(1)%stress
+    if (allocated(material%kinematic)) material%kinematic(1)%stress = 3 * material%kinematic(1)%stress
+    call check_tangent(name // ', within the yield surface', material, point, .true., 1e-7_DP)
+  end subroutine check_simo
+
+
+  !> Tension and compression by 2 % in 20 increments against CalculiX 2.20, one C3D8 with the same data: stress, PEEQ and
+  !! lateral displacement.
+  subroutine check_simo_tension()
+    type(material_type) :: material
+    real(DP), parameter :: STRETCH(3) = [0.02_DP, -0.02_DP, 0.02_DP]
+    real(DP), parameter :: STRESS(3) = [923.7348_DP, -925.8352_DP, 924.6346_DP]
+    real(DP), parameter :: PEEQ(3) = [1.546685e-2_DP, 1.572940e-2_DP, 1.546261e-2_DP]
+    real(DP), parameter :: ACROSS(3) = [-8.980994e-3_DP, 9.262238e-3_DP, -8.980145e-3_DP]
+    type(point_type) :: point
+    integer :: i, k, n, status
+    do k = 1, 3
+      material = elastic()
+      material%law = LAW_SAINT_VENANT
+      if (k < 3) allocate (material%isotropic(1))
+      if (k < 3) material%isotropic(1) = curve_type(0.0_DP, [0.0_DP, 0.1_DP], [800.0_DP, 1600.0_DP])
+      if (k == 3) allocate (material%kinematic(1))
+      if (k == 3) material%kinematic(1) = curve_type(0.0_DP, [0.0_DP, 0.1_DP], [800.0_DP, 1600.0_DP])
+      point = virgin()
+      do i = 1, 20
+        point%H(1, 1) = STRETCH(k) * real(i, DP) / 20
+        do n = 1, 30
+          call update_point(material, .true., point, status)
+          point%H(2, 2) = point%H(2, 2) - point%stress(2) / (point%tangent(2, 2) + point%tangent(2, 3))
+          point%H(3, 3) = point%H(2, 2)
+        end do
+        call update_point(material, .true., point, status)
+        point%past = point%history
+      end do
+      call suite%near('as CalculiX: stress', point%stress(1) / ((1 + point%H(1, 1)) * (1 + point%H(2, 2))**2), &
+        STRESS(k), 2e-2_DP)
+      call suite%near('as CalculiX: PEEQ', point%history(HISTORY_PEEQ), PEEQ(k), 1e-8_DP)
+      call suite%near('as CalculiX: across', point%H(2, 2), ACROSS(k), 2e-8_DP)
+    end do
+  end subroutine check_simo_tension
 
 
   !> Orthotropic and anisotropic elasticity: tangents, objectivity in both finite laws; the frame turns the material.

@@ -24,7 +24,7 @@ PROGRAM = ROOT / os.environ.get("AMONTONS_UNITS", "build/unit") / "test_results"
 
 WIDTHS = {
     "U": 3, "RF": 3, "S": 6, "LE": 6, "S_mises": 1, "CPRESS": 1, "CSHEAR": 3, "COPEN": 1, "CSLIP": 3, "CNORMF": 3,
-    "CSHEARF": 3, "CSTATUS": 1, "CSCENARIO": 1,
+    "CSHEARF": 3, "PEEQ": 1, "NT": 1, "CSTATUS": 1, "CSCENARIO": 1,
 }  # fmt: skip
 TIMES = [0.0, 0.5, 1.0]
 #: VTK cell type, nodes and volume of the parent element of each kind, in the order of topology.f90: the solids
