@@ -13,7 +13,7 @@ module amontons_analysis
   use amontons_model, only: model_type, job_options_type, job_path
   use amontons_steps, only: step_type
   use amontons_history, only: increment_record_type, iteration_record_type, PHASE_OUTPUT, PHASE_OTHER, N_PHASES
-  use amontons_factor, only: set_blas_threads
+  use amontons_factor, only: set_blas_threads, choose_blas_kernels
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, commit_state, restore_state
   use amontons_contact, only: commit_slip
@@ -171,12 +171,14 @@ contains
   end subroutine resume
 
 
-  !> Threads of the BLAS, and its buffer: OpenBLAS takes it at its first call, and asks for ever if there is no room.
+  !> Kernels and threads of the BLAS, and its buffer: OpenBLAS takes it at its first call, and asks for ever if there is no room.
   subroutine claim_blas(n_threads, error)
     integer, intent(in) :: n_threads
     type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: kernels
     real(DP) :: values(2), vectors(2, 2)
     integer :: unused
+    call choose_blas_kernels(kernels)
     call set_blas_threads(n_threads)
     if (has_memory(BLAS_BUFFER)) then
       call symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), values, vectors, unused)

@@ -6,14 +6,14 @@
 !! References: Chen, Davis, Hager, Rajamanickam, ACM Trans. Math. Software 35 (2008) 22 (CHOLMOD);
 !! Davis, ACM Trans. Math. Software 30 (2004) 196 (UMFPACK).
 module amontons_factor
-  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, c_null_ptr, c_ptr
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER, EXIT_INTERNAL
   use amontons_sparse, only: sparse_type
   implicit none
   private
   public :: factor_type, lu_type
-  public :: analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, set_blas_threads
+  public :: analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, set_blas_threads, choose_blas_kernels
   public :: elimination_order, trailing_block, solve_forward, solve_backward
   public :: FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
 
@@ -160,6 +160,11 @@ module amontons_factor
       integer(c_int), value :: n
       integer(c_int) :: is_known
     end function set_blas_threads_c
+
+    function choose_kernels_c() bind(C, name='amontons_choose_blas_kernels') result(name)
+      import :: c_ptr
+      type(c_ptr) :: name
+    end function choose_kernels_c
   end interface
 
 contains
@@ -349,6 +354,25 @@ contains
     is_openblas = set_blas_threads_c(n) /= 0
     if (present(is_known)) is_known = is_openblas
   end subroutine set_blas_threads
+
+
+  !> Lets OpenBLAS use kernels that the processor can run, where it took those for unknown ones. Before the first use of the BLAS.
+  subroutine choose_blas_kernels(name)
+    character(:), allocatable, intent(out) :: name     !< of the kernels in use; empty for another BLAS
+    character(1, c_char), pointer :: letters(:)
+    type(c_ptr) :: text
+    integer :: i
+    !$omp critical (blas_kernels)
+    text = choose_kernels_c()
+    !$omp end critical (blas_kernels)
+    name = ''
+    if (.not. c_associated(text)) return
+    call c_f_pointer(text, letters, [64])
+    do i = 1, size(letters)
+      if (iachar(letters(i)) == 0) exit
+      name = name // letters(i)
+    end do
+  end subroutine choose_blas_kernels
 
 
   !> The error behind a status of the shim; none for the FACTOR_... ones.

@@ -404,6 +404,38 @@ int amontons_lu_solve(void *handle, const double *b, double *x)
   return status_of_umfpack(status);
 }
 
+/* The kernels that this processor can run, by OpenBLAS's names: NULL where OpenBLAS's own choice is to stand. */
+static const char *kernels_of_processor(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512vl")) return "SkylakeX";
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return "Haswell";
+#endif
+  return NULL;
+}
+
+/* OpenBLAS knows processors by their numbers. For one newer than itself it takes the kernels of the year 2004
+ * (Prescott), a fifth as fast. Then it is told which ones to take and made to choose again. OPENBLAS_CORETYPE of the
+ * user's stands. Returns the name of the kernels in use; NULL for another BLAS. To be called before the BLAS works. */
+const char *amontons_choose_blas_kernels(void)
+{
+  char *(*name)(void);
+  void (*forget)(void), (*choose)(void);
+  *(void **)&name = dlsym(RTLD_DEFAULT, "openblas_get_corename"); /* the POSIX way round ISO C */
+  if (!name) return NULL;
+  *(void **)&forget = dlsym(RTLD_DEFAULT, "gotoblas_dynamic_quit");
+  *(void **)&choose = dlsym(RTLD_DEFAULT, "gotoblas_dynamic_init");
+  const char *wanted = kernels_of_processor();
+  if (!forget || !choose || !wanted || getenv("OPENBLAS_CORETYPE") || strcmp(name(), "Prescott")) return name();
+  setenv("OPENBLAS_CORETYPE", wanted, 1);
+  forget();
+  choose();
+  unsetenv("OPENBLAS_CORETYPE");
+  return name();
+}
+
 /* Tells OpenBLAS, where it is the BLAS, how many threads to use, for the whole process. 0: another BLAS. */
 int amontons_set_blas_threads(int n)
 {

@@ -6,7 +6,7 @@ program test_factor
   use amontons_errors, only: error_type, EXIT_INTERNAL, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, from_triplets, full_of, multiply, multiply_symmetric
   use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, &
-    set_blas_threads, FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
+    set_blas_threads, choose_blas_kernels, FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -17,6 +17,7 @@ program test_factor
     call test_cholesky(SIZES(k))
     call test_lu(SIZES(k))
   end do
+  call test_kernels()
   call test_repeat()
   call test_shift()
   call test_two_factors()
@@ -104,6 +105,27 @@ contains
     call solve(factor, 4 * b(:, 1), x(:, 1))
     call suite%near('cholesky: new values in the old pattern', maxval(abs(x(:, 1) - y)), 0.0_DP, 0.0_DP)
   end subroutine test_cholesky
+
+
+  !> A processor with AVX2 is never left with the kernels that OpenBLAS has for processors that it does not know; the
+  !! choice stands when it is made again.
+  subroutine test_kernels()
+    character(:), allocatable :: name, again
+    character(8192) :: line
+    integer :: unit, status
+    logical :: is_modern
+    call choose_blas_kernels(name)
+    call choose_blas_kernels(again)
+    call suite%that('kernels: chosen once', name == again)
+    is_modern = .false.
+    open (newunit=unit, file='/proc/cpuinfo', status='old', action='read', iostat=status)
+    do while (status == 0)
+      read (unit, '(a)', iostat=status) line
+      if (status == 0 .and. index(line, 'flags') == 1) is_modern = index(line, ' avx2 ') > 0 .and. index(line, ' fma ') > 0
+    end do
+    call get_environment_variable('OPENBLAS_CORETYPE', status=status)
+    if (is_modern .and. status /= 0) call suite%that('kernels: not those for unknown processors', name /= 'Prescott')
+  end subroutine test_kernels
 
 
   !> The same matrix twice in one factor and once in another: the same bits, for one and for two BLAS threads.
