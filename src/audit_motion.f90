@@ -12,12 +12,13 @@ module amontons_audit_motion
   use amontons_text, only: text_of
   use amontons_lookup, only: integer_list_type
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC, MAX_FACE_NODES
+  use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
   use amontons_dense, only: symmetric_eigen, DENSE_OK
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, direction_of
   use amontons_state, only: slave_type
-  use amontons_contact, only: contact_type, facet_weights
+  use amontons_rows, only: contact_row_type
+  use amontons_contact, only: contact_type, touching_row
   use amontons_audit_words, only: complain, warn, step_list, joined
   use amontons_audit_contact, only: is_closed, may_meet_later
   use amontons_audit_bodies, only: body_type, bodies_type, body_name, find_root, unite
@@ -383,10 +384,11 @@ contains
     type(bodies_type), intent(in) :: bodies
     type(bases_type), intent(in) :: bases
     type(rows_type), intent(inout) :: rows
-    real(DP) :: direction(3, 3), weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES)
-    integer :: nodes(MAX_FACE_NODES), n, i, k, n_directions
+    type(contact_row_type) :: row
+    real(DP) :: direction(3, 3)
+    integer :: i, k, n_directions
     logical :: is_open
-    call facet_weights(contact%facets(slave%pair), slave%facet, slave%xi, n, nodes, weights, dN)
+    call touching_row(contact, slave, row)
     is_open = .not. is_closed(contact, slave)
     n_directions = merge(3, 1, model%interactions(model%pairs(slave%pair)%interaction)%friction > 0.0_DP)
     direction(:, 1) = slave%normal
@@ -396,9 +398,8 @@ contains
     direction(:, 2) = direction(:, 2) / norm2(direction(:, 2))
     direction(:, 3) = cross_product(slave%normal, direction(:, 2))
     do k = 1, n_directions
-      call add_term(model, bodies, slave%node, direction(:, k), rows)
-      do i = 1, n
-        call add_term(model, bodies, nodes(i), -weights(i) * direction(:, k), rows)
+      do i = 1, size(row%nodes)
+        call add_term(model, bodies, row%nodes(i), row%weights(i) * direction(:, k), rows)
       end do
       call end_row(bases, is_open, rows)
     end do

@@ -12,7 +12,7 @@ module amontons_contact
   use amontons_steps, only: step_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type
-  use amontons_shapes, only: facet_shapes
+  use amontons_rows, only: contact_row_type, facet_row, facet_weights, relative_position, imbalance_of, spread_force
   use amontons_areas, only: faces_type, add_face_areas, face_area, cover_slave, sum_shares
   use amontons_facets, only: facets_type, build_facets
   use amontons_search, only: search_type, build_search
@@ -23,7 +23,7 @@ module amontons_contact
   private
   public :: contact_type, slip_view_type, create_contact, begin_contact_step, set_supports, &
     begin_contact_increment, evaluate_contact
-  public :: facet_weights, contact_slip_vector, farthest_travel, commit_slip, elastic_trial, shear_most
+  public :: touching_row, origin_row, row_imbalance, contact_slip_vector, farthest_travel, commit_slip, elastic_trial, shear_most
 
   real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
   real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
@@ -53,6 +53,8 @@ module amontons_contact
     integer, allocatable :: follower(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
     real(DP), allocatable :: slave_normal(:, :)   !< (3, n_slaves) outward from the slave in the reference; 0 if node based
     real(DP), allocatable :: mask(:, :)           !< (3, n_slaves) 1 free, 0 held by a support or an equation
+    type(contact_row_type), allocatable :: rows(:)      !< (n) of slaves whose row is kept here: slave%row, as they touch now
+    type(contact_row_type), allocatable :: origins(:)   !< (n) the same against their origins
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
     type(slip_view_type) :: view                  !< of the last evaluation
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
@@ -79,7 +81,7 @@ contains
     allocate (contact%is_removed(size(model%pairs)), contact%is_shrink(size(model%pairs)), source=.false.)
     allocate (contact%interference(size(model%pairs)), source=0.0_DP)
     contact%laws = model%interactions(model%pairs%interaction)
-    allocate (slaves(0), contact%follower(3, 0), contact%slave_normal(3, 0))
+    allocate (slaves(0), contact%follower(3, 0), contact%slave_normal(3, 0), contact%rows(0), contact%origins(0))
     do p = 1, size(model%pairs)
       associate (master => model%surfaces(model%pairs(p)%master))
         call build_facets(model%mesh, master%element, master%face, contact%facets(p), error)
@@ -349,30 +351,54 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) displacement [length]
     type(slave_type), intent(in) :: slave          !< with an origin
     real(DP) :: d(3)
-    integer :: nodes(MAX_FACE_NODES), i, n
-    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES)
-    call facet_weights(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, n, nodes, weights, dN)
-    d = model%mesh%coordinates(:, slave%node) + u(:, slave%node) - slave%origin_offset
-    do i = 1, n
-      d = d - weights(i) * (model%mesh%coordinates(:, nodes(i)) + u(:, nodes(i)))
+    type(contact_row_type) :: row
+    integer :: i
+    call origin_row(contact, slave, row)
+    d = -slave%origin_offset
+    do i = 1, size(row%nodes)
+      d = d + row%weights(i) * (model%mesh%coordinates(:, row%nodes(i)) + u(:, row%nodes(i)))
     end do
   end function contact_slip_vector
 
 
-  !> Nodes of a facet and their weights N_i at a point of it.
-  pure subroutine facet_weights(facets, f, xi, n, nodes, weights, d_weights)
-    type(facets_type), intent(in) :: facets
-    integer, intent(in) :: f                       !< facet
-    real(DP), intent(in) :: xi(2)                  !< natural coordinates [-]
-    integer, intent(out) :: n                      !< number of its nodes
-    integer, intent(out) :: nodes(MAX_FACE_NODES)
-    real(DP), intent(out) :: weights(MAX_FACE_NODES)        !< N_i [-]
-    real(DP), intent(out) :: d_weights(2, MAX_FACE_NODES)   !< dN_i/dxi [-]
-    real(DP) :: ddN(3, MAX_FACE_NODES)
-    n = facets%first(f + 1) - facets%first(f)
-    nodes(:n) = facets%nodes(facets%first(f):facets%first(f + 1) - 1)
-    call facet_shapes(facets%kind(f), xi, weights, d_weights, ddN)
-  end subroutine facet_weights
+  !> The row of a slave node as it touches its master now.
+  pure subroutine touching_row(contact, slave, row)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave          !< with a facet
+    type(contact_row_type), intent(inout) :: row
+    if (slave%row > 0) then
+      row = contact%rows(slave%row)
+    else
+      call facet_row(contact%facets(slave%pair), slave%facet, slave%xi, slave%node, row)
+    end if
+  end subroutine touching_row
+
+
+  !> The row of a slave node against the origin, by which its slip is measured and to which it sticks.
+  pure subroutine origin_row(contact, slave, row)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave          !< with an origin
+    type(contact_row_type), intent(inout) :: row
+    if (slave%row > 0) then
+      row = contact%origins(slave%row)
+    else
+      call facet_row(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, slave%node, row)
+    end if
+  end subroutine origin_row
+
+
+  !> The imbalance that the contact force of a slave node has to answer.
+  pure function row_imbalance(contact, slave, imbalance) result(own)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat, condensed [force]
+    real(DP) :: own(3)
+    if (slave%row > 0) then
+      own = imbalance_of(contact%rows(slave%row), imbalance)
+    else
+      own = imbalance(:, slave%node)
+    end if
+  end function row_imbalance
 
 
   !> Positions, statuses and contact forces of all slave nodes at a configuration.
@@ -398,7 +424,8 @@ contains
     if (size(fields%slaves) == 0) return
     allocate (x, source=model%mesh%coordinates + fields%u)
     do s = 1, size(fields%slaves)
-      call evaluate_slave(contact, model, old%slaves(s), old%u, x, imbalance(:, fields%slaves(s)%node), is_frozen, s, fields)
+      call evaluate_slave(contact, model, old%slaves(s), old%u, x, row_imbalance(contact, fields%slaves(s), imbalance), &
+        is_frozen, s, fields)
     end do
     do s = 1, size(fields%slaves)
       call add_contact_force(contact, fields%slaves(s), fields%contact_force)
@@ -535,12 +562,12 @@ contains
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     type(slave_type), intent(inout) :: slave
-    integer :: nodes(MAX_FACE_NODES), n, status
-    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES)
+    type(contact_row_type) :: row
+    integer :: status
     if (slave%facet == 0) return
     if (contact%is_small(slave%pair)) then
-      call facet_weights(contact%facets(slave%pair), slave%facet, slave%xi, n, nodes, weights, dN)
-      slave%gap = slave%offset + dot_product(slave%normal, x(:, slave%node) - matmul(x(:, nodes(:n)), weights(:n)))
+      call touching_row(contact, slave, row)
+      slave%gap = slave%offset + dot_product(slave%normal, relative_position(row, x))
     else
       call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
         slave%normal, status)
@@ -637,19 +664,14 @@ contains
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slave
     real(DP), intent(inout) :: contact_force(:, :)   !< (3, n_nodes) [force]
-    integer :: nodes(MAX_FACE_NODES), i, n
-    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), force(3)
+    type(contact_row_type) :: row
     if (slave%status == STATUS_OPEN) return
     if (slave%status == STATUS_STICK .and. .not. is_compliant(contact%laws(slave%pair))) then
-      call facet_weights(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, n, nodes, weights, dN)
+      call origin_row(contact, slave, row)
     else
-      call facet_weights(contact%facets(slave%pair), slave%facet, slave%xi, n, nodes, weights, dN)
+      call touching_row(contact, slave, row)
     end if
-    force = slave%force + slave%shear
-    contact_force(:, slave%node) = contact_force(:, slave%node) + force
-    do i = 1, n
-      contact_force(:, nodes(i)) = contact_force(:, nodes(i)) - weights(i) * force
-    end do
+    call spread_force(row, slave%force + slave%shear, contact_force)
   end subroutine add_contact_force
 
 
@@ -658,14 +680,15 @@ contains
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slaves(:)
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
-    integer :: nodes(MAX_FACE_NODES), n, s
-    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), d(3)
+    type(contact_row_type) :: row
+    real(DP) :: d(3)
+    integer :: s
     farthest = 0.0_DP
     do s = 1, size(slaves)
       associate (slave => slaves(s))
         if (slave%facet == 0 .or. contact%is_small(slave%pair)) cycle
-        call facet_weights(contact%facets(slave%pair), slave%facet, slave%xi, n, nodes, weights, dN)
-        d = du(:, slave%node) - matmul(du(:, nodes(:n)), weights(:n))
+        call touching_row(contact, slave, row)
+        d = relative_position(row, du)
         d = d - dot_product(slave%normal, d) * slave%normal
         farthest = max(farthest, norm2(d) / contact%facets(slave%pair)%edge_length(slave%facet))
       end associate

@@ -1,13 +1,13 @@
 !> Contact tangent: how the contact forces of the closed nodes change, and the rows that hold them on the master.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Linearisation". A closed slave node carries the force lambda, a function of its own
-!! imbalance Rhat and of the positions around it; the master node i gets -N_i lambda. So
-!!     d F_s = d lambda,   d F_i = -N_i d lambda - lambda (dN_i/dxi . d xi),
-!!     d lambda = lambda_R d Rhat_s + sum_j lambda_j d u_j.
+!! Theory: doc/theory/contact.md, "Linearisation". A closed slave node carries the force lambda, a function of the imbalance
+!! Rhat of its row and of the positions around it; node k of the row gets w_k lambda (w = 1 at the slave, -N_i at the
+!! master nodes). So
+!!     d F_k = w_k d lambda + lambda (dw_k/dxi . d xi),
+!!     d lambda = lambda_R sum b_k d Rhat_k + sum_j lambda_j d u_j.
 module amontons_contact_tangent
   use amontons_kinds, only: DP
-  use amontons_topology, only: MAX_FACE_NODES
   use amontons_model, only: model_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, row_type, add_row, ROW_CONFLICT
@@ -16,7 +16,8 @@ module amontons_contact_tangent
   use amontons_gap, only: gap_derivative, gap_derivative_type
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
   use amontons_compliance, only: law_pressure
-  use amontons_contact, only: contact_type, facet_weights, contact_slip_vector, elastic_trial, shear_most
+  use amontons_rows, only: contact_row_type
+  use amontons_contact, only: contact_type, touching_row, origin_row, row_imbalance, contact_slip_vector, elastic_trial, shear_most
   implicit none
   private
   public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices, contact_springs
@@ -32,17 +33,16 @@ module amontons_contact_tangent
   type :: link_type
     integer :: slave = 0                           !< index of the slave
     integer :: node = 0                            !< its node
-    integer :: n_weights = 0                       !< nodes of the facet that take the reaction: the first of nodes(:)
-    integer, allocatable :: nodes(:)               !< nodes on which lambda and xi depend, besides the slave
-    real(DP), allocatable :: weights(:)            !< (n_weights) N_i [-]
-    real(DP), allocatable :: d_weights(:, :)       !< (2, n_weights) dN_i/dxi [-]
+    integer :: n_weights = 0                       !< nodes of the row: the first of nodes(:), the slave before all others
+    integer, allocatable :: nodes(:)               !< nodes on which lambda and xi depend
+    real(DP), allocatable :: weights(:)            !< (n_weights) w_k [-]
+    real(DP), allocatable :: d_weights(:, :)       !< (2, n_weights) dw_k/dxi [-]
+    integer, allocatable :: own(:)                 !< slave nodes whose imbalance is the row's
+    real(DP), allocatable :: shares(:)             !< b_k [-]
     real(DP) :: force(3) = 0                       !< lambda [force]
-    real(DP) :: force_imbalance(3, 3) = 0          !< d lambda / d Rhat_s [-]
-    real(DP) :: force_slave(3, 3) = 0              !< d lambda / d u_s [force/length]
+    real(DP) :: force_imbalance(3, 3) = 0          !< d lambda / d Rhat [-]
     real(DP), allocatable :: force_nodes(:, :, :)  !< (3, 3, :) d lambda / d u_j [force/length]
-    real(DP) :: xi_slave(2, 3) = 0                 !< d xi / d u_s [1/length]
     real(DP), allocatable :: xi_nodes(:, :, :)     !< (2, 3, :) d xi / d u_j [1/length]
-    real(DP) :: gap_slave(3) = 0                   !< d g / d u_s [-]
     real(DP), allocatable :: gap_nodes(:, :)       !< (3, :) d g / d u_j [-]
     logical :: is_spring = .false.                 !< a compliant law: the node keeps its unknowns and has no row
     real(DP) :: spring(3, 3) = 0                   !< its stiffness without the turning of normals: symmetric, positive [force/length]
@@ -75,7 +75,7 @@ contains
       else if (fields%slaves(s)%status == STATUS_STICK) then
         call link_stick(contact, fields%slaves(s), s, links(n))
       else
-        call link_slip(contact, model, x, imbalance(:, fields%slaves(s)%node), fields, links(n))
+        call link_slip(contact, model, x, row_imbalance(contact, fields%slaves(s), imbalance), fields, links(n))
       end if
     end do
   end subroutine linearise_contact
@@ -87,8 +87,10 @@ contains
     type(slave_type), intent(in) :: slave
     integer, intent(in) :: s
     type(link_type), intent(inout) :: link
+    type(contact_row_type) :: row
     integer :: k
-    call fill_weights(contact, slave, slave%origin_facet, slave%origin_xi, link)
+    call origin_row(contact, slave, row)
+    call fill_weights(row, link)
     allocate (link%force_nodes(3, 3, link%n_weights), link%xi_nodes(2, 3, link%n_weights), source=0.0_DP)
     allocate (link%gap_nodes(3, link%n_weights), source=0.0_DP)
     do k = 1, 3
@@ -97,20 +99,16 @@ contains
   end subroutine link_stick
 
 
-  !> Nodes and weights of a fixed point of a facet.
-  subroutine fill_weights(contact, slave, facet, xi, link)
-    type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
-    integer, intent(in) :: facet
-    real(DP), intent(in) :: xi(2)
+  !> Nodes and weights of a row that does not change.
+  subroutine fill_weights(row, link)
+    type(contact_row_type), intent(in) :: row
     type(link_type), intent(inout) :: link
-    integer :: n, nodes(MAX_FACE_NODES)
-    real(DP) :: weights(MAX_FACE_NODES), d_weights(2, MAX_FACE_NODES)
-    call facet_weights(contact%facets(slave%pair), facet, xi, n, nodes, weights, d_weights)
-    link%n_weights = n
-    link%nodes = nodes(:n)
-    link%weights = weights(:n)
-    link%d_weights = d_weights(:, :n)
+    link%n_weights = size(row%nodes)
+    link%nodes = row%nodes
+    link%weights = row%weights
+    link%own = row%own
+    link%shares = row%shares
+    allocate (link%d_weights(2, link%n_weights), source=0.0_DP)
   end subroutine fill_weights
 
 
@@ -137,8 +135,10 @@ contains
     real(DP), intent(in) :: force_normal(3, 3)     !< d lambda / d n [force]
     type(link_type), intent(inout) :: link
     type(gap_derivative_type) :: derivative
+    type(contact_row_type) :: row
     if (contact%is_small(slave%pair)) then
-      call fill_weights(contact, slave, slave%facet, slave%xi, link)
+      call touching_row(contact, slave, row)
+      call fill_weights(row, link)
       call link_kept_weights(slave, link)
     else
       call gap_derivative(contact%facets(slave%pair), x, slave%facet, slave%xi, slave%gap - slave%offset, derivative)
@@ -147,25 +147,23 @@ contains
   end subroutine link_weights
 
 
-  !> The slip vector also depends on the nodes of the origin's facet: they are appended to the nodes of the link.
+  !> The slip vector also depends on the nodes of the origin's row: they are appended to the nodes of the link.
   subroutine link_origin(contact, slave, force_slip, link)
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slave
     real(DP), intent(in) :: force_slip(3, 3)       !< d lambda / d d [force/length]
     type(link_type), intent(inout) :: link
-    integer :: n, j, before, n_origin, nodes(MAX_FACE_NODES)
-    real(DP) :: weights(MAX_FACE_NODES), d_weights(2, MAX_FACE_NODES)
-    call facet_weights(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, n_origin, nodes, weights, &
-      d_weights)
+    type(contact_row_type) :: row
+    integer :: n, j, before
+    call origin_row(contact, slave, row)
     before = size(link%nodes)
-    n = before + n_origin
-    link%nodes = [link%nodes, nodes(:n_origin)]
+    n = before + size(row%nodes)
+    link%nodes = [link%nodes, row%nodes]
     link%force_nodes = reshape(link%force_nodes, [3, 3, n], pad=[0.0_DP])
     link%xi_nodes = reshape(link%xi_nodes, [2, 3, n], pad=[0.0_DP])
     link%gap_nodes = reshape(link%gap_nodes, [3, n], pad=[0.0_DP])
-    link%force_slave = link%force_slave + force_slip
-    do j = 1, n_origin
-      link%force_nodes(:, :, before + j) = -weights(j) * force_slip
+    do j = 1, size(row%nodes)
+      link%force_nodes(:, :, before + j) = row%weights(j) * force_slip
     end do
   end subroutine link_origin
 
@@ -192,7 +190,6 @@ contains
       force_slip = matmul(b, unit_matrix() - outer(n, n))
       force_normal = slave%area * p * unit_matrix() - matmul(b, dot_product(n, w) * unit_matrix() + outer(n, w))
       call link_weights(contact, x, slave, force_normal, link)
-      link%force_slave = link%force_slave + outer(force_gap, link%gap_slave)
       do j = 1, size(link%nodes)
         link%force_nodes(:, :, j) = link%force_nodes(:, :, j) + outer(force_gap, link%gap_nodes(:, j))
       end do
@@ -242,9 +239,8 @@ contains
     integer :: j
     allocate (link%force_nodes(3, 3, link%n_weights), link%xi_nodes(2, 3, link%n_weights), source=0.0_DP)
     allocate (link%gap_nodes(3, link%n_weights))
-    link%gap_slave = slave%normal
     do j = 1, link%n_weights
-      link%gap_nodes(:, j) = -link%weights(j) * slave%normal
+      link%gap_nodes(:, j) = link%weights(j) * slave%normal
     end do
   end subroutine link_kept_weights
 
@@ -255,19 +251,22 @@ contains
     real(DP), intent(in) :: force_normal(3, 3)     !< d lambda / d n [force]
     type(link_type), intent(inout) :: link
     integer :: j, n
-    n = derivative%n_nodes
-    link%n_weights = derivative%n_weights
-    link%weights = derivative%weights
-    link%d_weights = derivative%d_weights
-    link%nodes = derivative%nodes
-    allocate (link%force_nodes(3, 3, n))
-    link%xi_nodes = derivative%d_xi(:, :, :n)
-    link%gap_nodes = derivative%d_gap(:, :n)
-    link%xi_slave = derivative%d_xi_slave
-    link%gap_slave = derivative%d_gap_slave
-    link%force_slave = matmul(force_normal, derivative%d_n_slave)
-    do j = 1, n
-      link%force_nodes(:, :, j) = matmul(force_normal, derivative%d_n(:, :, j))
+    n = derivative%n_nodes + 1
+    link%n_weights = derivative%n_weights + 1
+    link%weights = [1.0_DP, -derivative%weights]
+    link%own = [link%node]
+    link%shares = [1.0_DP]
+    link%nodes = [link%node, derivative%nodes(:n - 1)]
+    allocate (link%d_weights(2, link%n_weights), link%force_nodes(3, 3, n), link%xi_nodes(2, 3, n), link%gap_nodes(3, n))
+    link%d_weights(:, 1) = 0.0_DP
+    link%d_weights(:, 2:) = -derivative%d_weights(:, :derivative%n_weights)
+    link%xi_nodes(:, :, 1) = derivative%d_xi_slave
+    link%xi_nodes(:, :, 2:) = derivative%d_xi(:, :, :n - 1)
+    link%gap_nodes(:, 1) = derivative%d_gap_slave
+    link%gap_nodes(:, 2:) = derivative%d_gap(:, :n - 1)
+    link%force_nodes(:, :, 1) = matmul(force_normal, derivative%d_n_slave)
+    do j = 2, n
+      link%force_nodes(:, :, j) = matmul(force_normal, derivative%d_n(:, :, j - 1))
     end do
   end subroutine link_moving_weights
 
@@ -366,26 +365,26 @@ contains
   end subroutine add_contact_rows
 
 
-  !> d g = -g over the slave and the nodes of its facet.
+  !> d g = -g over the nodes of the row, the slave first.
   pure subroutine gap_row(link, gap, row)
     type(link_type), intent(in) :: link
     real(DP), intent(in) :: gap
     type(row_type), intent(out) :: row
     integer :: j, k
-    row%unknown = [(3 * (link%node - 1) + k, k=1, 3), ((3 * (link%nodes(j) - 1) + k, k=1, 3), j=1, link%n_weights)]
-    row%coefficient = [link%gap_slave, reshape(link%gap_nodes(:, :link%n_weights), [3 * link%n_weights])]
+    row%unknown = [((3 * (link%nodes(j) - 1) + k, k=1, 3), j=1, link%n_weights)]
+    row%coefficient = reshape(link%gap_nodes(:, :link%n_weights), [3 * link%n_weights])
     row%rhs = -gap
   end subroutine gap_row
 
 
-  !> Component k of du_s - sum N_i du_i = -d.
+  !> Component k of sum w_i du_i = -d.
   pure subroutine tie_row(link, k, distance, row)
     type(link_type), intent(in) :: link
     integer, intent(in) :: k
     real(DP), intent(in) :: distance
     type(row_type), intent(out) :: row
-    row%unknown = [3 * (link%node - 1) + k, 3 * (link%nodes(:link%n_weights) - 1) + k]
-    row%coefficient = [1.0_DP, -link%weights]
+    row%unknown = 3 * (link%nodes(:link%n_weights) - 1) + k
+    row%coefficient = link%weights
     row%rhs = -distance
   end subroutine tie_row
 
@@ -401,16 +400,18 @@ contains
     d_force = 0.0_DP
     do i = 1, size(links)
       associate (link => links(i))
-        d_lambda = matmul(link%force_imbalance, d_imbalance(:, link%node)) + matmul(link%force_slave, du(:, link%node))
-        d_xi = matmul(link%xi_slave, du(:, link%node))
+        d_lambda = 0.0_DP
+        do j = 1, size(link%own)
+          d_lambda = d_lambda + link%shares(j) * matmul(link%force_imbalance, d_imbalance(:, link%own(j)))
+        end do
+        d_xi = 0.0_DP
         do j = 1, size(link%nodes)
           d_lambda = d_lambda + matmul(link%force_nodes(:, :, j), du(:, link%nodes(j)))
           d_xi = d_xi + matmul(link%xi_nodes(:, :, j), du(:, link%nodes(j)))
         end do
-        d_force(:, link%node) = d_force(:, link%node) + d_lambda
         do j = 1, link%n_weights
-          d_force(:, link%nodes(j)) = d_force(:, link%nodes(j)) - link%weights(j) * d_lambda &
-            - dot_product(link%d_weights(:, j), d_xi) * link%force
+          d_force(:, link%nodes(j)) = d_force(:, link%nodes(j)) + link%weights(j) * d_lambda &
+            + dot_product(link%d_weights(:, j), d_xi) * link%force
         end do
       end associate
     end do
@@ -426,12 +427,13 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(triplets_type) :: r, u
     integer :: i, j
-    call reserve(r, 9 * sum([(1 + links(i)%n_weights, i=1, size(links))]))
-    call reserve(u, 9 * sum([((1 + links(i)%n_weights) * (1 + size(links(i)%nodes)), i=1, size(links))]))
+    call reserve(r, 9 * sum([(links(i)%n_weights * size(links(i)%own), i=1, size(links))]))
+    call reserve(u, 9 * sum([(links(i)%n_weights * size(links(i)%nodes), i=1, size(links))]))
     do i = 1, size(links)
       associate (link => links(i))
-        call put_column(link, link%node, link%force_imbalance, spread(spread(0.0_DP, 1, 2), 2, 3), r)
-        call put_column(link, link%node, link%force_slave, link%xi_slave, u)
+        do j = 1, size(link%own)
+          call put_column(link, link%own(j), link%shares(j) * link%force_imbalance, spread(spread(0.0_DP, 1, 2), 2, 3), r)
+        end do
         do j = 1, size(link%nodes)
           call put_column(link, link%nodes(j), link%force_nodes(:, :, j), link%xi_nodes(:, :, j), u)
         end do
@@ -450,20 +452,18 @@ contains
     type(sparse_type), intent(out) :: springs      !< [force/length]
     type(error_type), allocatable, intent(out) :: error
     type(triplets_type) :: triplets
-    integer :: i, j, k, n, nodes(MAX_FACE_NODES + 1)
-    real(DP) :: weights(MAX_FACE_NODES + 1)
+    integer :: i, j, k
     logical, allocatable :: is_upper(:)
-    call reserve(triplets, 9 * sum([((1 + links(i)%n_weights)**2, i=1, size(links))]))
+    call reserve(triplets, 9 * sum([(links(i)%n_weights**2, i=1, size(links))]))
     do i = 1, size(links)
       if (.not. links(i)%is_spring) cycle
-      n = 1 + links(i)%n_weights
-      nodes(:n) = [links(i)%node, links(i)%nodes(:n - 1)]
-      weights(:n) = [1.0_DP, -links(i)%weights]
-      do j = 1, n
-        do k = 1, n
-          call put_block(nodes(j), nodes(k), weights(j) * weights(k) * links(i)%spring, triplets)
+      associate (link => links(i))
+        do j = 1, link%n_weights
+          do k = 1, link%n_weights
+            call put_block(link%nodes(j), link%nodes(k), link%weights(j) * link%weights(k) * link%spring, triplets)
+          end do
         end do
-      end do
+      end associate
     end do
     associate (t => triplets)
       is_upper = t%column(:t%n) >= t%row(:t%n)
@@ -473,17 +473,16 @@ contains
   end subroutine contact_springs
 
 
-  !> What a change at one node does to the slave and to the nodes of its facet.
+  !> What a change at one node does to the nodes of the row.
   subroutine put_column(link, node, d_lambda, d_xi, triplets)
     type(link_type), intent(in) :: link
     integer, intent(in) :: node
     real(DP), intent(in) :: d_lambda(3, 3), d_xi(2, 3)
     type(triplets_type), intent(inout) :: triplets
     integer :: i
-    call put_block(link%node, node, d_lambda, triplets)
     do i = 1, link%n_weights
-      call put_block(link%nodes(i), node, -link%weights(i) * d_lambda &
-        - outer(link%force, matmul(link%d_weights(:, i), d_xi)), triplets)
+      call put_block(link%nodes(i), node, link%weights(i) * d_lambda &
+        + outer(link%force, matmul(link%d_weights(:, i), d_xi)), triplets)
     end do
   end subroutine put_column
 

@@ -66,6 +66,7 @@ uses_element = kinds tensor topology materials shapes principal stress material_
 uses_facets = kinds errors tensor topology mesh shapes
 uses_search = kinds facets
 uses_gap = kinds tensor topology shapes facets search
+uses_rows = kinds topology shapes facets
 uses_slip = kinds
 uses_compliance = kinds surfaces
 uses_areas = kinds topology mesh surfaces shapes compliance
@@ -78,14 +79,14 @@ uses_assembly = kinds errors sparse partition topology mesh loads steps model el
 uses_bonds = kinds errors tensor loads ties model state constraints assembly
 uses_supports = kinds errors loads steps model state constraints bonds
 uses_fasten = kinds errors tensor topology loads ties model shapes facets search gap
-uses_contact = kinds errors topology surfaces steps model shapes facets search gap slip compliance areas state constraints
+uses_contact = kinds errors topology surfaces steps model facets search gap rows slip compliance areas state constraints
 uses_adjust = kinds errors model state contact
-uses_contact_tangent = kinds errors sparse topology surfaces model gap compliance state constraints contact
+uses_contact_tangent = kinds errors sparse surfaces model gap rows compliance state constraints contact
 uses_system = kinds errors history sparse partition factor krylov surfaces steps model state constraints condensed assembly bonds supports contact contact_tangent
 uses_audit_words = errors text
 uses_audit_contact = kinds errors text lookup surfaces loads model state contact audit_words
 uses_audit_bodies = kinds text topology model element
-uses_audit_motion = kinds errors text lookup tensor dense topology steps model state contact audit_words audit_contact audit_bodies
+uses_audit_motion = kinds errors text lookup tensor dense topology steps model rows state contact audit_words audit_contact audit_bodies
 uses_audit = kinds errors text lookup topology loads steps model element state constraints bonds contact audit_words audit_contact audit_bodies audit_motion
 
 # 6 solution: the increment, the steps, the results
