@@ -9,10 +9,12 @@ module amontons_card_table
     STATUS_REFUSED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD
   implicit none
   private
-  public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES
+  public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, &
+    SECTION_VARIABLES
 
   character(*), parameter :: NODE_VARIABLES = 'U|RF'              !< what NODE PRINT knows
   character(*), parameter :: ELEMENT_VARIABLES = 'S|E|PEEQ|CEEQ|ENER|ELSE|EVOL' !< what EL PRINT knows
+  character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< what SECTION PRINT knows, each asks for all
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS' !< what CONTACT PRINT knows
 
 contains
@@ -413,6 +415,15 @@ contains
     call describe_print(table)
     call table%option('NSET|SLAVE|MASTER|SET', VALUE_NAME, 'All slave nodes are printed.', status=STATUS_NOTED)
     call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
+
+    call table%card('SECTION PRINT', IN_STEP, 'Prints the force and the moment that the stress carries through a ' // &
+      'surface, its area, centre and mean normal to the .dat file.', data='variables: SOF, SOM, SOAREA; each of them ' // &
+      'asks for all')
+    call table%option('SURFACE', VALUE_NAME, 'A surface of element faces.', default='required')
+    call table%option('NAME', VALUE_NAME, 'Name of the section, which is not needed.')
+    call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
+      default='1')
+    call table%option('AXES|UPDATE|OP', VALUE_TEXT, 'Vectors are in global directions.', status=STATUS_NOTED)
   end subroutine describe_prints
 
 
@@ -454,7 +465,7 @@ contains
   subroutine describe_noted(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(STATUS_NOTED, 'PREPRINT|TIME POINTS|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE ' // &
-      'OUTPUT|SECTION PRINT|SECTION FILE|SECTION OUTPUT|FACE PRINT|INTEGRATED OUTPUT|INTEGRATED OUTPUT SECTION|' // &
+      'OUTPUT|SECTION FILE|SECTION OUTPUT|FACE PRINT|INTEGRATED OUTPUT|INTEGRATED OUTPUT SECTION|' // &
       'INCREMENTATION OUTPUT|MODAL FILE|MODAL OUTPUT|MODAL PRINT|RADIATION FILE|RADIATION OUTPUT|RADIATION PRINT|' // &
       'SURFACE OUTPUT|USER OUTPUT VARIABLES|ELEMENT RESPONSE|NODE RESPONSE|CONTACT RESPONSE|ELEMENT MATRIX OUTPUT|' // &
       'MATRIX OUTPUT|DIAGNOSTICS|FILTER|DATA CHECK|LOAD CASE NAME|END LOAD CASE NAME', 'It asks for output that ' // &

@@ -4,7 +4,8 @@ module amontons_deck_steps
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, row_type, next_row, field_text, line_text
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
-  use amontons_card_table, only: NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES
+  use amontons_card_table, only: NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, &
+    SECTION_VARIABLES
   use amontons_deck_conditions, only: thermal_type, start_thermal, begin_thermal_step, read_temperature, &
     hand_over_temperatures
   use amontons_deck_loads, only: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, &
@@ -14,8 +15,9 @@ module amontons_deck_steps
     need_no_data, is_card
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, controls_type, print_request_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, &
-    SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT
+    SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
   use amontons_text, only: text_of, squeezed, parse_integer, is_one_of, joined_words, NUMBER_OK
+  use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC
   implicit none
   private
   public :: read_steps
@@ -32,7 +34,7 @@ module amontons_deck_steps
     real(DP) :: total_time = 0                   !< at the end of the step before [time]
     logical :: has_static = .false.
     logical :: has_refused = .false.             !< a card of this step is refused, maybe its procedure
-    logical :: has_prints(3) = .false.           !< (PRINT_...) this step has such a card
+    logical :: has_prints(4) = .false.           !< (PRINT_...) this step has such a card
     logical :: is_open = .false.
     integer :: interaction = 0                   !< the one that the last CHANGE card names
   end type progress_type
@@ -181,6 +183,8 @@ contains
         call read_print(reader, c, PRINT_ELEMENT, ELEMENT_VARIABLES, progress)
       case ('CONTACTPRINT')
         call read_print(reader, c, PRINT_CONTACT, CONTACT_VARIABLES, progress)
+      case ('SECTIONPRINT')
+        call read_section_print(reader, model, c, progress)
       case ('NODEFILE', 'NODEOUTPUT', 'ELFILE', 'ELOUTPUT', 'ELEMENTOUTPUT', 'CONTACTFILE', 'CONTACTOUTPUT', &
         'ENERGYFILE', 'ENERGYOUTPUT', 'OUTPUT')
         call read_file_request(reader, c, progress%step%file_frequency)
@@ -411,9 +415,7 @@ contains
     type(print_request_type) :: request
     character(:), allocatable :: name
     call open_card(reader, c, parameters, row)
-    if (.not. progress%has_prints(kind)) progress%step%prints = pack(progress%step%prints, progress%step%prints%kind &
-      /= kind)
-    progress%has_prints(kind) = .true.
+    call begin_prints(kind, progress)
     call read_frequency(reader, c, parameters, progress%step%print_frequency)
     request%kind = kind
     name = ''
@@ -437,6 +439,55 @@ contains
     call read_variables(reader, row, known, request%variables)
     if (size(request%variables) > 0) progress%step%prints = [progress%step%prints, request]
   end subroutine read_print
+
+
+  !> The first PRINT card of a kind in a step wipes those of earlier steps.
+  subroutine begin_prints(kind, progress)
+    integer, intent(in) :: kind                  !< PRINT_...
+    type(progress_type), intent(inout) :: progress
+    if (.not. progress%has_prints(kind)) progress%step%prints = pack(progress%step%prints, progress%step%prints%kind &
+      /= kind)
+    progress%has_prints(kind) = .true.
+  end subroutine begin_prints
+
+
+  !> SECTION PRINT: the surface must be one of faces; each of its variables asks for the same block.
+  subroutine read_section_print(reader, model, c, progress)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(progress_type), intent(inout) :: progress
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(print_request_type) :: request
+    character(:), allocatable :: name, trouble
+    integer :: i
+    call open_card(reader, c, parameters, row)
+    call begin_prints(PRINT_SECTION, progress)
+    call read_frequency(reader, c, parameters, progress%step%print_frequency)
+    request%kind = PRINT_SECTION
+    name = parameter_text(parameters, 'SURFACE')
+    if (name == '') return
+    request%set = reader%surfaces%find(name)
+    trouble = ''
+    if (request%set == 0) then
+      trouble = 'There is no surface ''' // name // '''.'
+    else if (model%surfaces(request%set)%is_node_based) then
+      trouble = '*SECTION PRINT needs a surface of element faces; ''' // name // ''' is one of nodes.'
+    else
+      associate (surface => model%surfaces(request%set))
+        do i = 1, size(surface%element)
+          associate (kind => element_kind(model%mesh%kind(surface%element(i))))
+            if (kind%family == FAMILY_AXISYMMETRIC) trouble = '*SECTION PRINT is not supported for axisymmetric ' // &
+              'elements, of which the surface ''' // name // ''' has some. Sum up the RF of *NODE PRINT.'
+          end associate
+        end do
+      end associate
+    end if
+    if (trouble /= '') call complain(reader, reader%cards%cards(c)%line, trouble)
+    call read_variables(reader, row, SECTION_VARIABLES, request%variables)
+    if (size(request%variables) > 0 .and. trouble == '') progress%step%prints = [progress%step%prints, request]
+  end subroutine read_section_print
 
 
   !> The variables of a PRINT card; of long names such as CDISP the first four letters count.

@@ -45,7 +45,7 @@ uses_deck_conditions = kinds text lookup mesh materials loads model cards card_f
 uses_deck_contact = kinds text mesh surfaces steps model cards card_form deck_reader
 uses_deck_bonds = kinds text tensor topology mesh loads ties model cards card_form deck_reader
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
-uses_deck_steps = kinds text steps model cards card_form card_table deck_reader deck_conditions deck_contact deck_loads
+uses_deck_steps = kinds text topology steps model cards card_form card_table deck_reader deck_conditions deck_contact deck_loads
 uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_steps
 
 # 4 kernels: pure, numbers in and out
@@ -96,10 +96,11 @@ uses_forensics = kinds state
 uses_newton = kinds errors history steps model state contact system converge line_search forensics
 uses_stepper = kinds steps converge
 uses_nodal = kinds topology mesh shapes element
+uses_sections = kinds tensor topology mesh surfaces shapes state nodal
 uses_columns = kinds errors history store
 uses_columns = kinds errors history store
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state nodal columns
-uses_printed = kinds errors text tensor history posix topology mesh materials steps model state nodal
+uses_printed = kinds errors text tensor history posix topology mesh materials steps model state nodal sections
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state system newton stepper

@@ -14,12 +14,14 @@ module amontons_printed
   use amontons_tensor, only: cross_product, pack_voigt, unpack_voigt
   use amontons_topology, only: MAX_POINTS
   use amontons_mesh, only: mesh_type, set_type
-  use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE
+  use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, &
+    PRINT_SECTION
   use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
   use amontons_nodal, only: point_volumes
+  use amontons_sections, only: section_type, measure_section
   implicit none
   private
   public :: printed_type, open_printed, resume_printed, sync_printed, measure_printed, check_printed, print_iteration, &
@@ -262,7 +264,7 @@ contains
       if (.not. is_output_due(step, step%print_frequency, record%increment, record%step_time)) return
       write (printed%dat, '(/24x,a,i5,///,32x,a,i5,/)') 'S T E P   ', record%step, 'INCREMENT ', record%increment
       do i = 1, size(step%prints)
-        call print_request(printed%dat, model, fields, step%prints(i))
+        call print_request(printed%dat, model, fields, step%prints(i), step%is_nlgeom)
       end do
     end associate
     flush (printed%dat, iostat=status, iomsg=reason)
@@ -282,12 +284,17 @@ contains
 
 
   !> One PRINT card: a block per variable. The reader has refused variables that are not known here.
-  subroutine print_request(unit, model, fields, request)
+  subroutine print_request(unit, model, fields, request, is_nlgeom)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     type(print_request_type), intent(in) :: request
+    logical, intent(in) :: is_nlgeom               !< of the step
     integer :: i
+    if (request%kind == PRINT_SECTION) then
+      call print_surface(unit, model, fields, request%set, is_nlgeom)
+      return
+    end if
     do i = 1, size(request%variables)
       select case (request%kind)
       case (PRINT_NODE)
@@ -564,8 +571,9 @@ contains
     integer, intent(in) :: i_pair
     character(*), intent(in) :: variable           !< CF all forces, CFN the normal ones, CFS the tangential ones
     character(:), allocatable :: part
-    real(DP) :: force(3), moment(3), center(3), normal(3), area, normal_force
-    call sum_contact(model%mesh, fields, i_pair, variable, force, moment, center, normal, area)
+    type(section_type) :: s
+    real(DP) :: normal_force
+    call sum_contact(model%mesh, fields, i_pair, variable, s%force, s%moment, s%center, s%normal, s%area)
     part = ''
     if (variable == 'CFN') part = 'normal '
     if (variable == 'CFS') part = 'shear '
@@ -573,16 +581,47 @@ contains
       write (unit, '(//5a,e14.7)') ' statistics for slave set ', upper_case(model%surfaces(pair%slave)%name), &
         ', master set ', upper_case(model%surfaces(pair%master)%name), ' and time ', fields%total_time
     end associate
-    write (unit, '(/3a/)') '   total ', part, 'surface force (fx,fy,fz) and moment about the origin (mx,my,mz)'
-    write (unit, STATISTICS_FORM) force, moment
-    write (unit, '(/a/)') '   center of gravity and mean normal'
-    write (unit, STATISTICS_FORM) center, normal
-    write (unit, '(/a/)') '   moment about the center of gravity(mx,my,mz)'
-    write (unit, STATISTICS_FORM) moment - cross_product(center, force)
-    normal_force = dot_product(force, normal)
+    call print_sums(unit, 'total ' // part // 'surface force', s)
+    normal_force = dot_product(s%force, s%normal)
     write (unit, '(/a/)') '   area,  normal force (+ = tension) and shear force (size)'
-    write (unit, STATISTICS_FORM) area, normal_force, norm2(force - normal_force * normal)
+    write (unit, STATISTICS_FORM) s%area, normal_force, norm2(s%force - normal_force * s%normal)
   end subroutine print_statistics
+
+
+  !> Force, moment, centre and normal of a surface: what contact pairs and sections share.
+  subroutine print_sums(unit, title, s)
+    integer, intent(in) :: unit
+    character(*), intent(in) :: title
+    type(section_type), intent(in) :: s
+    write (unit, '(/3a/)') '   ', title, ' (fx,fy,fz) and moment about the origin (mx,my,mz)'
+    write (unit, STATISTICS_FORM) s%force, s%moment
+    write (unit, '(/a/)') '   center of gravity and mean normal'
+    write (unit, STATISTICS_FORM) s%center, s%normal
+    write (unit, '(/a/)') '   moment about the center of gravity(mx,my,mz)'
+    write (unit, STATISTICS_FORM) s%moment - cross_product(s%center, s%force)
+  end subroutine print_sums
+
+
+  !> SECTION PRINT: the sums over a surface.
+  subroutine print_surface(unit, model, fields, surface, is_nlgeom)
+    integer, intent(in) :: unit
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: surface                 !< index
+    logical, intent(in) :: is_nlgeom
+    type(section_type) :: s
+    real(DP) :: tension, torque, moment(3)
+    call measure_section(model%mesh, model%surfaces(surface), fields, is_nlgeom, s)
+    write (unit, '(//3a,e14.7)') ' statistics for surface set ', upper_case(model%surfaces(surface)%name), ' and time ', &
+      fields%total_time
+    call print_sums(unit, 'total surface force', s)
+    moment = s%moment - cross_product(s%center, s%force)
+    tension = dot_product(s%force, s%normal)
+    torque = dot_product(moment, s%normal)
+    write (unit, '(/a/)') '   area, normal force (+ = tension), shear force (size), torque and bending moment (size)'
+    write (unit, STATISTICS_FORM) s%area, tension, norm2(s%force - tension * s%normal), torque, norm2(moment - torque &
+      * s%normal)
+  end subroutine print_surface
 
 
   !> Sums over the closed slave nodes of one pair; the normal points out of the slave.

@@ -8,10 +8,10 @@ module amontons_steps
   private
   public :: step_type, controls_type, print_request_type, calculix_controls, is_output_due
   public :: SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
-  public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT
+  public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
 
   integer, parameter :: SEARCH_NONE = 0, SEARCH_ALL = 1, SEARCH_GLOBAL = 2, SEARCH_NODAL = 3, SEARCH_AUTO = 4
-  integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3
+  integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4
 
   !> Controls in CalculiX's slots (CONTROLS, PARAMETERS=...), with Amontons's defaults.
   type :: controls_type
@@ -43,7 +43,7 @@ module amontons_steps
   !> One PRINT card.
   type :: print_request_type
     integer :: kind = PRINT_NODE           !< PRINT_...
-    integer :: set = 0                     !< index of the node set or element set; 0 for contact
+    integer :: set = 0                     !< index of the node set, element set or surface; 0 for contact
     character(4), allocatable :: variables(:)   !< e.g. 'U', 'RF', 'S', 'E', 'CDIS', 'CSTR', 'SCEN'
     logical :: is_totals = .false.         !< TOTALS=YES: rows and their sum
     logical :: is_only_totals = .false.    !< TOTALS=ONLY

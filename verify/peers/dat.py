@@ -1,7 +1,8 @@
 """Reads the printed results of CalculiX (.dat) and its fields (.frd), and compares block by block.
 
 A block is one table: a title, a set, a time, and rows of numbers by their labels (node; element and point). The
-deviation of a block is the largest difference over the largest absolute value of the reference's block.
+deviation of a block is the largest difference over the largest absolute value of the reference's block. The statistics of a surface are
+one block with several heads: their forces and moments are measured by the largest of its force and moment.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -18,7 +19,9 @@ Key = tuple[int, ...]
 
 NUMBER = re.compile(r"[+-]?(?:\d+\.\d*|\.\d+)(?:[EeDd]?[+-]\d+)?|[+-]?(?:NaN|Inf\w*)|[+-]?\d+")
 TIME = re.compile(r"time\s+(\S+)")
-SET = re.compile(r"for (?:set|surface set) (\S+)")
+PARTS = ("total surface force", "total normal surface force", "total shear surface force", "center of gravity",
+         "moment about the center", "area")  # of the statistics of a surface
+SET = re.compile(r"for (?:set|surface set|slave set) (\S+)")
 
 
 @dataclass
@@ -29,6 +32,12 @@ class Block:
     set_name: str
     time: float
     rows: dict[Key, list[float]] = field(default_factory=dict)
+    scale: float = 0.0  # that the values are measured by, if it is larger than their largest
+
+    @property
+    def largest(self) -> float:
+        """The largest absolute value."""
+        return max((abs(v) for row in self.rows.values() for v in row), default=0.0)
 
     @property
     def name(self) -> tuple[str, str, float]:
@@ -47,7 +56,31 @@ def read_dat(path: Path) -> list[Block]:
             blocks.append(make_block(line))
         elif blocks:
             add_row(blocks[-1], line)
-    return blocks
+    return share_statistics(blocks)
+
+
+def share_statistics(blocks: list[Block]) -> list[Block]:
+    """Gives the parts of a surface's statistics its name, time and scale; parts the area from the forces beside it."""
+    result: list[Block] = []
+    head = Block("", "", 0.0)
+    scale = 0.0
+    for block in blocks:
+        if block.title == "statistics":
+            head, scale = block, 0.0
+        elif block.set_name or not (head.title and block.title.startswith(PARTS)):
+            result.append(block)
+        else:
+            block.set_name, block.time = head.set_name, head.time
+            if block.title.startswith("total"):
+                scale = block.largest
+            if block.title.startswith("area"):
+                areas = {key: row[:1] for key, row in block.rows.items()}
+                result.append(Block("area", block.set_name, block.time, areas))
+                block.title, block.rows = "normal force", {key: row[1:] for key, row in block.rows.items()}
+            if not block.title.startswith("center"):
+                block.scale = scale
+            result.append(block)
+    return result
 
 
 def make_block(line: str) -> Block:
@@ -83,10 +116,14 @@ class Deviation:
     deviation: float  # over the largest; infinite if it is not there
     where: Key = ()
     missing: int = 0  # rows of the reference that are not there
+    ours: float = 0.0  # our largest absolute value
 
 
-def compare(ours: list[Block], reference: list[Block], is_expanded: bool = False) -> list[Deviation]:
+def compare(ours: list[Block], reference: list[Block], is_expanded: bool = False,
+            nodes: set[int] | None = None) -> list[Deviation]:
     """The deviation of every block of the reference, which is looked up by title, set and time.
+
+    CalculiX prints zeros for numbers of a set that no node has; with `nodes`, the labels that there are, these are left out.
 
     CalculiX expands plane and axisymmetric elements into solids and prints the points of these. With `is_expanded`
     tables of points that have more rows there than here are compared by the extremes of each column.
@@ -98,6 +135,8 @@ def compare(ours: list[Block], reference: list[Block], is_expanded: bool = False
     for block in reference:
         candidates = found.get(block.name, [])
         mine = candidates.pop(0) if candidates else None
+        if nodes is not None and all(len(key) == 1 for key in block.rows):
+            block.rows = {key: row for key, row in block.rows.items() if key[0] in nodes or any(row)}
         is_by_point = is_expanded and mine is not None and len(block.rows) > len(mine.rows) and len(next(iter(block.rows))) == 2
         result.append(compare_extremes(mine, block) if is_by_point and mine else compare_block(mine, block))
     return result
@@ -108,16 +147,17 @@ def compare_extremes(ours: Block, reference: Block) -> Deviation:
     theirs, mine = (np.array(list(block.rows.values())) for block in (reference, ours))
     largest = float(np.abs(theirs).max())
     ends = [np.abs(side(theirs, axis=0) - side(mine, axis=0)).max() for side in (np.max, np.min)]
-    return Deviation(reference.title, reference.set_name, reference.time, largest, float(max(ends)) / largest)
+    return Deviation(reference.title, reference.set_name, reference.time, largest, float(max(ends)) / largest, ours=ours.largest)
 
 
 def compare_block(ours: Block | None, reference: Block) -> Deviation:
     """One block against its reference."""
-    largest = max((abs(v) for row in reference.rows.values() for v in row), default=0.0)
+    largest = max(reference.largest, reference.scale)
     result = Deviation(reference.title, reference.set_name, reference.time, largest, 0.0)
     if ours is None:
         result.deviation = np.inf
         return result
+    result.ours = ours.largest
     for key, row in reference.rows.items():
         if key not in ours.rows:
             result.missing += 1
