@@ -64,7 +64,7 @@ HDF5_L := $(or $(shell pkg-config --libs-only-L hdf5-serial 2>/dev/null || pkg-c
 INCLUDES := $(HDF5_I) $(addprefix -I,$(wildcard /usr/include/suitesparse /usr/lib64/gfortran/modules \
   $(foreach p,$(PLACES),$(p)/include $(p)/include/suitesparse)))
 LDLIBS := $(HDF5_L) $(foreach p,$(PLACES),-L$(p)/lib -Wl,-rpath,$(p)/lib) \
-  -lopenblas -lumfpack -lcholmod -lamd -lcolamd -lsuitesparseconfig -lmetis -lhdf5_fortran -lhdf5 -lm
+  -lopenblas -lumfpack -lcholmod -lamd -lcolamd -lsuitesparseconfig -lmetis -lhdf5_fortran -lhdf5 -lz -lm
 
 FFLAGS := -std=f2018 -fimplicit-none $(COMMON) $(CHECK_$(BUILD)) $(FWARN)
 CFLAGS := -std=c11 $(COMMON) $(CWARN)
