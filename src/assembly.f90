@@ -11,13 +11,14 @@ module amontons_assembly
   use amontons_topology, only: element_kind, kind_type, KIND_MASS, FAMILY_SOLID, MAX_NODES, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, element_nodes
   use amontons_model, only: model_type, direction_of
-  use amontons_loads, only: load_value, DISTRIBUTED_PRESSURE
+  use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
   use amontons_steps, only: step_type
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
   use amontons_partition, only: partition_mesh
   use amontons_element, only: element_forces, element_tangent, element_body_force, facet_pressure, edge_pressure, &
     points_type, ELEMENT_OK
+  use amontons_spin, only: centrifugal_forces
   implicit none
   private
   public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads, add_coupling
@@ -343,7 +344,7 @@ contains
     type(model_type), intent(in) :: model
     logical, intent(in) :: is_nlgeom
     type(state_type), intent(inout) :: state       !< in: old history, new u, times and temperature; out: new
-                                                   !< internal_force, stress, strain, energy, volume, history
+    !< internal_force, stress, strain, energy, volume, history
     integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
     integer :: g, i, failed
     failed = huge(failed)
@@ -557,11 +558,14 @@ contains
       associate (load => step%distributed(i))
         magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
         if (magnitude == 0.0_DP) cycle
-        if (load%kind == DISTRIBUTED_PRESSURE) then
+        select case (load%kind)
+        case (DISTRIBUTED_PRESSURE)
           call add_pressure(assembly, model%mesh, load%element, load%face, magnitude, fields, is_nlgeom, is_with_stiffness)
-        else
-          call add_gravity(model, load%element, magnitude * load%direction, fields)
-        end if
+        case (DISTRIBUTED_SPIN)
+          call add_spin(assembly, model, load, magnitude, fields, is_nlgeom, is_with_stiffness)
+        case default
+          call add_gravity(model, load%element, load%kind == DISTRIBUTED_BODY, magnitude * load%direction, fields)
+        end select
       end associate
     end do
   end subroutine assemble_loads
@@ -619,18 +623,52 @@ contains
   end subroutine subtract_symmetric_part
 
 
-  !> Body force of an acceleration: the mass stays, so it is integrated over the reference volume.
-  subroutine add_gravity(model, e, acceleration, fields)
+  !> Centrifugal forces of an element, at its present place under NLGEOM; their stiffness is exact.
+  subroutine add_spin(assembly, model, load, omega2, fields, is_nlgeom, is_with_stiffness)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    type(distributed_type), intent(in) :: load
+    real(DP), intent(in) :: omega2                 !< square of the angular velocity [1/time^2]
+    type(fields_type), intent(inout) :: fields
+    logical, intent(in) :: is_nlgeom, is_with_stiffness
+    real(DP) :: x(3, MAX_NODES), spin(3, 3), force(3, MAX_NODES), stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    integer :: n, a, nodes(MAX_NODES)
+    call element_nodes(model%mesh, load%element, n, nodes)
+    x(:, :n) = model%mesh%coordinates(:, nodes(:n))
+    if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(:n))
+    spin = reshape([load%point, load%direction, omega2 * density_of(model, load%element), 0.0_DP, 0.0_DP], [3, 3])
+    call centrifugal_forces(model%mesh%kind(load%element), model%mesh%coordinates(:, nodes(:n)), x(:, :n), &
+      model%mesh%section(load%element), spin, force, stiffness)
+    do a = 1, n
+      fields%applied_force(:, nodes(a)) = fields%applied_force(:, nodes(a)) + force(:, a)
+    end do
+    if (is_nlgeom .and. is_with_stiffness) call subtract_symmetric_part(assembly, load%element, [(a, a=1, n)], nodes, &
+      stiffness)
+  end subroutine add_spin
+
+
+  !> The density of an element; the section of a mass is its mass.
+  pure real(DP) function density_of(model, e) result(density)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
-    real(DP), intent(in) :: acceleration(3)
+    density = 1
+    if (model%mesh%kind(e) /= KIND_MASS) density = model%materials(material_of(model%mesh, e))%density
+  end function density_of
+
+
+  !> Body force of an acceleration: the mass stays, so it is integrated over the reference volume.
+  subroutine add_gravity(model, e, is_by_volume, acceleration, fields)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e
+    logical, intent(in) :: is_by_volume            !< .true.: it is a force per volume; a mass has none
+    real(DP), intent(in) :: acceleration(3)        !< [length/time^2] or [force/length^3]
     type(fields_type), intent(inout) :: fields
     real(DP) :: force(3, MAX_NODES)
     real(DP) :: density
     integer :: n, a, nodes(MAX_NODES)
     call element_nodes(model%mesh, e, n, nodes)
-    density = 1                                    ! the section of a mass is its mass
-    if (model%mesh%kind(e) /= KIND_MASS) density = model%materials(material_of(model%mesh, e))%density
+    density = density_of(model, e)
+    if (is_by_volume) density = merge(0.0_DP, 1.0_DP, model%mesh%kind(e) == KIND_MASS)
     call element_body_force(model%mesh%kind(e), model%mesh%coordinates(:, nodes(:n)), model%mesh%section(e), &
       density * acceleration, force)
     do a = 1, n

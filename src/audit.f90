@@ -9,7 +9,7 @@ module amontons_audit
   use amontons_lookup, only: integer_list_type
   use amontons_topology, only: element_kind, kind_type, KIND_SPRINGA, N_KINDS
   use amontons_element, only: element_volume, ELEMENT_OK
-  use amontons_loads, only: equation_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY
+  use amontons_loads, only: equation_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, direction_of, n_bonds
   use amontons_state, only: slave_type
@@ -121,7 +121,7 @@ contains
       do k = 1, size(model%steps(i)%distributed)
         associate (load => model%steps(i)%distributed(k))
           m = model%mesh%material(load%element)
-          if (load%kind == DISTRIBUTED_GRAVITY .and. m > 0) is_heavy(m) = .true.
+          if (any(load%kind == [DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN]) .and. m > 0) is_heavy(m) = .true.
         end associate
       end do
     end do
@@ -399,6 +399,10 @@ contains
     if (n > 0) text = text // ', ' // plural(n, 'face') // ' under pressure'
     n = count(step%distributed%kind == DISTRIBUTED_GRAVITY)
     if (n > 0) text = text // ', ' // plural(n, 'element') // ' under gravity'
+    n = count(step%distributed%kind == DISTRIBUTED_SPIN)
+    if (n > 0) text = text // ', ' // plural(n, 'turning element')
+    n = count(step%distributed%kind == DISTRIBUTED_BODY)
+    if (n > 0) text = text // ', ' // plural(n, 'element') // ' with a body force'
   end function loads_text
 
 

@@ -198,6 +198,13 @@ contains
     call table%option('SMOOTH|FIXED INTERVAL|BEGIN|VARIABLES|USER', VALUE_TEXT, &
       'Write the shifted or smoothed table itself.', status=STATUS_REFUSED)
 
+    call table%card('TIME POINTS', IN_BOTH, 'Times at which results are wanted; increments end there. PRINT, FILE and ' // &
+      'OUTPUT cards name them.', data='times in ascending order, any number in a line; with GENERATE first, last, distance')
+    call table%option('NAME', VALUE_NAME, 'Name of the list.', default='required')
+    call table%option('TIME', VALUE_WORD, 'Time since the start of the step or of the job.', allowed= &
+      'STEP TIME|TOTAL TIME', default='STEP TIME')
+    call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of times.')
+
     call table%card('EQUATION', IN_MODEL, 'Sums of displacements that are zero; the first term is the one ' // &
       'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term')
     call table%option('INPUT|REMOVE', VALUE_TEXT, 'Write the equations into the deck.', status=STATUS_REFUSED)
@@ -293,9 +300,10 @@ contains
     call table%option('FOLLOWER|USER|SUBMODEL|STEP|DATA SET|LOAD CASE|SECTOR|OMEGA0|CYCLIC MODE|REGION TYPE', &
       VALUE_TEXT, 'Give forces that keep their direction.', status=STATUS_REFUSED)
 
-    call table%card('DLOAD', IN_STEP, 'Pressure on element faces, positive when it pushes into the element, and ' // &
-      'gravity.', data='element or element set, P1 to P6, pressure; or surface, P, pressure; or element or ' // &
-      'element set, GRAV, acceleration, direction x, y, z')
+    call table%card('DLOAD', IN_STEP, 'Pressure on element faces, positive when it pushes into the element, gravity, ' // &
+      'rotation and body forces.', data='element or element set, P1 to P6, pressure; or surface, P, pressure; or ' // &
+      'element or element set, GRAV, acceleration, direction x, y, z; CENTRIF, square of the angular velocity, point ' // &
+      'x, y, z and direction x, y, z of the axis; BX, BY or BZ, force per volume')
     call describe_distributed(table)
     call table%card('DSLOAD', IN_STEP, 'Pressure on a surface, positive when it pushes into the body.', &
       data='surface, P, pressure')
@@ -433,7 +441,7 @@ contains
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
       default='1')
     call table%option('TOTALS', VALUE_WORD, 'Prints the sum too, or only the sum.', allowed='NO|YES|ONLY', default='NO')
-    call table%option('TIME POINTS', VALUE_NAME, 'Use FREQUENCY.', status=STATUS_NOTED)
+    call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
   end subroutine describe_print
 
 
@@ -448,7 +456,7 @@ contains
       call table%card(trim(NAMES(i)), IN_STEP, 'Asks for results in the file; it always holds all fields.', &
         data='variables, which are not needed')
       call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
-      call table%option('TIME POINTS', VALUE_NAME, 'Use FREQUENCY.', status=STATUS_NOTED)
+      call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
       call table%option('NSET|ELSET|SET|SLAVE|MASTER|SURFACE|INTERACTION', VALUE_NAME, ALL_FIELDS, status=STATUS_NOTED)
       call table%option('GLOBAL|OUTPUT|OUTPUT ALL|POSITION|VARIABLE|DIRECTIONS|LAST ITERATIONS|CONTACT ELEMENTS|' // &
         'EXTERIOR|SECTION FORCES|TOTALS|MODE|REBAR|ELASTIC', VALUE_TEXT, '', status=STATUS_NOTED)
@@ -456,7 +464,8 @@ contains
     call table%card('OUTPUT', IN_STEP, 'Asks for results in the file; it always holds all fields.', data='none')
     call table%option('FIELD|HISTORY|DIAGNOSTICS', VALUE_NONE, 'Kind of output.')
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
-    call table%option('TIME POINTS|NUMBER INTERVAL|TIME INTERVAL', VALUE_TEXT, 'Use FREQUENCY.', status=STATUS_NOTED)
+    call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
+    call table%option('NUMBER INTERVAL|TIME INTERVAL', VALUE_TEXT, 'Use FREQUENCY or TIME POINTS.', status=STATUS_NOTED)
     call table%option('NAME|OP|VARIABLE|TIME MARKS|MODE LIST|FILTER', VALUE_TEXT, '', status=STATUS_NOTED)
   end subroutine describe_files
 
@@ -464,7 +473,7 @@ contains
   !> Cards that cannot change the solution.
   subroutine describe_noted(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(STATUS_NOTED, 'PREPRINT|TIME POINTS|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE ' // &
+    call table%cards_with(STATUS_NOTED, 'PREPRINT|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE ' // &
       'OUTPUT|SECTION FILE|SECTION OUTPUT|FACE PRINT|INTEGRATED OUTPUT|INTEGRATED OUTPUT SECTION|' // &
       'INCREMENTATION OUTPUT|MODAL FILE|MODAL OUTPUT|MODAL PRINT|RADIATION FILE|RADIATION OUTPUT|RADIATION PRINT|' // &
       'SURFACE OUTPUT|USER OUTPUT VARIABLES|ELEMENT RESPONSE|NODE RESPONSE|CONTACT RESPONSE|ELEMENT MATRIX OUTPUT|' // &

@@ -16,6 +16,7 @@ module amontons_deck
   use amontons_deck_bonds, only: read_transforms, read_bonds
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
   use amontons_deck_sets, only: read_sets
+  use amontons_deck_times, only: read_time_points
   use amontons_deck_steps, only: read_steps
   use amontons_errors, only: complaints_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
@@ -80,6 +81,7 @@ contains
     call read_constants(reader, model, draft)
     call keep_elements(reader, model, draft)
     call read_amplitudes(reader, model)
+    call read_time_points(reader)
     call read_surfaces(reader, model)
     call read_interactions(reader, model)
     call read_pairs(reader, model)
@@ -199,7 +201,7 @@ contains
       end if
       associate (entry => reader%table%entries(card%entry))
         if (is_abbreviated) call note(reader, card%line, 'The card *' // card%key // ' is taken as *' // entry%keyword &
-          // '; abbreviations are better written out.')
+          //'; abbreviations are better written out.')
         if (entry%status == STATUS_REFUSED) call complain(reader, card%line, 'The card *' // entry%keyword // &
           ' is not supported. ' // entry%sentence)
         if (entry%status == STATUS_NOTED) call note(reader, card%line, 'The card *' // entry%keyword // &
@@ -233,7 +235,7 @@ contains
       if (entry%where == IN_MODEL .and. n_steps > 0) call complain(reader, line, 'The card *' // entry%keyword // &
         ' must stand before the first step.')
       if (entry%where == IN_BOTH .and. n_steps > 0 .and. .not. is_in_step .and. entry%key == 'BOUNDARY') call &
-        complain( reader, line, 'The card *BOUNDARY must stand before the first step or in a step.')
+        complain(reader, line, 'The card *BOUNDARY must stand before the first step or in a step.')
     end associate
   end subroutine check_place
 

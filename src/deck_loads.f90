@@ -17,15 +17,15 @@ module amontons_deck_loads
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     nodes_of_field, elements_of_field, find_amplitude, is_card
   use amontons_loads, only: load_type, load_value, prescribed_type, concentrated_type, distributed_type, &
-    DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY
+    DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
   use amontons_model, only: model_type
-  use amontons_text, only: squeezed, text_of, plural, NUMBER_OK
-  use amontons_topology, only: kind_type, element_kind
+  use amontons_text, only: squeezed, text_of, plural, is_one_of, NUMBER_OK
+  use amontons_topology, only: kind_type, element_kind, FAMILY_AXISYMMETRIC
   implicit none
   private
   public :: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, hand_over_loads
 
-  integer, parameter :: FAMILY_BOUNDARY = 1, FAMILY_CLOAD = 2, FAMILY_DLOAD = 3, FAMILY_GRAVITY = 4
+  integer, parameter :: FAMILY_BOUNDARY = 1, FAMILY_CLOAD = 2, FAMILY_DLOAD = 3, FAMILY_VOLUME = 4
 
   !> A prescribed displacement that stands.
   type, extends(prescribed_type) :: held_type
@@ -51,12 +51,14 @@ module amontons_deck_loads
     integer, allocatable :: head(:)              !< (keys) first load on it, 0 none
   end type forces_type
 
-  !> Where a gravity load acts.
-  type :: gravity_type
+  !> Where a load on volumes acts, and how.
+  type :: volume_type
+    integer :: kind = DISTRIBUTED_GRAVITY        !< DISTRIBUTED_GRAVITY, _SPIN or _BODY
     character(:), allocatable :: region          !< squeezed name or number
     integer, allocatable :: elements(:)
-    real(DP) :: direction(3) = 0
-  end type gravity_type
+    real(DP) :: direction(3) = 0                 !< unit vector
+    real(DP) :: point(3) = 0                     !< of the axis of spin [length]
+  end type volume_type
 
   !> All that stands at this point of the deck.
   type :: standing_type
@@ -68,8 +70,8 @@ module amontons_deck_loads
     integer, allocatable :: held_at(:)           !< (3 n_nodes) index into held, 0 none
     type(forces_type) :: cloads                  !< key 3 (node - 1) + dof
     type(forces_type) :: pressures               !< key 6 (element - 1) + face
-    type(forces_type) :: gravities               !< key: index into places
-    type(gravity_type), allocatable :: places(:)
+    type(forces_type) :: volumes                 !< key: index into places
+    type(volume_type), allocatable :: places(:)
   end type standing_type
 
 contains
@@ -82,8 +84,8 @@ contains
     allocate (standing%held_at(3 * model%mesh%n_nodes), source=0)
     allocate (standing%cloads%head(3 * model%mesh%n_nodes), source=0)
     allocate (standing%pressures%head(6 * model%mesh%n_elements), source=0)
-    allocate (standing%gravities%head(1024), source=0)
-    allocate (standing%cloads%items(256), standing%pressures%items(256), standing%gravities%items(16))
+    allocate (standing%volumes%head(1024), source=0)
+    allocate (standing%cloads%items(256), standing%pressures%items(256), standing%volumes%items(16))
   end subroutine start_standing
 
 
@@ -107,7 +109,7 @@ contains
     end do
     call keep_forces(model, period, total_time, standing%cloads)
     call keep_forces(model, period, total_time, standing%pressures)
-    call keep_forces(model, period, total_time, standing%gravities)
+    call keep_forces(model, period, total_time, standing%volumes)
   end subroutine begin_step
 
 
@@ -468,7 +470,7 @@ contains
     call open_card(reader, c, parameters, row)
     if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') then
       call fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_DLOAD), standing%pressures)
-      call fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_GRAVITY), standing%gravities)
+      call fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_VOLUME), standing%volumes)
     end if
     call find_amplitude(reader, c, parameters, amplitude)
     do while (next_row(reader%cards, row))
@@ -479,11 +481,11 @@ contains
         call complain(reader, row%line, 'The second field must be P, a pressure; it is ''' // label // '''.')
       else if (face_number(label, 'P') > 0) then
         call read_face_pressure(reader, model, row, amplitude, standing)
-      else if (label == 'GRAV') then
-        call read_gravity(reader, model, row, amplitude, standing)
+      else if (is_one_of(label, 'GRAV|CENTRIF|BX|BY|BZ')) then
+        call read_volume_load(reader, model, row, amplitude, standing)
       else
         call complain(reader, row%line, 'The second field must be P1 to P6 (pressure on a face), P (pressure on a ' // &
-          'surface) or GRAV (gravity); it is ''' // label // '''.')
+          'surface), GRAV (gravity), CENTRIF (rotation) or BX, BY, BZ (force per volume); it is ''' // label // '''.')
       end if
     end do
   end subroutine read_dload
@@ -553,47 +555,101 @@ contains
   end subroutine read_face_pressure
 
 
-  !> Row: element or element set, GRAV, acceleration, direction.
-  subroutine read_gravity(reader, model, row, amplitude, standing)
+  !> Row: element or element set; GRAV, acceleration, direction; or CENTRIF, square of the angular velocity, point and
+  !! direction of the axis; or BX, BY or BZ, force per volume.
+  subroutine read_volume_load(reader, model, row, amplitude, standing)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     type(row_type), intent(in) :: row
     integer, intent(in) :: amplitude
     type(standing_type), intent(inout) :: standing
-    type(gravity_type) :: place
+    type(volume_type) :: place
     real(DP) :: value
     integer :: i
     logical :: is_ok
     is_ok = .true.
-    call need_at_most(reader, row, 6)
     call elements_of_field(reader, model%mesh, row, 1, place%elements, is_ok)
-    call need_real(reader, row, 3, 'acceleration', value, is_ok, 0.0_DP)
+    call need_real(reader, row, 3, 'magnitude', value, is_ok, 0.0_DP)
+    call read_axis(reader, model, row, place, is_ok)
+    if (.not. is_ok) return
+    if (place%kind == DISTRIBUTED_SPIN .and. value < 0) then
+      call complain(reader, row%line, 'CENTRIF needs the square of the angular velocity, which is not negative.')
+      return
+    end if
+    place%region = squeezed(field_text(reader%cards, row, 1))
+    if (place%kind /= DISTRIBUTED_BODY) call need_density(reader, model, row, place%elements)
+    do i = 1, size(standing%places)
+      if (is_same_place(standing%places(i), place)) exit
+    end do
+    if (i > size(standing%places)) standing%places = [standing%places, place]
+    if (i > size(standing%volumes%head)) then
+      call complain(reader, row%line, 'More than ' // text_of(size(standing%volumes%head)) // &
+        ' loads on volumes; gather the elements in sets.')
+      return
+    end if
+    call add_force(i, value, amplitude, standing%step, standing%is_step, standing%volumes)
+  end subroutine read_volume_load
+
+
+  !> The direction of a load on volumes, and for CENTRIF a point of its axis before it.
+  subroutine read_axis(reader, model, row, place, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    type(volume_type), intent(inout) :: place    !< with elements
+    logical, intent(inout) :: is_ok
+    character(:), allocatable :: label
+    integer :: i, first
+    label = squeezed(field_text(reader%cards, row, 2))
+    first = 4
+    if (label(1:1) == 'B') then
+      call need_at_most(reader, row, 3)
+      place%kind = DISTRIBUTED_BODY
+      place%direction(index('XYZ', label(2:2))) = 1
+      return
+    end if
+    if (label == 'CENTRIF') then
+      place%kind = DISTRIBUTED_SPIN
+      first = 7
+      do i = 1, 3
+        call need_real(reader, row, i + 3, 'point of the axis', place%point(i), is_ok, 0.0_DP)
+      end do
+    end if
+    call need_at_most(reader, row, first + 2)
     do i = 1, 3
-      call need_real(reader, row, i + 3, 'direction', place%direction(i), is_ok, 0.0_DP)
+      call need_real(reader, row, first + i - 1, 'direction', place%direction(i), is_ok, 0.0_DP)
     end do
     if (.not. is_ok) return
-    if (.not. norm2(place%direction) > 0) then
-      call complain(reader, row%line, 'The direction of gravity must not be zero: region, GRAV, acceleration, x, y, z.')
+    is_ok = norm2(place%direction) > 0
+    if (.not. is_ok) then
+      call complain(reader, row%line, 'The direction must not be zero: region, GRAV, acceleration, x, y, z; or ' // &
+        'region, CENTRIF, square of the angular velocity, x, y, z of a point and x, y, z along the axis.')
       return
     end if
     place%direction = place%direction / norm2(place%direction)
-    place%region = squeezed(field_text(reader%cards, row, 1))
-    call need_density(reader, model, row, place%elements)
-    do i = 1, size(standing%places)
-      if (standing%places(i)%region == place%region .and. all(abs(standing%places(i)%direction - place%direction) < &
-        1.0e-12_DP)) exit
-    end do
-    if (i > size(standing%places)) standing%places = [standing%places, place]
-    if (i > size(standing%gravities%head)) then
-      call complain(reader, row%line, 'More than ' // text_of(size(standing%gravities%head)) // &
-        ' gravity loads; gather the elements in sets.')
+    if (place%kind /= DISTRIBUTED_SPIN) return
+    do i = 1, size(place%elements)
+      associate (kind => element_kind(model%mesh%kind(place%elements(i))))
+        if (kind%family /= FAMILY_AXISYMMETRIC) cycle
+      end associate
+      if (abs(place%direction(2)) >= 1.0_DP - 1.0e-9_DP .and. .not. abs(place%point(1)) + abs(place%point(3)) > 0) cycle
+      call complain(reader, row%line, 'Axisymmetric elements turn about the y axis: the point must be on it, and the ' // &
+        'direction along it.')
+      is_ok = .false.
       return
-    end if
-    call add_force(i, value, amplitude, standing%step, standing%is_step, standing%gravities)
-  end subroutine read_gravity
+    end do
+  end subroutine read_axis
 
 
-  !> Tells materials without a density in elements that gravity acts on.
+  !> Whether two loads on volumes are of the same kind on the same region in the same directions.
+  pure logical function is_same_place(a, b)
+    type(volume_type), intent(in) :: a, b
+    is_same_place = a%kind == b%kind .and. a%region == b%region .and. all(abs(a%direction - b%direction) < 1.0e-12_DP) &
+      .and. .not. any(abs(a%point - b%point) > 0)
+  end function is_same_place
+
+
+  !> Tells materials without a density in elements that gravity or rotation acts on.
   subroutine need_density(reader, model, row, elements)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -607,7 +663,7 @@ contains
       if (m == 0) cycle
       if (is_told(m) .or. model%materials(m)%has_density) cycle
       is_told(m) = .true.
-      call complain(reader, row%line, 'Gravity needs a density; the material ''' // model%materials(m)%name // &
+      call complain(reader, row%line, 'Gravity and rotation need a density; the material ''' // model%materials(m)%name // &
         ''' has no *DENSITY card.')
     end do
   end subroutine need_density
@@ -642,14 +698,14 @@ contains
   end subroutine hand_over_loads
 
 
-  !> Pressures face by face and gravity element by element.
+  !> Pressures face by face and loads on volumes element by element.
   subroutine hand_over_distributed(standing, distributed)
     type(standing_type), intent(in) :: standing
     type(distributed_type), allocatable, intent(out) :: distributed(:)
     integer :: i, k, n
     n = count(standing%pressures%items(:standing%pressures%n)%is_active)
-    do i = 1, standing%gravities%n
-      if (standing%gravities%items(i)%is_active) n = n + size(standing%places(standing%gravities%items(i)%key)%elements)
+    do i = 1, standing%volumes%n
+      if (standing%volumes%items(i)%is_active) n = n + size(standing%places(standing%volumes%items(i)%key)%elements)
     end do
     allocate (distributed(n))
     n = 0
@@ -663,15 +719,16 @@ contains
         distributed(n)%face = modulo(force%key - 1, 6) + 1
       end associate
     end do
-    do i = 1, standing%gravities%n
-      associate (force => standing%gravities%items(i), place => standing%places(standing%gravities%items(i)%key))
+    do i = 1, standing%volumes%n
+      associate (force => standing%volumes%items(i), place => standing%places(standing%volumes%items(i)%key))
         if (.not. force%is_active) cycle
         do k = 1, size(place%elements)
           n = n + 1
           distributed(n)%load_type = force%load_type
-          distributed(n)%kind = DISTRIBUTED_GRAVITY
+          distributed(n)%kind = place%kind
           distributed(n)%element = place%elements(k)
           distributed(n)%direction = place%direction
+          distributed(n)%point = place%point
         end do
       end associate
     end do

@@ -11,8 +11,14 @@ module amontons_deck_reader
   use amontons_text, only: text_of, squeezed, plural, NUMBER_OK, NUMBER_EMPTY, NUMBER_NOT_FINITE
   implicit none
   private
-  public :: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, need_no_data
+  public :: reader_type, time_list_type, open_card, complain, note, need_real, need_integer, need_at_most, need_no_data
   public :: nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
+
+  !> The times of a TIME POINTS card.
+  type :: time_list_type
+    logical :: is_total_time = .false.           !< TIME=TOTAL TIME
+    real(DP), allocatable :: times(:)            !< ascending [time]
+  end type time_list_type
 
   !> The state of reading one deck.
   type :: reader_type
@@ -22,7 +28,8 @@ module amontons_deck_reader
     integer :: dialect = DIALECT_ABAQUS          !< DIALECT_ABAQUS or DIALECT_CALCULIX
     integer, allocatable :: delayed_amplitude(:) !< (n_cards) amplitude of a card with TIME DELAY, 0
     integer, allocatable :: step_of_card(:)      !< (n_cards) step in which a card stands; 0: the model
-    type(name_table_type) :: node_sets, element_sets, surfaces, materials, interactions, amplitudes
+    type(name_table_type) :: node_sets, element_sets, surfaces, materials, interactions, amplitudes, time_names
+    type(time_list_type), allocatable :: time_lists(:)
     type(label_table_type) :: node_labels, element_labels
     type(label_table_type) :: draft_labels       !< all elements of the deck, also those that are no solids
     logical, allocatable :: has_leftovers(:)     !< (element sets) it holds elements that are no solids and were dropped

@@ -11,6 +11,7 @@ module amontons_deck_steps
   use amontons_deck_loads, only: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, &
     hand_over_loads
   use amontons_deck_contact, only: read_contact_change
+  use amontons_deck_times, only: find_time_points, times_in_step
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     need_no_data, is_card
   use amontons_model, only: model_type, DIALECT_CALCULIX
@@ -37,6 +38,7 @@ module amontons_deck_steps
     logical :: has_prints(4) = .false.           !< (PRINT_...) this step has such a card
     logical :: is_open = .false.
     integer :: interaction = 0                   !< the one that the last CHANGE card names
+    integer :: print_list = 0, file_list = 0     !< lists of TIME POINTS in force; 0: FREQUENCY counts
   end type progress_type
 
 contains
@@ -143,6 +145,8 @@ contains
     call hand_over_loads(progress%standing, progress%step%prescribed, progress%step%concentrated, &
       progress%step%distributed)
     call hand_over_temperatures(progress%thermal, progress%step%temperatures)
+    call times_in_step(reader, progress%print_list, progress%total_time, progress%step%period, progress%step%print_times)
+    call times_in_step(reader, progress%file_list, progress%total_time, progress%step%period, progress%step%file_times)
     model%steps(progress%n) = progress%step
     progress%total_time = progress%total_time + progress%step%period
   end subroutine close_step
@@ -187,7 +191,7 @@ contains
         call read_section_print(reader, model, c, progress)
       case ('NODEFILE', 'NODEOUTPUT', 'ELFILE', 'ELOUTPUT', 'ELEMENTOUTPUT', 'CONTACTFILE', 'CONTACTOUTPUT', &
         'ENERGYFILE', 'ENERGYOUTPUT', 'OUTPUT')
-        call read_file_request(reader, c, progress%step%file_frequency)
+        call read_file_request(reader, c, progress)
       end select
     end associate
   end subroutine read_step_card
@@ -233,7 +237,7 @@ contains
       return
     end if
     if (step%dt_initial > step%period) call complain(reader, line, 'The first increment ' // text_of(step%dt_initial) &
-      // ' is longer than the step, ' // text_of(step%period) // '.')
+      //' is longer than the step, ' // text_of(step%period) // '.')
     if (step%is_direct) return
     if (step%dt_min > step%dt_initial) call complain(reader, line, 'The least increment ' // text_of(step%dt_min) // &
       ' is longer than the first one, ' // text_of(step%dt_initial) // '.')
@@ -416,7 +420,7 @@ contains
     character(:), allocatable :: name
     call open_card(reader, c, parameters, row)
     call begin_prints(kind, progress)
-    call read_frequency(reader, c, parameters, progress%step%print_frequency)
+    call read_frequency(reader, c, parameters, progress%step%print_frequency, progress%print_list)
     request%kind = kind
     name = ''
     request%is_totals = parameter_word(parameters, 'TOTALS', 'NO') == 'YES'
@@ -464,7 +468,7 @@ contains
     integer :: i
     call open_card(reader, c, parameters, row)
     call begin_prints(PRINT_SECTION, progress)
-    call read_frequency(reader, c, parameters, progress%step%print_frequency)
+    call read_frequency(reader, c, parameters, progress%step%print_frequency, progress%print_list)
     request%kind = PRINT_SECTION
     name = parameter_text(parameters, 'SURFACE')
     if (name == '') return
@@ -515,13 +519,19 @@ contains
   end subroutine read_variables
 
 
-  !> FREQUENCY of a card; the last one of all cards wins.
-  subroutine read_frequency(reader, c, parameters, frequency)
+  !> FREQUENCY or TIME POINTS of a card; the last one of all cards wins.
+  subroutine read_frequency(reader, c, parameters, frequency, list)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
     integer, intent(inout) :: frequency
+    integer, intent(inout) :: list               !< of TIME POINTS in force; 0: none
     integer :: value, status
+    if (has_parameter(parameters, 'TIME POINTS')) then
+      call find_time_points(reader, c, parameter_text(parameters, 'TIME POINTS'), list)
+    else if (has_parameter(parameters, 'FREQUENCY')) then
+      list = 0
+    end if
     if (.not. has_parameter(parameters, 'FREQUENCY')) return
     call parse_integer(parameter_text(parameters, 'FREQUENCY'), value, status)
     if (status /= NUMBER_OK) return              ! told when the card was checked
@@ -534,16 +544,17 @@ contains
 
 
   !> A FILE or OUTPUT card: only its frequency counts, for the result file holds all fields. HISTORY is not for fields.
-  subroutine read_file_request(reader, c, frequency)
+  subroutine read_file_request(reader, c, progress)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
-    integer, intent(inout) :: frequency
+    type(progress_type), intent(inout) :: progress
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: unknown
     integer :: i
     call open_card(reader, c, parameters, row)
-    if (.not. has_parameter(parameters, 'HISTORY')) call read_frequency(reader, c, parameters, frequency)
+    if (.not. has_parameter(parameters, 'HISTORY')) call read_frequency(reader, c, parameters, &
+      progress%step%file_frequency, progress%file_list)
     unknown = ''
     do while (next_row(reader%cards, row))
       do i = 1, row%n
@@ -553,7 +564,7 @@ contains
       end do
     end do
     if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'The result file always holds the same fields; ' &
-      // unknown // ' is not among them.')
+      //unknown // ' is not among them.')
   end subroutine read_file_request
 
 end module amontons_deck_steps

@@ -45,8 +45,9 @@ uses_deck_conditions = kinds text lookup mesh materials loads model cards card_f
 uses_deck_contact = kinds text mesh surfaces steps model cards card_form deck_reader
 uses_deck_bonds = kinds text tensor topology mesh loads ties model cards card_form deck_reader
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
-uses_deck_steps = kinds text topology steps model cards card_form card_table deck_reader deck_conditions deck_contact deck_loads
-uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_steps
+uses_deck_times = kinds text cards card_form deck_reader
+uses_deck_steps = kinds text topology steps model cards card_form card_table deck_reader deck_conditions deck_contact deck_loads deck_times
+uses_deck = errors text model cards card_form card_table deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_times deck_steps
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -70,12 +71,13 @@ uses_rows = kinds topology shapes facets
 uses_slip = kinds
 uses_compliance = kinds surfaces
 uses_areas = kinds topology mesh surfaces shapes compliance
+uses_spin = kinds topology shapes element
 
 # 5 system: unknowns, residual, matrix
 uses_state = kinds tensor topology mesh materials loads steps model shapes material_point
 uses_constraints = kinds errors sparse
 uses_condensed = kinds errors sparse dense partition factor constraints
-uses_assembly = kinds errors sparse partition topology mesh loads steps model element state
+uses_assembly = kinds errors sparse partition topology mesh loads steps model element spin state
 uses_bonds = kinds errors tensor loads ties model state constraints assembly
 uses_supports = kinds errors loads steps model state constraints bonds
 uses_fasten = kinds errors tensor topology loads ties model shapes facets search gap

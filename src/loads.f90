@@ -8,10 +8,12 @@ module amontons_loads
   private
   public :: amplitude_type, load_type, prescribed_type, concentrated_type, distributed_type, temperature_type, &
     equation_type
-  public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, amplitude_value, load_value
+  public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, amplitude_value, load_value
 
   integer, parameter :: DISTRIBUTED_PRESSURE = 1   !< pressure on an element face, positive pushing into the element
   integer, parameter :: DISTRIBUTED_GRAVITY = 2    !< acceleration on an element, times its density
+  integer, parameter :: DISTRIBUTED_SPIN = 3       !< square of the angular velocity of an element about an axis
+  integer, parameter :: DISTRIBUTED_BODY = 4       !< force per reference volume of an element
 
   !> A table of factors over time, linear in between and constant outside.
   type :: amplitude_type
@@ -48,7 +50,8 @@ module amontons_loads
     integer :: kind = DISTRIBUTED_PRESSURE
     integer :: element = 0
     integer :: face = 0                          !< face number, pressure only
-    real(DP) :: direction(3) = 0                 !< unit vector, gravity only
+    real(DP) :: direction(3) = 0                 !< unit vector: of gravity and body forces, or the axis of spin
+    real(DP) :: point(3) = 0                     !< of the axis of spin [length]
   end type distributed_type
 
   !> The temperature of a node.

@@ -261,7 +261,8 @@ contains
     associate (step => model%steps(record%step))
       if (.not. allocated(step%prints)) return
       if (size(step%prints) == 0) return
-      if (.not. is_output_due(step, step%print_frequency, record%increment, record%step_time)) return
+      if (.not. is_output_due(step, step%print_frequency, record%increment, record%step_time, &
+        step%print_times)) return
       write (printed%dat, '(/24x,a,i5,///,32x,a,i5,/)') 'S T E P   ', record%step, 'INCREMENT ', record%increment
       do i = 1, size(step%prints)
         call print_request(printed%dat, model, fields, step%prints(i), step%is_nlgeom)

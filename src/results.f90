@@ -206,7 +206,7 @@ contains
     is_due = record%increment == 0
     if (.not. is_due) then
       associate (step => model%steps(record%step))
-        is_due = is_output_due(step, step%file_frequency, record%increment, record%step_time)
+        is_due = is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times)
       end associate
     end if
     if (is_due) call write_frame(results, model%mesh, fields, error)

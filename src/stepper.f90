@@ -4,7 +4,7 @@
 !! The rules and the names of the numbers are those of CONTROLS, PARAMETERS=TIME INCREMENTATION (doc/manual).
 module amontons_stepper
   use amontons_kinds, only: DP
-  use amontons_steps, only: step_type
+  use amontons_steps, only: step_type, next_stop
   use amontons_converge, only: VERDICT_DIVERGES
   implicit none
   private
@@ -45,12 +45,12 @@ contains
   end subroutine open_step
 
 
-  !> Length of the next attempt: as wanted, but ending at the end of the step if that is near.
+  !> Length of the next attempt: as wanted, but ending at the end of the step or at a time point if that is near.
   pure real(DP) function propose_time(stepper, step) result(dt)
     type(stepper_type), intent(in) :: stepper
     type(step_type), intent(in) :: step
     real(DP) :: left
-    left = step%period - stepper%step_time
+    left = next_stop(step, stepper%step_time) - stepper%step_time
     dt = stepper%dt
     if (dt >= left - SNAP * step%period) dt = left
   end function propose_time

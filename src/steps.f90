@@ -6,7 +6,7 @@ module amontons_steps
   use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, temperature_type
   implicit none
   private
-  public :: step_type, controls_type, print_request_type, calculix_controls, is_output_due
+  public :: step_type, controls_type, print_request_type, calculix_controls, is_output_due, next_stop
   public :: SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
 
@@ -74,6 +74,8 @@ module amontons_steps
     logical, allocatable :: is_shrink(:)   !< (n_pairs) the same for each node's own overclosure at the start of the step
     integer :: print_frequency = 1         !< every n-th increment, and the last of the step, goes to the .dat file; 0: none
     integer :: file_frequency = 1          !< the same for the result file
+    real(DP), allocatable :: print_times(:)   !< TIME POINTS of the prints, ascending, in place of print_frequency [step time]
+    real(DP), allocatable :: file_times(:)    !< the same for the result file
   end type step_type
 
 contains
@@ -94,16 +96,35 @@ contains
   end function calculix_controls
 
 
-  !> Whether an increment is written: every n-th of the step, and the step's last.
-  pure function is_output_due(step, frequency, increment, step_time) result(is_due)
+  !> Whether an increment is written: every n-th of the step or those of TIME POINTS, and the step's last.
+  pure function is_output_due(step, frequency, increment, step_time, times) result(is_due)
     type(step_type), intent(in) :: step
     integer, intent(in) :: frequency       !< step%print_frequency or step%file_frequency; 0: nothing is written
     integer, intent(in) :: increment       !< number of the increment in the step
     real(DP), intent(in) :: step_time      !< at its end [time]
+    real(DP), intent(in), optional :: times(:)   !< step%print_times or step%file_times
     logical :: is_due
     is_due = .false.
-    if (frequency <= 0) return
-    is_due = mod(increment, frequency) == 0 .or. step_time >= step%period * (1 - 1.0e-9_DP)
+    if (present(times)) then
+      is_due = any(abs(times - step_time) <= 1.0e-6_DP * step%period)
+    else if (frequency > 0) then
+      is_due = mod(increment, frequency) == 0
+    else
+      return
+    end if
+    is_due = is_due .or. step_time >= step%period * (1 - 1.0e-9_DP)
   end function is_output_due
+
+
+  !> The next time at which an increment has to end: one of TIME POINTS, or the end of the step.
+  pure real(DP) function next_stop(step, step_time) result(stop_time)
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: step_time      !< where the last increment ended [time]
+    real(DP) :: passed
+    passed = step_time + 1.0e-6_DP * step%period
+    stop_time = step%period
+    if (allocated(step%print_times)) stop_time = min(stop_time, minval(step%print_times, mask=step%print_times > passed))
+    if (allocated(step%file_times)) stop_time = min(stop_time, minval(step%file_times, mask=step%file_times > passed))
+  end function next_stop
 
 end module amontons_steps

@@ -47,12 +47,15 @@ NOT_JUDGED = {
 # begins to agree shows as XPASS and leaves this list.
 UNFINISHED = {
     "beamnh": "neo-Hooke with the replaced D1: cut-backs exhausted",
-    "beamnlptp": "*TIME POINTS", "beamplane": "*TIME POINTS and ENER prints",
     "beamp2rotate": "the audit refuses it: supports in turned directions",
     "beampo4": "COORD prints",
     "pret5": "new nodes of the section in the .frd", "pret6": "the same",
     "bolt": "contact of axisymmetric bodies",
 }  # fmt: skip
+
+# Decks in which CalculiX cut its first increment back by itself and printed where it then came by. Amontons needs no cut-back
+# and would print the end of the step alone: these decks are given CalculiX's increments, and nothing else is changed.
+INCREMENTS = {"beamplane": ("*STATIC\n", "*STATIC\n.25, 1., , .25\n")}
 
 FOLDERS = [folder for folder in ("static", "contact") if (DECKS / folder).is_dir()]
 FILES = [deck for folder in FOLDERS for deck in sorted((DECKS / folder).glob("*.inp"))]
@@ -135,11 +138,22 @@ def node_labels(path: Path) -> set[int] | None:
         return set(map(int, file["AMONTONS/mesh/node_label"][:]))
 
 
+def with_increments(deck: Path, folder: Path) -> Path:
+    """The deck in its place, or a copy with the increments of the reference."""
+    if deck.stem not in INCREMENTS:
+        return deck
+    text = deck.read_text()
+    assert INCREMENTS[deck.stem][0] in text
+    copy = folder / deck.name
+    copy.write_text(text.replace(*INCREMENTS[deck.stem]))
+    return copy
+
+
 @pytest.mark.parametrize("deck", parameters())
 def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, tell: Callable[..., None]) -> None:
     """Every block of a deck that runs is within 1 % of its largest value."""
     name = f"{deck.parent.name}/{deck.stem}"
-    result = run(["--dialect=calculix", "--outdir", tmp_path, deck])
+    result = run(["--dialect=calculix", "--outdir", tmp_path, with_increments(deck, tmp_path)])
     output = result.stdout + result.stderr
     if result.returncode == 3:
         tell(name, f"{name:28s} refused  {refusal(output)}")

@@ -709,7 +709,7 @@ contains
     call suite%near('from what it was', sum(model%steps(3)%distributed%start), 30.0_DP, 1.0e-12_DP)
     call suite%that('then it is gone', size(model%steps(4)%distributed) == 0)
     call expect_error(suite, MODEL_PART // STEP_START // '*DLOAD;E,P7,1.;' // STEP_END, 'P1 to P6')
-    call expect_error(suite, MODEL_PART // STEP_START // '*DLOAD;E,CENTRIF,1.;' // STEP_END, 'it is ''CENTRIF''')
+    call expect_error(suite, MODEL_PART // STEP_START // '*DLOAD;E,NEWTON;' // STEP_END, 'it is ''NEWTON''')
     call expect_error(suite, MODEL_PART // STEP_START // '*DLOAD;X,P1,1.;' // STEP_END, 'element set ''X''')
     call expect_error(suite, MODEL_PART // STEP_START // '*DLOAD;X,P,1.;' // STEP_END, 'surface ''X''')
     call expect_error(suite, MODEL_PART // STEP_START // '*DSLOAD;X,P1,1.;' // STEP_END, 'must be P')
@@ -878,7 +878,7 @@ contains
     end do
     call expect_error(suite, MODEL_PART // '*NONSENSE;1;' // STEP_PART, 'is not known', '*NONSENSE')
     call expect_error(suite, MODEL_PART // STEP_START // '*FREQUENCY;10;' // STEP_END, 'Use *STATIC')
-    call read_good(suite, 'noted cards', 'text;' // MODEL_PART // '*PREPRINT, ECHO=NO;*TIME POINTS, NAME=T;1.,2.;' // &
+    call read_good(suite, 'noted cards', 'text;' // MODEL_PART // '*PREPRINT, ECHO=NO;*FILTER, NAME=T;1.,2.;' // &
       STEP_START // '*RESTART, WRITE;*MONITOR, NODE=1;' // STEP_END, model, n_notes=4)
     call suite%that('RESTART, WRITE keeps the checkpoint', model%keeps_restart)
     call read_good(suite, 'abbreviations', MODEL_PART // '*BOUND;1,1;' // STEP_PART, model, n_notes=1)
