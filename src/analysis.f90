@@ -32,6 +32,7 @@ module amontons_analysis
     is_writing
   use amontons_printed, only: printed_type, open_printed, resume_printed, print_iteration, print_increment, print_fields, &
     sync_printed, measure_printed, check_printed, close_printed
+  use amontons_frd, only: frd_type, open_frd, resume_frd, write_frd, measure_frd, sync_frd, close_frd
   use amontons_restart, only: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint
   implicit none
   private
@@ -51,6 +52,7 @@ module amontons_analysis
     type(stepper_type) :: stepper
     type(results_type) :: results
     type(printed_type) :: printed
+    type(frd_type) :: frd
     type(complaints_type) :: complaints            !< what the reader remarked
     type(snapshot_type) :: snapshot                !< the last commit
     type(increment_record_type), allocatable :: records(:)   !< all attempts
@@ -64,6 +66,7 @@ module amontons_analysis
     logical :: is_step_start = .true.              !< the next increment is the first of its step
     integer(I64) :: clock = 0                      !< when the attempt began
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat at the last commit [bytes]
+    integer(I64) :: frd_counts(3) = 0              !< the same of .frd: bytes, frames, blocks
     logical :: is_guarded = .false.                !< the checkpoint is that of the last commit
     integer(I64) :: guard_clock = 0                !< when the last checkpoint was written
     real(DP) :: guard_seconds = 0                  !< what it cost [s]
@@ -133,10 +136,13 @@ contains
     if (allocated(error)) return
     call open_printed(analysis%printed, analysis%model, analysis%options, error)
     if (allocated(error)) return
+    call open_frd(analysis%frd, analysis%model, analysis%options, error)
+    if (allocated(error)) return
     call write_increment(analysis%results, analysis%model, analysis%state%old, increment_record_type(reason=''), error)
     if (allocated(error)) return
     analysis%has_files = .true.
     call measure_printed(analysis%printed, analysis%lengths)
+    call measure_frd(analysis%frd, analysis%frd_counts)
     call guard(analysis, .false., error)
   end subroutine open_files
 
@@ -156,9 +162,12 @@ contains
       if (allocated(error)) return
       call resume_printed(analysis%printed, model, options, files%lengths, error)
       if (allocated(error)) return
+      call resume_frd(analysis%frd, model, options, files%frd, error)
+      if (allocated(error)) return
       analysis%has_files = .true.
       analysis%is_guarded = .true.
       analysis%lengths = files%lengths
+      analysis%frd_counts = files%frd
       call rollback_analysis(analysis, error)
       if (allocated(error)) return
       if (analysis%stepper%step == 0) then
@@ -405,9 +414,11 @@ contains
       call print_increment(analysis%printed, record)
       call print_fields(analysis%printed, analysis%model, analysis%state%old, record, error)
       if (.not. allocated(error)) call check_printed(analysis%printed, error)
+      if (.not. allocated(error)) call write_frd(analysis%frd, analysis%model, analysis%state%old, record, error)
     end associate
     if (allocated(error)) return
     call measure_printed(analysis%printed, analysis%lengths)
+    call measure_frd(analysis%frd, analysis%frd_counts)
     analysis%is_guarded = .false.
     if (is_guard_due(analysis)) call guard(analysis, .false., error)
   end subroutine write_committed
@@ -458,7 +469,9 @@ contains
     call system_clock(start)
     call take_result_pages(analysis%results, is_old, files%pages, error)
     if (.not. (allocated(error) .or. is_old)) call sync_printed(analysis%printed, error)
+    if (.not. (allocated(error) .or. is_old)) call sync_frd(analysis%frd, error)
     files%lengths = analysis%lengths
+    files%frd = analysis%frd_counts
     if (.not. allocated(error)) call write_checkpoint(job_path(analysis%options, '.restart'), analysis%model, &
       analysis%snapshot, files, error)
     if (.not. allocated(error)) call apply_result_pages(analysis%results, error)
@@ -659,10 +672,13 @@ contains
   subroutine close_files(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
+    type(error_type), allocatable :: frd_error
     integer :: unit, status
     call check_printed(analysis%printed, error)
     if (is_writing(analysis%results) .and. .not. allocated(error)) call close_result_file(analysis, error)
     call close_printed(analysis%printed)
+    call close_frd(analysis%frd, frd_error)
+    if (.not. allocated(error)) call move_alloc(frd_error, error)
     if (allocated(error) .or. .not. analysis%options%is_guarded) return
     if (.not. is_at_end(analysis) .or. analysis%model%keeps_restart) return
     open (newunit=unit, file=job_path(analysis%options, '.restart'), status='old', iostat=status)

@@ -453,8 +453,8 @@ contains
     character(*), parameter :: ALL_FIELDS = 'The result file holds all fields at all nodes.'
     integer :: i
     do i = 1, size(NAMES)
-      call table%card(trim(NAMES(i)), IN_STEP, 'Asks for results in the file; it always holds all fields.', &
-        data='variables, which are not needed')
+      call table%card(trim(NAMES(i)), IN_STEP, 'Asks for results: job.vtkhdf always holds all fields; under the calculix ' // &
+        'dialect job.frd holds those asked for.', data='variables: U, RF, NT; S, E, PEEQ, ENER; CDIS, CSTR')
       call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
       call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
       call table%option('NSET|ELSET|SET|SLAVE|MASTER|SURFACE|INTERACTION', VALUE_NAME, ALL_FIELDS, status=STATUS_NOTED)

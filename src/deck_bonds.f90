@@ -644,8 +644,10 @@ contains
       call part_face(model, surface, i, partner)
     end do
     model%mesh%is_abstract(pilot) = .true.
+    if (.not. allocated(model%twins)) allocate (model%twins(2, 0))
     do i = 1, size(partner)
       if (partner(i) == 0) cycle
+      model%twins = reshape([model%twins, i, partner(i)], [2, size(model%twins, 2) + 1])
       do k = 1, 3
         call add_equation(model, [partner(i), i, pilot], [k, k, 1], [1.0_DP, -1.0_DP, -normal(k)], &
           'PRE-TENSION SECT', line)

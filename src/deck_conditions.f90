@@ -11,7 +11,7 @@ module amontons_deck_conditions
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
     HISTORY_INELASTIC, HISTORY_BACK
   use amontons_mesh, only: mesh_type
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, with_twins, DIALECT_CALCULIX
   use amontons_text, only: text_of, squeezed, NUMBER_OK, NUMBER_EMPTY
   implicit none
   private
@@ -248,7 +248,7 @@ contains
     is_ok = .true.
     call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
     call need_real(reader, row, 2, 'temperature', value, is_ok, 0.0_DP)
-    if (is_ok) model%initial_temperature(nodes) = value
+    if (is_ok) model%initial_temperature(with_twins(model, nodes)) = value
   end subroutine read_initial_temperature
 
 
@@ -363,6 +363,7 @@ contains
       call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
       call need_real(reader, row, 2, 'temperature', value, is_ok, 0.0_DP)
       if (.not. is_ok) cycle
+      nodes = with_twins(model, nodes)
       do i = 1, size(nodes)
         call set_temperature(nodes(i), value, amplitude, thermal)
       end do

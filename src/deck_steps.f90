@@ -16,7 +16,7 @@ module amontons_deck_steps
     need_no_data, is_card
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, controls_type, print_request_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, &
-    SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
+    SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, N_FRD
   use amontons_text, only: text_of, squeezed, parse_integer, is_one_of, joined_words, NUMBER_OK
   use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC
   implicit none
@@ -24,7 +24,10 @@ module amontons_deck_steps
   public :: read_steps
 
   character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
-    'CSTATUS|CFORCE|CNORMF|CSHEARF|PRESELECT|ALL'         !< what the result file holds
+    'CSTATUS|CFORCE|CNORMF|CSHEARF|PEEQ|NT|PRESELECT|ALL' !< what the result file holds
+  character(*), parameter :: FRD_WORDS(N_FRD) = [character(9) :: 'U', 'RF', 'NT', 'S', 'E', 'PEEQ', 'ENER', &
+    'CDIS|CSTR']                                          !< what asks for the fields of the .frd file
+  integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 1, 2, 2, 2, 2, 3]   !< cards of nodes, elements, contact
 
   !> What is known while the steps are read.
   type :: progress_type
@@ -36,6 +39,7 @@ module amontons_deck_steps
     logical :: has_static = .false.
     logical :: has_refused = .false.             !< a card of this step is refused, maybe its procedure
     logical :: has_prints(4) = .false.           !< (PRINT_...) this step has such a card
+    logical :: has_files(3) = .false.            !< (nodes, elements, contact) this step has such a FILE or OUTPUT card
     logical :: is_open = .false.
     integer :: interaction = 0                   !< the one that the last CHANGE card names
     integer :: print_list = 0, file_list = 0     !< lists of TIME POINTS in force; 0: FREQUENCY counts
@@ -99,6 +103,7 @@ contains
     progress%has_static = .false.
     progress%has_refused = .false.
     progress%has_prints = .false.
+    progress%has_files = .false.
     progress%step%title = ''
     do while (next_row(reader%cards, row))
       if (progress%step%title /= '') progress%step%title = progress%step%title // ' '
@@ -543,28 +548,57 @@ contains
   end subroutine read_frequency
 
 
-  !> A FILE or OUTPUT card: only its frequency counts, for the result file holds all fields. HISTORY is not for fields.
+  !> A FILE or OUTPUT card: its frequency; its variables count for the .frd file alone, for the result file holds all
+  !! fields. The first card of a kind in a step replaces those of earlier steps. HISTORY is not for fields.
   subroutine read_file_request(reader, c, progress)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(progress_type), intent(inout) :: progress
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    character(:), allocatable :: unknown
-    integer :: i
+    character(:), allocatable :: unknown, word
+    integer :: i, group
     call open_card(reader, c, parameters, row)
-    if (.not. has_parameter(parameters, 'HISTORY')) call read_frequency(reader, c, parameters, &
-      progress%step%file_frequency, progress%file_list)
+    if (has_parameter(parameters, 'HISTORY')) return
+    call read_frequency(reader, c, parameters, progress%step%file_frequency, progress%file_list)
+    group = file_group(reader%cards%cards(c)%key)
+    if (group > 0) then
+      if (.not. progress%has_files(group)) where (FRD_GROUPS == group) progress%step%frd = .false.
+      progress%has_files(group) = .true.
+    end if
     unknown = ''
     do while (next_row(reader%cards, row))
       do i = 1, row%n
-        if (is_one_of(field_text(reader%cards, row, i), FILE_VARIABLES)) cycle
+        word = field_text(reader%cards, row, i)
+        call ask_frd(word, progress%step%frd)
+        if (is_one_of(word, FILE_VARIABLES)) cycle
         if (unknown /= '') unknown = unknown // ', '
-        unknown = unknown // field_text(reader%cards, row, i)
+        unknown = unknown // word
       end do
     end do
     if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'The result file always holds the same fields; ' &
-      //unknown // ' is not among them.')
+      // unknown // ' is not among them.')
   end subroutine read_file_request
+
+
+  !> What a card asks for: 1 values of nodes, 2 of elements, 3 of contact, 0 none of these.
+  pure integer function file_group(card) result(group)
+    character(*), intent(in) :: card             !< its name without blanks
+    group = 0
+    if (index(card, 'NODE') == 1) group = 1
+    if (index(card, 'EL') == 1) group = 2
+    if (index(card, 'CONTACT') == 1) group = 3
+  end function file_group
+
+
+  !> Marks the field of the .frd file that a variable stands for, if there is one.
+  subroutine ask_frd(word, frd)
+    character(*), intent(in) :: word
+    logical, intent(inout) :: frd(:)             !< (N_FRD)
+    integer :: i
+    do i = 1, N_FRD
+      if (is_one_of(word, trim(FRD_WORDS(i)))) frd(i) = .true.
+    end do
+  end subroutine ask_frd
 
 end module amontons_deck_steps

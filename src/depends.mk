@@ -103,11 +103,12 @@ uses_columns = kinds errors history store
 uses_columns = kinds errors history store
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state nodal columns
 uses_printed = kinds errors text tensor history posix topology mesh materials steps model state nodal sections
+uses_frd = kinds errors version history posix topology mesh materials steps model state nodal printed
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state system newton stepper
 uses_failure = kinds text model state system converge forensics newton
-uses_analysis = kinds errors text history journal posix dense factor store steps model deck state fasten contact adjust system audit converge newton stepper results printed restart failure
+uses_analysis = kinds errors text history journal posix dense factor store steps model deck state fasten contact adjust system audit converge newton stepper results printed frd restart failure
 uses_drive = kinds errors text loads steps model
 uses_library = kinds errors text journal sparse model state system converge stepper columns results analysis drive
 uses_capi = kinds errors version text sparse model library

@@ -148,6 +148,8 @@ contains
       command%job%is_resumed = .true.
     case ('--no-checkpoint')
       command%job%is_guarded = .false.
+    case ('--frd')
+      command%job%has_frd = .true.
     case ('--quiet')
       command%is_quiet = .true.
     case ('--threads')
@@ -313,14 +315,17 @@ contains
       '  --outdir DIR                 folder of the result files (default: the folder of the deck)', &
       '  --dialect=abaqus|calculix    what a card means where the two differ (default: abaqus, or what a line', &
       '                               "** dialect: calculix" in the first comments of the deck says)', &
+      '  --frd                        write all fields to job.frd too, for CGX, PrePoMax and the like (under the', &
+      '                               calculix dialect the FILE cards of the deck ask for it)', &
       '  --progress=auto|plain|none   a line per increment; auto adds a live line on a terminal', &
       '  --quiet                      write nothing but failures', &
       '  --cards                      list the cards', &
       '  --version                    print the version', &
       '  --help                       print this text', &
       '', &
-      'Results: job.vtkhdf (for ParaView), job.dat (PRINT cards), job.sta and job.cvg (what each increment and each', &
-      'iteration cost), and until the job is done job.restart, the checkpoint of the last converged increment.', &
+      'Results: job.vtkhdf (for ParaView), job.dat (PRINT cards), job.frd (if asked for), job.sta and job.cvg (what', &
+      'each increment and iteration cost), and until the job is done job.restart, the checkpoint of the last converged', &
+      'increment.', &
       'SIGINT and SIGTERM end a job after the iteration that runs (exit code 5); SIGUSR1 asks for a line of status.', &
       '', &
       'Exit codes: 0 done, 2 wrong usage, 3 errors in the deck, 4 the model cannot stand, 5 not converged (all', &

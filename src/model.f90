@@ -10,7 +10,8 @@ module amontons_model
   use amontons_steps, only: step_type
   implicit none
   private
-  public :: model_type, job_options_type, job_path, direction_of, n_bonds, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
+  public :: model_type, job_options_type, job_path, direction_of, n_bonds, with_twins, DIALECT_ABAQUS, DIALECT_CALCULIX, &
+    DIALECT_FROM_DECK
 
   integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
   integer, parameter :: DIALECT_ABAQUS = 1
@@ -26,6 +27,7 @@ module amontons_model
     logical :: is_check = .false.               !< read, check, audit, stop
     character(:), allocatable :: deck_text      !< the deck itself; then `deck` only names it in messages
     logical :: has_files = .true.               !< write result files
+    logical :: has_frd = .false.                !< write all fields to job.frd, whatever the cards ask for
     logical :: is_guarded = .false.             !< a checkpoint after each converged increment
     logical :: is_resumed = .false.             !< go on after the checkpoint
     logical :: heeds_signals = .false.          !< SIGINT and SIGTERM stop the job, SIGUSR1 asks for its status
@@ -52,6 +54,7 @@ module amontons_model
     type(tie_type), allocatable :: ties(:)      !< surfaces tied; they become equations before the start
     type(spread_type), allocatable :: spreads(:)   !< distributing couplings; they become equations before the start
     integer, allocatable :: rotation_of(:)      !< (n_nodes) rotation node of a reference node, 0
+    integer, allocatable :: twins(:, :)         !< (2, n) nodes of pre-tension sections, those across; not there: none
     integer, allocatable :: frame_of(:)         !< (n_nodes) index into frames of a transformed node, 0; else not allocated
     real(DP), allocatable :: frames(:, :, :)    !< (3, 3, n) directions of transformed nodes, columns
     type(step_type), allocatable :: steps(:)
@@ -78,6 +81,25 @@ contains
     n = 0
     if (allocated(model%bonds)) n = size(model%bonds)
   end function n_bonds
+
+
+  !> Nodes, and those that were made of them: what stands across a pre-tension section is at the same place.
+  pure function with_twins(model, nodes) result(all_nodes)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: nodes(:)
+    integer, allocatable :: all_nodes(:)
+    logical, allocatable :: is_member(:)
+    integer :: i
+    all_nodes = nodes
+    if (.not. allocated(model%twins)) return
+    allocate (is_member(model%mesh%n_nodes), source=.false.)
+    is_member(nodes) = .true.
+    do i = 1, size(model%twins, 2)                 ! a twin may have a twin, which comes later
+      if (.not. is_member(model%twins(1, i)) .or. is_member(model%twins(2, i))) cycle
+      is_member(model%twins(2, i)) = .true.
+      all_nodes = [all_nodes, model%twins(2, i)]
+    end do
+  end function with_twins
 
 
   !> The path of a result file of the job: folder, name, extension.

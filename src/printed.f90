@@ -25,7 +25,7 @@ module amontons_printed
   implicit none
   private
   public :: printed_type, open_printed, resume_printed, sync_printed, measure_printed, check_printed, print_iteration, &
-    print_increment, print_fields, close_printed
+    print_increment, print_fields, close_printed, contact_axes, printed_forces
 
   !> The text files of a job that are being written. Units are 0 if not open.
   type :: printed_type

@@ -22,7 +22,7 @@ module amontons_restart
   public :: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it tells the byte order too
-  integer(I64), parameter :: FORMAT_VERSION = 4
+  integer(I64), parameter :: FORMAT_VERSION = 5
   integer, parameter :: N_HEAD = 4                 !< words before those of carry_all
 
   !> All that the next increment depends on.
@@ -41,6 +41,7 @@ module amontons_restart
   !> What the result files were at a snapshot.
   type :: files_type
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat [bytes]
+    integer(I64) :: frd(3) = 0                     !< bytes, frames, blocks of .frd
     type(pages_type) :: pages                      !< of .vtkhdf
   end type files_type
 
@@ -355,6 +356,7 @@ contains
     integer :: i
     do i = 1, 3
       call parcel%carry(files%lengths(i))
+      call parcel%carry(files%frd(i))
     end do
     associate (pages => files%pages)
       call parcel%carry(pages%end)

@@ -9,9 +9,13 @@ module amontons_steps
   public :: step_type, controls_type, print_request_type, calculix_controls, is_output_due, next_stop
   public :: SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
+  public :: N_FRD, FRD_DISP, FRD_FORC, FRD_NDTEMP, FRD_STRESS, FRD_TOSTRAIN, FRD_PE, FRD_ENER, FRD_CONTACT
 
   integer, parameter :: SEARCH_NONE = 0, SEARCH_ALL = 1, SEARCH_GLOBAL = 2, SEARCH_NODAL = 3, SEARCH_AUTO = 4
   integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4
+  ! Fields of the .frd file, in their order there.
+  integer, parameter :: N_FRD = 8, FRD_DISP = 1, FRD_FORC = 2, FRD_NDTEMP = 3, FRD_STRESS = 4, FRD_TOSTRAIN = 5, &
+    FRD_PE = 6, FRD_ENER = 7, FRD_CONTACT = 8
 
   !> Controls in CalculiX's slots (CONTROLS, PARAMETERS=...), with Amontons's defaults.
   type :: controls_type
@@ -76,6 +80,7 @@ module amontons_steps
     integer :: file_frequency = 1          !< the same for the result file
     real(DP), allocatable :: print_times(:)   !< TIME POINTS of the prints, ascending, in place of print_frequency [step time]
     real(DP), allocatable :: file_times(:)    !< the same for the result file
+    logical :: frd(N_FRD) = .false.        !< fields that FILE and OUTPUT cards ask for, for the .frd file
   end type step_type
 
 contains

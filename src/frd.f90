@@ -1,0 +1,455 @@
+!> Frd: job.frd, mesh and nodal fields in CalculiX's text form, for CGX, PrePoMax and other programs that read it.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Written when FILE or OUTPUT cards ask for it under the calculix dialect, or when the user does (`--frd`). It is a copy
+!! for such programs, with six digits; the doubles are in job.vtkhdf. One frame per written increment, one block per
+!! field. No date stands in it, so that the same job gives the same file.
+!!
+!! As in CalculiX's own file, nodes without elements are left out; elements of one node are, too.
+!!
+!! Reference: CGX manual, "Result Format": fixed columns, long form; element types 1 to 12 with their order of nodes,
+!! in which the mid-side nodes of the upright edges come before those of the top.
+module amontons_frd
+  use amontons_kinds, only: DP, I64
+  use amontons_errors, only: error_type, set_error, EXIT_IO
+  use amontons_posix, only: cut_file, sync_file
+  use amontons_topology, only: element_kind, kind_type, FAMILY_MASS, FAMILY_SOLID
+  use amontons_mesh, only: mesh_type
+  use amontons_materials, only: HISTORY_PEEQ
+  use amontons_steps, only: is_output_due, step_type, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_FORC, FRD_NDTEMP, FRD_PE, &
+    FRD_STRESS, FRD_TOSTRAIN, N_FRD
+  use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
+  use amontons_history, only: increment_record_type
+  use amontons_state, only: fields_type, history_row, slave_type, STATUS_OPEN
+  use amontons_nodal, only: average_at_nodes
+  use amontons_printed, only: contact_axes, printed_forces
+  use amontons_version, only: VERSION
+  implicit none
+  private
+  public :: frd_type, open_frd, resume_frd, write_frd, measure_frd, sync_frd, close_frd
+
+  integer, parameter :: KIND_SCALAR = 1, KIND_VECTOR = 2, KIND_TENSOR = 4   !< of CGX
+
+  !> A file that is being written; the unit is 0 if none is.
+  type :: frd_type
+    private
+    integer :: unit = 0
+    character(:), allocatable :: path
+    integer :: n_frames = 0
+    integer :: n_blocks = 0
+    logical :: is_all = .false.                    !< all fields, whatever the cards ask for
+    integer, allocatable :: nodes(:)               !< those that are written
+    integer :: status = 0                          !< of the first line that could not be written
+  end type frd_type
+
+  !> The head of a block: a scalar, a vector with its length, or a symmetric tensor.
+  type :: head_type
+    character(8) :: name = ''
+    integer :: n = 1                               !< components that are written
+    integer :: kind = KIND_SCALAR                  !< KIND_...
+    character(8) :: components(6) = ''
+  end type head_type
+
+  type(head_type), parameter :: HEADS(N_FRD) = [ &
+    head_type('DISP', 3, KIND_VECTOR, [character(8) :: 'D1', 'D2', 'D3', 'ALL', '', '']), &
+    head_type('FORC', 3, KIND_VECTOR, [character(8) :: 'F1', 'F2', 'F3', 'ALL', '', '']), &
+    head_type('NDTEMP', 1, KIND_SCALAR, [character(8) :: 'T', '', '', '', '', '']), &
+    head_type('STRESS', 6, KIND_TENSOR, [character(8) :: 'SXX', 'SYY', 'SZZ', 'SXY', 'SYZ', 'SZX']), &
+    head_type('TOSTRAIN', 6, KIND_TENSOR, [character(8) :: 'EXX', 'EYY', 'EZZ', 'EXY', 'EYZ', 'EZX']), &
+    head_type('PE', 1, KIND_SCALAR, [character(8) :: 'PE', '', '', '', '', '']), &
+    head_type('ENER', 1, KIND_SCALAR, [character(8) :: 'ENER', '', '', '', '', '']), &
+    head_type('CONTACT', 6, KIND_TENSOR, [character(8) :: 'COPEN', 'CSLIP1', 'CSLIP2', 'CPRESS', 'CSHEAR1', 'CSHEAR2'])]
+
+contains
+
+  !> Creates job.frd with the mesh, if it is asked for.
+  subroutine open_frd(frd, model, options, error)
+    type(frd_type), intent(out) :: frd
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    call prepare(frd, model, options)
+    if (.not. is_wanted(model, options)) return
+    call open_file(frd, 'replace', error)
+    if (allocated(error)) return
+    call write_head(frd, model)
+    call write_nodes(frd, model%mesh)
+    call write_elements(frd, model%mesh)
+    call check(frd, error)
+  end subroutine open_frd
+
+
+  !> Goes on with the file of a job after its checkpoint: it is cut off where it was then.
+  subroutine resume_frd(frd, model, options, counts, error)
+    type(frd_type), intent(out) :: frd
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    integer(I64), intent(in) :: counts(3)          !< bytes, frames, blocks that it had (measure_frd)
+    type(error_type), allocatable, intent(out) :: error
+    call prepare(frd, model, options)
+    if (counts(1) == 0) then
+      call open_frd(frd, model, options, error)
+      return
+    end if
+    frd%is_all = frd%is_all .or. .not. is_wanted(model, options)
+    frd%n_frames = int(counts(2))
+    frd%n_blocks = int(counts(3))
+    call cut_file(frd%path, counts(1), error)
+    if (.not. allocated(error)) call open_file(frd, 'old', error)
+  end subroutine resume_frd
+
+
+  !> Path, nodes, and whether the cards are asked.
+  subroutine prepare(frd, model, options)
+    type(frd_type), intent(inout) :: frd
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    logical, allocatable :: is_used(:)
+    integer :: i
+    frd%path = job_path(options, '.frd')
+    frd%is_all = options%has_frd
+    allocate (is_used(model%mesh%n_nodes), source=.false.)   ! has_elements does not know the nodes of pre-tension sections
+    is_used(model%mesh%nodes) = .true.
+    frd%nodes = pack([(i, i=1, model%mesh%n_nodes)], is_used)
+  end subroutine prepare
+
+
+  !> Whether the job has such a file.
+  pure logical function is_wanted(model, options)
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    integer :: i
+    is_wanted = options%has_frd
+    if (model%dialect /= DIALECT_CALCULIX) return
+    do i = 1, size(model%steps)
+      is_wanted = is_wanted .or. any(model%steps(i)%frd)
+    end do
+  end function is_wanted
+
+
+  !> Opens the file, new or behind its end.
+  subroutine open_file(frd, status_word, error)
+    type(frd_type), intent(inout) :: frd
+    character(*), intent(in) :: status_word
+    type(error_type), allocatable, intent(out) :: error
+    character(200) :: reason
+    integer :: status
+    open (newunit=frd%unit, file=frd%path, status=status_word, action='write', form='formatted', position='append', &
+      iostat=status, iomsg=reason)
+    if (status == 0) return
+    frd%unit = 0
+    call set_error(error, EXIT_IO, 'Cannot open the file ' // frd%path // ': ' // trim(reason) // '.')
+  end subroutine open_file
+
+
+  !> The head: who wrote it, the heading, the names of the materials.
+  subroutine write_head(frd, model)
+    type(frd_type), intent(inout) :: frd
+    type(model_type), intent(in) :: model
+    character(5) :: number
+    integer :: i
+    call put(frd, '    1C')
+    if (allocated(model%heading)) then
+      if (len(model%heading) > 0) call put(frd, '    1U' // first_line(model%heading))
+    end if
+    call put(frd, '    1UPGM               Amontons')
+    call put(frd, '    1UVERSION           ' // VERSION)
+    do i = 1, size(model%materials)
+      write (number, '(i5)') i
+      call put(frd, '    1UMAT' // number // model%materials(i)%name)
+    end do
+  end subroutine write_head
+
+
+  !> The first line of a text, at most 66 letters of it.
+  pure function first_line(text) result(line)
+    character(*), intent(in) :: text
+    character(:), allocatable :: line
+    integer :: n
+    n = scan(text, new_line('a')) - 1
+    if (n < 0) n = len(text)
+    line = text(:min(n, 66))
+  end function first_line
+
+
+  !> Block 2C: reference coordinates.
+  subroutine write_nodes(frd, mesh)
+    type(frd_type), intent(inout) :: frd
+    type(mesh_type), intent(in) :: mesh
+    character(90) :: line
+    integer :: i
+    write (line, '(a,18x,i12,37x,i1)') '    2C', size(frd%nodes), 1
+    call put(frd, line)
+    do i = 1, size(frd%nodes)
+      write (line, '(a,i10,1p,3e12.5)') ' -1', mesh%node_label(frd%nodes(i)), &
+        printable(mesh%coordinates(:, frd%nodes(i)))
+      call put(frd, line)
+    end do
+    call put(frd, ' -3')
+  end subroutine write_nodes
+
+
+  !> Block 3C: elements of two nodes or more.
+  subroutine write_elements(frd, mesh)
+    type(frd_type), intent(inout) :: frd
+    type(mesh_type), intent(in) :: mesh
+    type(kind_type) :: entry
+    character(120) :: line
+    integer :: e, n, i, shape
+    integer, allocatable :: labels(:)
+    n = count([(cgx_shape(element_kind(mesh%kind(e))) > 0, e=1, mesh%n_elements)])
+    write (line, '(a,18x,i12,37x,i1)') '    3C', n, 1
+    call put(frd, line)
+    do e = 1, mesh%n_elements
+      entry = element_kind(mesh%kind(e))
+      shape = cgx_shape(entry)
+      if (shape == 0) cycle
+      labels = in_cgx_order(mesh%node_label(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)))
+      write (line, '(a,i10,3i5)') ' -1', mesh%element_label(e), shape, 0, mesh%material(e)
+      call put(frd, line)
+      do i = 1, size(labels), 10
+        write (line, '(a,10i10)') ' -2', labels(i:min(i + 9, size(labels)))
+        call put(frd, line)
+      end do
+    end do
+    call put(frd, ' -3')
+  end subroutine write_elements
+
+
+  !> The type number of CGX; 0 for elements of one node.
+  pure integer function cgx_shape(entry) result(shape)
+    type(kind_type), intent(in) :: entry
+    shape = 0
+    if (entry%family == FAMILY_MASS) return
+    if (entry%family == FAMILY_SOLID) then
+      select case (entry%n_nodes)
+      case (4); shape = 3
+      case (6); shape = 2
+      case (8); shape = 1
+      case (10); shape = 6
+      case (15); shape = 5
+      case (20); shape = 4
+      end select
+    else if (entry%n_faces > 0) then               ! plane and axisymmetric
+      select case (entry%n_nodes)
+      case (3); shape = 7
+      case (6); shape = 8
+      case (4); shape = 9
+      case (8); shape = 10
+      end select
+    else if (entry%n_nodes == 2) then
+      shape = 11
+    else if (entry%n_nodes == 3) then
+      shape = 12
+    end if
+  end function cgx_shape
+
+
+  !> The nodes of an element in the order of CGX: of hexahedra and wedges with mid-side nodes the upright edges come
+  !! before those of the top.
+  pure function in_cgx_order(labels) result(ordered)
+    integer, intent(in) :: labels(:)               !< in the order of the deck
+    integer :: ordered(size(labels))
+    ordered = labels
+    if (size(labels) == 20) ordered(13:) = labels([17, 18, 19, 20, 13, 14, 15, 16])
+    if (size(labels) == 15) ordered(10:) = labels([13, 14, 15, 10, 11, 12])
+  end function in_cgx_order
+
+
+  !> Writes a converged increment, if its step wants it; nothing for increment 0.
+  subroutine write_frd(frd, model, fields, record, error)
+    type(frd_type), intent(inout) :: frd
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields        !< committed
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    logical :: shown(N_FRD)
+    integer :: i
+    if (frd%unit == 0 .or. record%increment == 0) return
+    associate (step => model%steps(record%step))
+      if (.not. is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times)) return
+      shown = is_shown(frd, step, fields)
+    end associate
+    if (.not. any(shown)) return
+    frd%n_frames = frd%n_frames + 1
+    do i = 1, N_FRD
+      if (shown(i)) call write_block(frd, HEADS(i), model%mesh%node_label, block_values(model, fields, i), &
+        fields%total_time, record)
+    end do
+    call check(frd, error)
+  end subroutine write_frd
+
+
+  !> The fields of a frame: those that the cards ask for, or all that the job has.
+  pure function is_shown(frd, step, fields)
+    type(frd_type), intent(in) :: frd
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
+    logical :: is_shown(N_FRD)
+    is_shown = step%frd
+    if (frd%is_all) then
+      is_shown = .true.
+      is_shown(FRD_NDTEMP) = any(fields%temperature /= 0) .or. step%frd(FRD_NDTEMP)
+      is_shown(FRD_PE) = size(fields%history, 1) > 0 .or. step%frd(FRD_PE)
+    end if
+    is_shown(FRD_CONTACT) = is_shown(FRD_CONTACT) .and. size(fields%slaves) > 0
+  end function is_shown
+
+
+  !> The values of a field at all nodes.
+  function block_values(model, fields, field) result(values)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: field                   !< FRD_...
+    real(DP) :: values(HEADS(field)%n, model%mesh%n_nodes)
+    select case (field)
+    case (FRD_DISP)
+      values = fields%u
+    case (FRD_FORC)
+      values = printed_forces(model, fields)
+    case (FRD_NDTEMP)
+      values(1, :) = fields%temperature
+    case (FRD_STRESS)
+      call average_at_nodes(model%mesh, fields%stress, values)
+    case (FRD_TOSTRAIN)
+      call average_at_nodes(model%mesh, fields%strain, values)
+    case (FRD_PE)
+      call average_at_nodes(model%mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, model%mesh%n_points]), values)
+    case (FRD_ENER)
+      call average_at_nodes(model%mesh, reshape(fields%energy, [1, model%mesh%n_points]), values)
+    case (FRD_CONTACT)
+      values = contact_values(fields%slaves, model%mesh%n_nodes)
+    end select
+  end function block_values
+
+
+  !> Gap, slip, pressure and shear stress of the closed slave nodes in the axes of the .dat file; 0 elsewhere. Of two
+  !! pairs at a node the one with the larger pressure is shown.
+  pure function contact_values(slaves, n_nodes) result(values)
+    type(slave_type), intent(in) :: slaves(:)
+    integer, intent(in) :: n_nodes
+    real(DP) :: values(6, n_nodes)
+    real(DP) :: axes(3, 3), row(6)
+    integer :: i
+    values = 0
+    do i = 1, size(slaves)
+      associate (slave => slaves(i))
+        if (slave%status == STATUS_OPEN) cycle
+        axes = contact_axes(slave%normal)
+        row(:3) = matmul(slave%slip + slave%elastic, axes)
+        row(1) = slave%gap
+        row(4:) = matmul(slave%force - slave%shear, axes)
+        if (slave%area > 0) row(4:) = row(4:) / slave%area
+        if (abs(row(4)) >= abs(values(4, slave%node))) values(:, slave%node) = row
+      end associate
+    end do
+  end function contact_values
+
+
+  !> One block: its number, time, head lines, and a row per node.
+  subroutine write_block(frd, head, labels, values, time, record)
+    type(frd_type), intent(inout) :: frd
+    type(head_type), intent(in) :: head
+    integer, intent(in) :: labels(:)               !< (n_nodes)
+    real(DP), intent(in) :: values(:, :)           !< (head%n, n_nodes)
+    real(DP), intent(in) :: time                   !< total time [time]
+    type(increment_record_type), intent(in) :: record
+    character(90) :: line
+    integer :: i
+    frd%n_blocks = frd%n_blocks + 1
+    write (line, '(a,i26,2i12)') '    1PSTEP', frd%n_blocks, record%increment, record%step
+    call put(frd, line)
+    write (line, '(a,i5,1p,e12.5,i12,20x,i2,i5,10x,i2)') '  100CL', 100 + frd%n_frames, time, size(frd%nodes), 0, &
+      frd%n_frames, 1
+    call put(frd, line)
+    write (line, '(a,a8,2i5)') ' -4  ', head%name, head%n + merge(1, 0, head%kind == KIND_VECTOR), 1
+    call put(frd, line)
+    do i = 1, head%n
+      write (line, '(a,a8,4i5)') ' -5  ', head%components(i), 1, head%kind, place(head, i)
+      call put(frd, line)
+    end do
+    if (head%kind == KIND_VECTOR) call put(frd, ' -5  ALL         1    2    0    0    1ALL')
+    do i = 1, size(frd%nodes)
+      write (line, '(a,i10,1p,6e12.5)') ' -1', labels(frd%nodes(i)), printable(values(:, frd%nodes(i)))
+      call put(frd, line)
+    end do
+    call put(frd, ' -3')
+  end subroutine write_block
+
+
+  !> Row and column of a component, as CGX wants them.
+  pure function place(head, i) result(row_column)
+    type(head_type), intent(in) :: head
+    integer, intent(in) :: i                       !< component
+    integer :: row_column(2)
+    integer, parameter :: ROWS(6) = [1, 2, 3, 1, 2, 3], COLUMNS(6) = [1, 2, 3, 2, 3, 1]
+    row_column = 0
+    if (head%kind == KIND_VECTOR) row_column(1) = i
+    if (head%kind == KIND_TENSOR) row_column = [ROWS(i), COLUMNS(i)]
+  end function place
+
+
+  !> A value whose exponent has two digits, as the columns want it.
+  elemental real(DP) function printable(value)
+    real(DP), intent(in) :: value
+    printable = value
+    if (abs(value) < 1.0e-99_DP) printable = 0
+    if (abs(value) > 9.9e99_DP) printable = sign(9.9e99_DP, value)
+  end function printable
+
+
+  !> Writes a line; the first trouble is kept.
+  subroutine put(frd, line)
+    type(frd_type), intent(inout) :: frd
+    character(*), intent(in) :: line
+    integer :: status
+    write (frd%unit, '(a)', iostat=status) trim(line)
+    if (frd%status == 0) frd%status = status
+  end subroutine put
+
+
+  !> How long the file is, and what it holds: for the checkpoint.
+  subroutine measure_frd(frd, counts)
+    type(frd_type), intent(inout) :: frd
+    integer(I64), intent(out) :: counts(3)         !< bytes, frames, blocks; 0 if not open
+    integer :: status
+    counts = 0
+    if (frd%unit == 0) return
+    flush (frd%unit, iostat=status)
+    if (frd%status == 0) frd%status = status
+    inquire (unit=frd%unit, size=counts(1))
+    counts(2:) = int([frd%n_frames, frd%n_blocks], I64)
+  end subroutine measure_frd
+
+
+  !> Brings the file to the medium.
+  subroutine sync_frd(frd, error)
+    type(frd_type), intent(in) :: frd
+    type(error_type), allocatable, intent(out) :: error
+    call check(frd, error)
+    if (.not. allocated(error) .and. frd%unit /= 0) call sync_file(frd%path, error)
+  end subroutine sync_frd
+
+
+  !> Ends the file and closes it; a file that is not open is left alone.
+  subroutine close_frd(frd, error)
+    type(frd_type), intent(inout) :: frd
+    type(error_type), allocatable, intent(out) :: error
+    integer :: status
+    if (frd%unit == 0) return
+    call put(frd, ' 9999')
+    close (frd%unit, iostat=status)
+    if (frd%status == 0) frd%status = status
+    frd%unit = 0
+    call check(frd, error)
+  end subroutine close_frd
+
+
+  !> An error if a line could not be written.
+  subroutine check(frd, error)
+    type(frd_type), intent(in) :: frd
+    type(error_type), allocatable, intent(out) :: error
+    if (frd%status /= 0) call set_error(error, EXIT_IO, 'Cannot write the file ' // frd%path // ' (is the disk full?).')
+  end subroutine check
+
+end module amontons_frd
