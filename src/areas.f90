@@ -1,15 +1,16 @@
 !> Areas: the area that each slave node stands for.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_areas
-  use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_FACE_NODES
+  use amontons_kinds, only: DP, PI
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, FACET_LINE2, &
+    FACET_TRI3, FACET_QUAD4, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_surfaces, only: surface_type
   use amontons_shapes, only: facet_shapes, facet_quadrature
   use amontons_compliance, only: node_shares
   implicit none
   private
-  public :: faces_type, add_face_areas, face_area, cover_slave, sum_shares
+  public :: faces_type, add_face_areas, face_area, depth_of, cover_slave, sum_shares
 
   !> Faces of elements.
   type :: faces_type
@@ -32,20 +33,21 @@ contains
     integer :: nodes(MAX_FACE_NODES), m, n, q, i, n_points
     real(DP) :: x(3, MAX_FACE_NODES), xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     real(DP) :: a(3)
+    integer, parameter :: LINEAR(2:4) = [FACET_LINE2, FACET_TRI3, FACET_QUAD4]
     kind = element_kind(mesh%kind(e))
     shape = facet_kind(kind%face_kind(face))
     m = shape%n_corners
     n = shape%n_nodes
     nodes(:n) = mesh%nodes(mesh%first(e) - 1 + kind%face_nodes(:n, face))
     if (is_soft) then
-      call add_shares(mesh%coordinates, kind%face_kind(face), nodes(:n), m, area_vector, area)
+      call add_shares(mesh, e, mesh%coordinates, kind%face_kind(face), nodes(:n), area_vector, area)
       return
     end if
     x(:, :m) = mesh%coordinates(:, nodes(:m))
-    call facet_quadrature(m - 2, n_points, xi, w)  ! 3 corners: FACET_TRI3 = 1, 4 corners: FACET_QUAD4 = 2
+    call facet_quadrature(LINEAR(m), n_points, xi, w)
     do q = 1, n_points
-      call facet_shapes(m - 2, xi(:, q), N_i, dN, ddN)
-      a = cross(matmul(x(:, :m), dN(1, :m)), matmul(x(:, :m), dN(2, :m))) * w(q)
+      call facet_shapes(LINEAR(m), xi(:, q), N_i, dN, ddN)
+      a = cross(matmul(x(:, :m), dN(1, :m)), across(x(:, :m), N_i(:m), dN(2, :m), depth_of(mesh, e))) * w(q)
       do i = 1, m
         area_vector(:, nodes(i)) = area_vector(:, nodes(i)) + N_i(i) * a
         area(nodes(i)) = area(nodes(i)) + N_i(i) * norm2(a)
@@ -58,23 +60,51 @@ contains
 
 
   !> Adds the shares of a face's area to its nodes.
-  subroutine add_shares(x, kind, nodes, n_corners, area_vector, area)
+  subroutine add_shares(mesh, e, x, kind, nodes, area_vector, area)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                       !< element
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates of the mesh [length]
     integer, intent(in) :: kind                    !< FACET_...
     integer, intent(in) :: nodes(:)
-    integer, intent(in) :: n_corners
     real(DP), intent(inout) :: area_vector(:, :), area(:)
+    type(facet_kind_type) :: shape
     real(DP) :: a(3), size_of
-    call face_area(x(:, nodes), kind, a, size_of)
+    shape = facet_kind(kind)
+    call face_area(x(:, nodes), kind, depth_of(mesh, e), a, size_of)
     area_vector(:, nodes) = area_vector(:, nodes) + spread(a, 2, size(nodes))
-    area(nodes) = area(nodes) + size_of * node_shares(n_corners, size(nodes))
+    area(nodes) = area(nodes) + size_of * node_shares(shape%n_corners, size(nodes))
   end subroutine add_shares
 
 
+  !> How deep the plane is at an element: its thickness, or minus 1 where it is the full circle. Of no meaning in space.
+  pure real(DP) function depth_of(mesh, e) result(depth)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                       !< element
+    type(kind_type) :: kind
+    kind = element_kind(mesh%kind(e))
+    depth = mesh%section(e)
+    if (kind%family == FAMILY_AXISYMMETRIC) depth = -1.0_DP
+  end function depth_of
+
+
+  !> The second tangent of a face; that of an edge is e_z times the thickness, or times 2 pi x.
+  pure function across(x, N_i, dN_2, depth) result(tangent)
+    real(DP), intent(in) :: x(:, :)                !< (3, n) nodes of the face [length]
+    real(DP), intent(in) :: N_i(:), dN_2(:)        !< (n) shape functions and their derivatives by xi(2) [-]
+    real(DP), intent(in) :: depth                  !< as depth_of has it [length]
+    real(DP) :: tangent(3)
+    tangent = matmul(x, dN_2)
+    if (any(abs(dN_2) > 0.0_DP)) return
+    tangent(3) = depth
+    if (depth < 0.0_DP) tangent(3) = 2 * PI * dot_product(x(1, :), N_i)
+  end function across
+
+
   !> Area of a face, as a vector and as a number.
-  subroutine face_area(x, kind, vector, area)
+  subroutine face_area(x, kind, depth, vector, area)
     real(DP), intent(in) :: x(:, :)                !< (3, :) of its nodes [length]
     integer, intent(in) :: kind                    !< FACET_...
+    real(DP), intent(in) :: depth                  !< of an edge, as depth_of has it [length]
     real(DP), intent(out) :: vector(3)             !< [length^2]
     real(DP), intent(out) :: area                  !< [length^2]
     real(DP) :: xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), a(3)
@@ -85,7 +115,7 @@ contains
     call facet_quadrature(kind, n_points, xi, w)
     do q = 1, n_points
       call facet_shapes(kind, xi(:, q), N_i, dN, ddN)
-      a = cross(matmul(x, dN(1, :n)), matmul(x, dN(2, :n))) * w(q)
+      a = cross(matmul(x, dN(1, :n)), across(x, N_i(:n), dN(2, :n), depth)) * w(q)
       vector = vector + a
       area = area + norm2(a)
     end do
@@ -176,7 +206,7 @@ contains
       shape = facet_kind(kind%face_kind(surface%face(f)))
       n = shape%n_nodes
       nodes(:n) = mesh%nodes(mesh%first(surface%element(f)) - 1 + kind%face_nodes(:n, surface%face(f)))
-      call add_shares(x, kind%face_kind(surface%face(f)), nodes(:n), shape%n_corners, area_vector, area)
+      call add_shares(mesh, surface%element(f), x, kind%face_kind(surface%face(f)), nodes(:n), area_vector, area)
     end do
   end subroutine sum_shares
 

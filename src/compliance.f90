@@ -129,8 +129,15 @@ contains
     real(DP) :: share(n_nodes)                     !< [-]
     share = 1.0_DP / real(n_corners, DP)
     if (n_nodes == n_corners) return
-    share = merge(0.24_DP, 1.0_DP / 3.0_DP, n_corners == 4)
-    share(:n_corners) = merge(0.01_DP, 0.0_DP, n_corners == 4)
+    select case (n_corners)
+    case (2)                                       ! an edge of 3 nodes is the face of 8 that CalculiX makes of it
+      share = [0.26_DP, 0.26_DP, 0.48_DP]
+    case (3)
+      share = [0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 1.0_DP, 1.0_DP] / 3.0_DP
+    case default
+      share = 0.24_DP
+      share(:4) = 0.01_DP
+    end select
   end function node_shares
 
 end module amontons_compliance

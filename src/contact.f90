@@ -5,15 +5,16 @@
 !! the contact can give it; the masters get the opposite force with the weights of the closest point.
 module amontons_contact
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type
-  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_errors, only: error_type, set_error, EXIT_SETUP
+  use amontons_topology, only: MAX_FACE_NODES, N_SOLID_KINDS
   use amontons_model, only: model_type
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
   use amontons_steps, only: step_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type
   use amontons_rows, only: contact_row_type, facet_row, facet_weights, relative_position, imbalance_of, spread_force
-  use amontons_areas, only: faces_type, add_face_areas, face_area, cover_slave, sum_shares
+  use amontons_areas, only: faces_type, add_face_areas, face_area, depth_of, cover_slave, &
+    sum_shares
   use amontons_facets, only: facets_type, build_facets
   use amontons_search, only: search_type, build_search
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
@@ -85,6 +86,7 @@ contains
     do p = 1, size(model%pairs)
       associate (master => model%surfaces(model%pairs(p)%master))
         call build_facets(model%mesh, master%element, master%face, contact%facets(p), error)
+        if (.not. allocated(error)) call check_dimensions(model, p, error)
         if (allocated(error)) return
       end associate
       contact%edge(p) = maxval(contact%facets(p)%edge_length)
@@ -99,6 +101,23 @@ contains
     allocate (contact%view%normal_force(n), source=0.0_DP)
     allocate (contact%view%status(n), source=STATUS_OPEN)
   end subroutine create_contact
+
+
+  !> Both surfaces of a pair are of solids, or both of plane elements.
+  subroutine check_dimensions(model, pair, error)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: pair
+    type(error_type), allocatable, intent(out) :: error
+    logical, allocatable :: is_solid(:)
+    associate (slave => model%surfaces(model%pairs(pair)%slave), master => model%surfaces(model%pairs(pair)%master), &
+      kind => model%mesh%kind)
+      is_solid = kind(master%element) <= N_SOLID_KINDS
+      if (.not. slave%is_node_based) is_solid = [is_solid, kind(slave%element) <= N_SOLID_KINDS]
+      if (all(is_solid) .or. .not. any(is_solid)) return
+      call set_error(error, EXIT_SETUP, 'The contact pair ' // slave%name // ' / ' // master%name // ' has faces of ' // &
+        'solids and edges of plane elements; both surfaces must be of one kind.')
+    end associate
+  end subroutine check_dimensions
 
 
   !> The slave nodes of one pair with area and outward normal, and the mid-side nodes that follow their corners. Under a
@@ -278,7 +297,8 @@ contains
           slaves(s)%area = area(slaves(s)%node)
         else if (slaves(s)%facet > 0) then
           call facet_weights(contact%facets(p), slaves(s)%facet, slaves(s)%xi, n, nodes, weights, dN)
-          call face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), vector, slaves(s)%area)
+          call face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), &
+            depth_of(model%mesh, contact%facets(p)%element(slaves(s)%facet)), vector, slaves(s)%area)
         end if
       end do
       deallocate (area_vector, area)

@@ -7,17 +7,19 @@
 !! Facets that meet in a smooth edge share the vertices of both its ends; facets that meet in a crease (feature angle)
 !! do not, unless the crease ends there. So a normal made vertex by vertex is the same from both sides of a smooth edge
 !! and jumps at a crease. All of this is decided once, in the reference configuration; the normals are made in `gap`.
+!!
+!! In the plane a facet is a line of 2 or 3 nodes. Its "edges" are its two ends, its second tangent is e_z, and xi(2) is
+!! of no meaning; all else is as in space.
 module amontons_facets
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, kind_type, FAMILY_SOLID, FACET_TRI3, FACET_TRI6, &
-    MAX_FACE_NODES
+  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, kind_type, FACET_LINE2, FACET_LINE3, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_tensor, only: cross_product
   use amontons_shapes, only: facet_shapes
   implicit none
   private
-  public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label
+  public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, is_line
   public :: EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE, EDGE_ANGLE
 
   integer, parameter :: EDGE_FREE = 0         !< no facet across
@@ -27,8 +29,8 @@ module amontons_facets
 
   real(DP), parameter :: EDGE_ANGLE = PI / 4   !< default feature angle: a sharper edge is a crease [rad]
 
-  !> The facets of one surface. Edge k of a facet runs from its corner k to the next corner; unused edges (the 4th of a
-  !! triangle) are free.
+  !> The facets of one surface. Edge k of a facet runs from its corner k to the next corner; edge k of a line is its
+  !! corner k alone. Unused edges (the 4th of a triangle, the 3rd and 4th of a line) are free.
   type :: facets_type
     integer :: n = 0
     integer, allocatable :: kind(:)           !< (n) FACET_... of topology
@@ -110,6 +112,7 @@ contains
     call facet_nodes(facets, f, n, nodes)
     call facet_shapes(facets%kind(f), xi, N_i, dN, ddN)
     tangents = matmul(x(:, nodes(:n)), transpose(dN(:, :n)))
+    if (is_line(facets%kind(f))) tangents(3, 2) = 1
   end subroutine facet_tangents
 
 
@@ -168,10 +171,10 @@ contains
       return
     end if
     solid = element_kind(mesh%kind(element))
-    if (face >= 1 .and. face <= solid%n_faces .and. solid%family == FAMILY_SOLID) return
-    if (solid%family /= FAMILY_SOLID) then
-      write (text, '(a,i0,3a)') 'Contact needs faces of solids in space; element ', mesh%element_label(element), &
-        ' of type ', trim(solid%name), ' has edges only. Use one layer of solids.'
+    if (face >= 1 .and. face <= solid%n_faces) return
+    if (solid%n_faces == 0) then
+      write (text, '(a,i0,3a)') 'Contact needs faces of solids or edges of plane elements; element ', &
+        mesh%element_label(element), ' of type ', trim(solid%name), ' has neither.'
       call set_error(error, EXIT_SETUP, trim(text))
       return
     end if
@@ -194,12 +197,13 @@ contains
       total = 0
       do k = 1, n_corners
         call edge_nodes(facets, f, k, a, b)
+        if (is_line(facets%kind(f))) b = facets%nodes(facets%first(f) + 2 - k)
         total = total + norm2(mesh%coordinates(:, b) - mesh%coordinates(:, a))
       end do
       facets%edge_length(f) = total / real(n_corners, DP)
       call facet_tangents(facets, mesh%coordinates, f, centre_of(facets%kind(f)), tangents)
       normal = cross_product(tangents(:, 1), tangents(:, 2))
-      if (norm2(normal) > 1.0e-12_DP * facets%edge_length(f)**2) cycle
+      if (norm2(normal) > 1.0e-12_DP * facets%edge_length(f)**merge(1, 2, is_line(facets%kind(f)))) cycle
       call set_error(error, EXIT_SETUP, 'The face of ' // facet_label(mesh, facets, f) // ' has no area: it ' // &
         'cannot be part of a contact surface. Merge or remove the collapsed face.')
       return
@@ -235,7 +239,7 @@ contains
   end subroutine find_incidence
 
 
-  !> The facet across each edge: it runs through the same two corners the other way round.
+  !> The facet across each edge: it runs through the same two corners the other way round. Lines are met end to end.
   subroutine find_neighbours(mesh, incidence, facets, error)
     type(mesh_type), intent(in) :: mesh
     type(incidence_type), intent(in) :: incidence
@@ -246,12 +250,13 @@ contains
     do f = 1, facets%n
       do k = 1, corners_of(facets%kind(f))
         call edge_nodes(facets, f, k, a, b)
-        if (a == b) cycle
+        if (a == b .and. .not. is_line(facets%kind(f))) cycle
         do i = incidence%first(a), incidence%first(a + 1) - 1
           entry = incidence%entry(i)
           other = incidence%owner(entry)
           if (other == f) cycle
           way = edge_direction(facets, other, entry - facets%first(other) + 1, b)
+          if (is_line(facets%kind(f))) way = end_direction(facets, other, entry - facets%first(other) + 1, k)
           if (way == 0) cycle
           if (way > 0) call complain_orientation(mesh, facets, f, other, error)
           three = [f, other, facets%neighbour(k, f)]
@@ -278,6 +283,17 @@ contains
     if (facets%nodes(start + previous_corner(local, n_corners)) == b) way = -1
     if (facets%nodes(start + modulo(local, n_corners) + 1) == b) way = 1
   end function edge_direction
+
+
+  !> For lines: +1 if the facet has its own corner k there too, -1 if its other end, 0 if it does not end there.
+  pure function end_direction(facets, f, local, k) result(way)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f, local                  !< facet, and local number of the common node in it
+    integer, intent(in) :: k                         !< corner of the line that looks for its neighbour
+    integer :: way
+    way = 0
+    if (local <= 2 .and. is_line(facets%kind(f))) way = merge(1, -1, local == k)
+  end function end_direction
 
 
   !> The error of two facets that run along an edge the same way.
@@ -310,18 +326,17 @@ contains
     real(DP), intent(in) :: angle                    !< feature angle [rad]
     type(facets_type), intent(inout) :: facets
     real(DP) :: here(3), there(3)
-    integer :: f, k, other, a, b
+    integer :: f, k, other
     allocate (facets%edge(4, facets%n), source=EDGE_FREE)
     do f = 1, facets%n
       do k = 1, corners_of(facets%kind(f))
         other = facets%neighbour(k, f)
         if (other == 0) cycle
-        call edge_nodes(facets, f, k, a, b)
         here = edge_normal(facets, x, f, k)
         there = edge_normal(facets, x, other, findloc(facets%neighbour(:, other), f, dim=1))
         if (dot_product(here, there) > cos(angle)) then
           facets%edge(k, f) = EDGE_SMOOTH
-        else if (dot_product(cross_product(here, there), x(:, b) - x(:, a)) < 0) then
+        else if (dot_product(cross_product(here, there), edge_vector(facets, x, f, k)) < 0) then
           facets%edge(k, f) = EDGE_CONCAVE
         else
           facets%edge(k, f) = EDGE_CONVEX
@@ -374,7 +389,10 @@ contains
     local = entry - facets%first(f) + 1
     n_corners = corners_of(facets%kind(f))
     next = 0
-    if (local > n_corners) then
+    if (is_line(facets%kind(f))) then                ! a corner stands on its own end, the middle on none
+      if (side == 2 .or. local > 2) return
+      k = local
+    else if (local > n_corners) then
       k = local - n_corners
     else if (side == 1) then
       k = local
@@ -490,13 +508,15 @@ contains
     real(DP), parameter :: TRIANGLE(2, 3) = reshape([0.5_DP, 0.0_DP, 0.5_DP, 0.5_DP, 0.0_DP, 0.5_DP], [2, 3])
     real(DP), parameter :: SQUARE(2, 4) = reshape(real([0, -1, 1, 0, 0, 1, -1, 0], DP), [2, 4])
     real(DP) :: tangents(3, 2)
-    if (corners_of(facets%kind(f)) == 3) then
+    if (is_line(facets%kind(f))) then
+      call facet_tangents(facets, x, f, [real(2 * k - 3, DP), 0.0_DP], tangents)
+    else if (corners_of(facets%kind(f)) == 3) then
       call facet_tangents(facets, x, f, TRIANGLE(:, k), tangents)
     else
       call facet_tangents(facets, x, f, SQUARE(:, k), tangents)
     end if
     normal = cross_product(tangents(:, 1), tangents(:, 2))
-    if (norm2(normal) <= 1.0e-12_DP * facets%edge_length(f)**2) then
+    if (norm2(normal) <= 1.0e-12_DP * facets%edge_length(f)**merge(1, 2, is_line(facets%kind(f)))) then
       call facet_tangents(facets, x, f, centre_of(facets%kind(f)), tangents)
       normal = cross_product(tangents(:, 1), tangents(:, 2))
     end if
@@ -504,7 +524,23 @@ contains
   end function edge_normal
 
 
-  !> The mesh nodes at both ends of an edge.
+  !> The direction in which an edge runs; that of a line's end is e_z at its second, -e_z at its first corner.
+  pure function edge_vector(facets, x, f, k) result(vector)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)                  !< (3, n_nodes) coordinates [length]
+    integer, intent(in) :: f, k                      !< facet and edge
+    real(DP) :: vector(3)
+    integer :: a, b
+    if (is_line(facets%kind(f))) then
+      vector = [0.0_DP, 0.0_DP, real(2 * k - 3, DP)]
+    else
+      call edge_nodes(facets, f, k, a, b)
+      vector = x(:, b) - x(:, a)
+    end if
+  end function edge_vector
+
+
+  !> The mesh nodes at both ends of an edge; twice the same for a line.
   pure subroutine edge_nodes(facets, f, k, a, b)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f, k                      !< facet and edge
@@ -513,6 +549,7 @@ contains
     start = facets%first(f) - 1
     a = facets%nodes(start + k)
     b = facets%nodes(start + modulo(k, corners_of(facets%kind(f))) + 1)
+    if (is_line(facets%kind(f))) b = a
   end subroutine edge_nodes
 
 
@@ -528,8 +565,17 @@ contains
   pure function corners_of(kind) result(n)
     integer, intent(in) :: kind                      !< FACET_...
     integer :: n
-    n = merge(3, 4, kind == FACET_TRI3 .or. kind == FACET_TRI6)
+    type(facet_kind_type) :: entry
+    entry = facet_kind(kind)
+    n = entry%n_corners
   end function corners_of
+
+
+  !> Is a facet kind a line in the plane?
+  elemental logical function is_line(kind)
+    integer, intent(in) :: kind                      !< FACET_...
+    is_line = kind == FACET_LINE2 .or. kind == FACET_LINE3
+  end function is_line
 
 
   !> The natural coordinates of a facet's centre.

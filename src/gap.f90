@@ -13,7 +13,7 @@ module amontons_gap
   use amontons_tensor, only: cross_product, invert
   use amontons_topology, only: FACET_TRI3, FACET_TRI6, MAX_FACE_NODES
   use amontons_shapes, only: facet_shapes, facet_node_coordinates
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
+  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
   use amontons_search, only: search_type, near_facets
   implicit none
   private
@@ -273,13 +273,15 @@ contains
 
 
   !> How far a point is beyond each edge, in lengths of the facet across that edge; negative inside. Edge 4 of a
-  !! triangle: -1.
+  !! triangle, edges 3 and 4 of a line: -1.
   pure function excess_over_edges(kind, xi) result(excess)
     integer, intent(in) :: kind                  !< FACET_...
     real(DP), intent(in) :: xi(2)                !< natural coordinates [-]
     real(DP) :: excess(4)
     if (is_triangle(kind)) then
       excess = [-xi(2), xi(1) + xi(2) - 1, -xi(1), -1.0_DP]
+    else if (is_line(kind)) then
+      excess = [0.5_DP * (-1 - xi(1)), 0.5_DP * (xi(1) - 1), -1.0_DP, -1.0_DP]
     else
       excess = 0.5_DP * [-1 - xi(2), xi(1) - 1, xi(2) - 1, -1 - xi(1)]
     end if
@@ -415,7 +417,7 @@ contains
     real(DP) :: inverse(3, 3), det
     call invert(reshape([place%dx + g * place%dn_dxi, place%normal], [3, 3]), inverse, det)
     step = matmul(inverse, point - place%x - g * place%normal)
-    if (abs(det) > 1.0e-10_DP * frame%size**2) return
+    if (abs(det) > 1.0e-10_DP * area_scale(frame)) return
     step(:2) = 0
     step(3) = dot_product(place%normal, point - place%x) - g
   end subroutine newton_step
@@ -504,7 +506,7 @@ contains
       frame%x(:, i) = x(:, frame%nodes(i))
       frame%m(:, i) = vertex_normal(facets, x, facets%vertex(facets%first(f) + i - 1))
       length = norm2(frame%m(:, i))
-      if (length > COLLAPSED * frame%size**2) then
+      if (length > COLLAPSED * area_scale(frame)) then
         frame%normal(:, i) = frame%m(:, i) / length
       else
         frame%m(:, i) = 0
@@ -527,6 +529,7 @@ contains
     place%normal = s / place%length
     do k = 1, 2
       place%dx(:, k) = matmul(frame%x, place%dN(k, :))
+      if (k == 2 .and. is_line(frame%kind)) place%dx(3, k) = 1
       slope = matmul(frame%normal, place%dN(k, :)) / place%length
       place%dn_dxi(:, k) = slope - dot_product(place%normal, slope) * place%normal
     end do
@@ -597,7 +600,7 @@ contains
     call facet_nodes(facets, f, n, nodes)
     call facet_node_coordinates(facets%kind(f), xi)
     call facet_shapes(facets%kind(f), xi(:, local), N_i, dN, ddN)
-    tangents = matmul(x(:, nodes(:n)), transpose(dN(:, :n)))
+    call facet_tangents(facets, x, f, xi(:, local), tangents)
     do i = 1, n
       j = findloc(derivative%nodes, nodes(i), dim=1)
       derivative%d_n(:, :, j) = derivative%d_n(:, :, j) + natural_area(facets%kind(f)) * &
@@ -626,11 +629,20 @@ contains
   end function skew
 
 
-  !> Area of a facet kind in natural coordinates.
+  !> A size that areas of a facet are compared with; a line is one deep [length^2].
+  pure real(DP) function area_scale(frame)
+    type(frame_type), intent(in) :: frame
+    area_scale = frame%size**2
+    if (is_line(frame%kind)) area_scale = frame%size
+  end function area_scale
+
+
+  !> Area of a facet kind in natural coordinates; length of a line.
   pure function natural_area(kind) result(area)
     integer, intent(in) :: kind                  !< FACET_...
     real(DP) :: area
     area = merge(0.5_DP, 4.0_DP, is_triangle(kind))
+    if (is_line(kind)) area = 2.0_DP
   end function natural_area
 
 

@@ -50,7 +50,7 @@ UNFINISHED = {
     "beamp2rotate": "the audit refuses it: supports in turned directions",
     "beampo4": "COORD prints",
     "pret5": "new nodes of the section in the .frd", "pret6": "the same",
-    "bolt": "contact of axisymmetric bodies",
+    "bolt": "node-based slaves: CalculiX adds the flat faces of its expanded elements to their areas",
 }  # fmt: skip
 
 # Decks in which CalculiX cut its first increment back by itself and printed where it then came by. Amontons needs no cut-back

@@ -3,7 +3,7 @@
 program test_contact_tangent
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_topology, only: KIND_C3D8, KIND_CPE4_FULL, KIND_CAX8
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_model, only: model_type
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
@@ -23,11 +23,13 @@ program test_contact_tangent
   call check_tangent('small sliding', 0.15_DP, 0.3_DP, .true., .true.)
   call check_tangent('small displacements', 0.1_DP, 0.5_DP, .false., .true.)
   call check_laws()
+  call check_planes()
   call suite%finish()
 
 contains
 
-  !> The same with compliant laws, whose forces follow from gap and slip, and with a limit of the shear.
+  !> The same with compliant laws, whose forces follow from gap and slip, and with a limit of the shear. (Not with the limit
+  !! 0.5: there mu N of a node is the limit to five digits, and differences would step over the kink.)
   subroutine check_laws()
     type(interaction_type) :: law
     law%shear_limit = 0.4_DP
@@ -48,13 +50,26 @@ contains
   end subroutine check_laws
 
 
+  !> The same with edges in the plane and of bodies of revolution.
+  subroutine check_planes()
+    type(interaction_type) :: law
+    call check_tangent('plane strain, friction', 0.15_DP, 0.4_DP, .true., .false., plane=KIND_CPE4_FULL)
+    call check_tangent('plane strain, frictionless', 0.15_DP, 0.0_DP, .true., .false., plane=KIND_CPE4_FULL)
+    call check_tangent('plane strain, small sliding', 0.15_DP, 0.3_DP, .true., .true., plane=KIND_CPE4_FULL)
+    call check_tangent('axisymmetric, quadratic, friction', 0.15_DP, 0.4_DP, .true., .false., plane=KIND_CAX8)
+    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP)
+    call check_tangent('axisymmetric, quadratic, linear law', 0.15_DP, 0.3_DP, .true., .false., law, KIND_CAX8)
+  end subroutine check_planes
+
+
   !> -(K - dF_c) du against the difference of the condensed residual, statuses frozen, for several random directions.
-  subroutine check_tangent(name, sag, friction, is_nlgeom, is_small, law)
+  subroutine check_tangent(name, sag, friction, is_nlgeom, is_small, law, plane)
     character(*), intent(in) :: name
     real(DP), intent(in) :: sag                    !< height of the master's waves [length]
     real(DP), intent(in) :: friction
     logical, intent(in) :: is_nlgeom, is_small
     type(interaction_type), intent(in), optional :: law   !< with its behaviour; hard without it
+    integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
     type(step_type) :: step
@@ -63,7 +78,11 @@ contains
     type(error_type), allocatable :: error
     real(DP), allocatable :: u(:, :), du(:, :), exact(:, :), plus(:, :), minus(:, :), w(:)
     integer :: trouble, i, s, n
-    call two_blocks(model, sag, friction, is_nlgeom, is_small)
+    if (present(plane)) then
+      call two_plates(model, plane, sag, is_nlgeom, is_small)
+    else
+      call two_blocks(model, sag, friction, is_nlgeom, is_small)
+    end if
     if (present(law)) model%interactions(1) = law
     model%interactions(1)%friction = friction
     step = model%steps(1)
@@ -75,14 +94,18 @@ contains
     n = model%mesh%n_nodes
     allocate (u(3, n), du(3, n), exact(3, n), plus(3, n), minus(3, n), w(3 * n))
     call fill(u, 1, 0.02_DP)
+    if (present(plane)) u = 0.25_DP * u
+    if (present(plane)) u(3, :) = 0.0_DP
+
     do s = 1, size(state%new%slaves)
       associate (slave => state%new%slaves(s))
         if (slave%status == STATUS_OPEN) cycle
         slave%status = merge(STATUS_STICK, STATUS_SLIP, mod(s, 3) == 0)
         slave%stiffness = 100.0_DP
-        u(:, slave%node) = u(:, slave%node) + [0.05_DP, 0.03_DP, -0.01_DP]
+        if (.not. present(plane)) u(:, slave%node) = u(:, slave%node) + [0.05_DP, 0.03_DP, -0.01_DP]
       end associate
     end do
+    if (present(plane)) u(1, model%surfaces(1)%nodes) = u(1, model%surfaces(1)%nodes) + 0.05_DP
     state%new%u = u
     call evaluate(system, model, step, .true., state, trouble)
     call suite%that(name // ': evaluated', trouble == 0)
@@ -95,6 +118,7 @@ contains
     if (friction > 0.0_DP) call check_condensed(name, system, model, step, state)   ! without friction the upper block is free
     do i = 1, 4
       call fill(du, i + 1, 1.0_DP)
+      if (present(plane)) du(3, :) = 0.0_DP
       call change_forces(system, reshape(du, [3 * n]), w)
       call condense_forces(system%base, reshape(w, [3, n]), exact)
       state%new%u = u + H * du
@@ -124,7 +148,7 @@ contains
     call find_direction(system, model, step, state, du, trouble, error)
     call suite%that(name // ': a direction is found', trouble == 0 .and. .not. allocated(error))
     call suite%that(name // ': by the condensed interface', system%is_condensed)
-    call suite%that(name // ': which is exact (' // achar(48 + system%n_krylov - before) // ')', system%n_krylov - before <= 4)
+    call suite%that(name // ': which is exact (' // achar(48 + system%n_krylov - before) // ')', system%n_krylov - before <= 2)
     state%new%slaves%stiffness = stiffness
     call linearise_contact(system%contact, model, system%imbalance, state%old, state%new, system%links)
   end subroutine check_condensed
@@ -165,6 +189,81 @@ contains
   end subroutine fill
 
 
+  !> A plate of 8 x 1 elements on one of 3 x 1, the upper the slave, away from the axis.
+  subroutine two_plates(model, kind, sag, is_nlgeom, is_small)
+    type(model_type), intent(out) :: model
+    integer, intent(in) :: kind                    !< KIND_CPE4_FULL, KIND_CAX8
+    real(DP), intent(in) :: sag
+    logical, intent(in) :: is_nlgeom, is_small
+    integer, parameter :: M(2) = [3, 8]
+    integer :: e, i, body, node, each
+    each = merge(8, 4, kind == KIND_CAX8)
+    call two_blocks(model, sag, 0.0_DP, is_nlgeom, is_small)
+    associate (mesh => model%mesh)
+      mesh%n_elements = sum(M)
+      mesh%n_nodes = 3 * sum(2 * M + 1)
+      mesh%node_label = [(i, i=1, mesh%n_nodes)]
+      mesh%element_label = [(i, i=1, mesh%n_elements)]
+      mesh%kind = spread(kind, 1, mesh%n_elements)
+      mesh%material = spread(1, 1, mesh%n_elements)
+      mesh%first = [(each * (i - 1) + 1, i=1, mesh%n_elements + 1)]
+      deallocate (mesh%coordinates, mesh%nodes, mesh%section, mesh%directions, mesh%is_abstract)
+      allocate (mesh%coordinates(3, mesh%n_nodes), source=0.0_DP)
+      allocate (mesh%nodes(each * mesh%n_elements))
+      node = 0
+      e = 0
+      do body = 1, 2
+        call fill_plate(mesh, each, M(body), body == 2, sag, node, e)
+      end do
+      call finish_mesh(mesh)
+    end associate
+    associate (slave => model%surfaces(1), master => model%surfaces(2))
+      slave%element = [(M(1) + i, i=1, M(2))]
+      slave%face = spread(1, 1, M(2))
+      master%element = [(i, i=1, M(1))]
+      master%face = spread(3, 1, M(1))
+      slave%nodes = [(3 * (2 * M(1) + 1) + i, i=1, 2 * M(2) + 1, merge(1, 2, each == 8))]
+      master%nodes = [(2 * (2 * M(1) + 1) + i, i=1, 2 * M(1) + 1, merge(1, 2, each == 8))]
+    end associate
+    deallocate (model%steps(1)%prescribed)
+    allocate (model%steps(1)%prescribed(4))
+    do i = 1, 4
+      model%steps(1)%prescribed(i)%node = merge(1, 2 * M(1) + 1, i < 3)
+      model%steps(1)%prescribed(i)%dof = 1 + mod(i, 2)
+    end do
+  end subroutine two_plates
+
+
+  !> One row of m elements; its lattice has three rows of 2 m + 1 nodes, of which 4-node elements leave the middles alone.
+  subroutine fill_plate(mesh, each, m, is_upper, sag, node, e)
+    type(mesh_type), intent(inout) :: mesh
+    integer, intent(in) :: each, m                 !< nodes of an element, elements
+    logical, intent(in) :: is_upper
+    real(DP), intent(in) :: sag
+    integer, intent(inout) :: node, e              !< numbers used
+    integer :: a, b, k(3, 3), row
+    real(DP) :: x, y
+    row = 2 * m + 1
+    do a = 1, m
+      do b = 1, 3
+        k(:, b) = node + row * (b - 1) + 2 * a - [1, 0, -1]
+      end do
+      e = e + 1
+      mesh%nodes(each * (e - 1) + 1:each * (e - 1) + 4) = [k(1, 1), k(3, 1), k(3, 3), k(1, 3)]
+      if (each == 8) mesh%nodes(8 * e - 3:8 * e) = [k(2, 1), k(3, 2), k(2, 3), k(1, 2)]
+    end do
+    do b = 0, 2
+      do a = 0, 2 * m
+        node = node + 1
+        x = real(a, DP) / real(2 * m, DP) * merge(1.7_DP, 2.4_DP, is_upper) - merge(0.85_DP, 1.2_DP, is_upper)
+        y = 0.5_DP * real(b, DP) + merge(0.0_DP, -1.0_DP, is_upper)
+        if (abs(y) < 1.0e-9_DP) y = sag * (cos(2.0_DP * x) - 1.0_DP) - merge(0.06_DP, 0.0_DP, is_upper)
+        mesh%coordinates(:2, node) = [x + 3.0_DP, y]
+      end do
+    end do
+  end subroutine fill_plate
+
+
   !> A block of 3 x 3 x 1 hexahedra on one of 2 x 2 x 1, the upper the slave.
   subroutine two_blocks(model, sag, friction, is_nlgeom, is_small)
     type(model_type), intent(out) :: model
@@ -202,10 +301,10 @@ contains
     model%pairs(1)%is_small_sliding = is_small
     associate (step => model%steps(1))
       step%is_nlgeom = is_nlgeom
-      allocate (step%prescribed(9), step%concentrated(0), step%distributed(0), step%prints(0))
-      do i = 1, 9
-        step%prescribed(i)%node = i
-        step%prescribed(i)%dof = 3
+      allocate (step%prescribed(27), step%concentrated(0), step%distributed(0), step%prints(0))
+      do i = 1, 27                                 ! all of the bottom: else the tangent is singular
+        step%prescribed(i)%node = 1 + (i - 1) / 3
+        step%prescribed(i)%dof = 1 + mod(i - 1, 3)
       end do
     end associate
   end subroutine two_blocks

@@ -335,12 +335,39 @@ def test_springs_and_mass(run_deck: Run, tmp_path: Path) -> None:
     near(found["RF"][0, 2], 20, 1e-12, "weight")
 
 
-def test_contact_wants_solids(run_deck: Run) -> None:
-    """Contact between edges is refused with what to do."""
-    body = sheet("CPE", "4", (2, 2), square)
-    deck = body.cards() + material(1000, 0.3) + (
-        "*SURFACE, NAME=S1\n1, S1\n*SURFACE, NAME=S2\n4, S3\n*SURFACE INTERACTION, NAME=I\n*FRICTION\n0.1\n"
-        "*CONTACT PAIR, INTERACTION=I\nS1, S2\n") + step(supports(body.where(1, 0.0), 1, 2))
+def test_contact_wants_one_kind(run_deck: Run) -> None:
+    """A face cannot touch an edge: refused, with what is wrong."""
+    deck = """*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+11, 0., 1., 0.
+12, 1., 1., 0.
+13, 1., 2., 0.
+14, 0., 2., 0.
+*ELEMENT, TYPE=C3D8, ELSET=SOLID
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*ELEMENT, TYPE=CPE4, ELSET=PLATE
+2, 11, 12, 13, 14
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.3
+*SOLID SECTION, ELSET=SOLID, MATERIAL=M
+*SOLID SECTION, ELSET=PLATE, MATERIAL=M
+1.
+*SURFACE, NAME=FACE
+1, S5
+*SURFACE, NAME=EDGE
+2, S1
+*SURFACE INTERACTION, NAME=I
+*CONTACT PAIR, INTERACTION=I
+EDGE, FACE
+""" + step("*BOUNDARY\n1, 1, 3\n2, 1, 3\n")
     done = run_deck(deck)
     assert done.returncode == 4
-    assert "solids in space" in done.stdout + done.stderr
+    assert "both surfaces must be of one kind" in done.stdout + done.stderr
