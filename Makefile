@@ -84,7 +84,7 @@ $(B)/$(1).o: $(foreach used,$(filter $(ROOMS),$(uses_$(1))),$(B)/$(used).o)
 endef
 $(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
 
-.PHONY: bench study all build ready proven deps run programs test check verify unit debug sanitize format lint doc install hooks clean help
+.PHONY: report bench study all build ready proven deps run programs test check verify unit debug sanitize format lint doc install hooks clean help
 
 all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize: into build/debug, ...; WERROR=1)
 	@$(MAKE) build
@@ -153,6 +153,9 @@ run: all $(VENV)/installed ## Run input/shear_block.inp with progress; results a
 	$(BIN)/amontons --outdir results input/shear_block.inp
 	$(PY) verify/picture.py results/shear_block.vtkhdf --output results/shear_block.png
 	@echo "The picture is results/shear_block.png; open results/shear_block.vtkhdf with ParaView for the rest."
+
+report: all $(VENV)/installed ## Turn JOB=job.vtkhdf into one HTML page beside it (default: results/shear_block.vtkhdf)
+	@PYTHONPATH=python $(PY) -m amontons.report $(or $(JOB),results/shear_block.vtkhdf) --program $(BIN)/amontons
 
 programs: all
 	@$(MAKE) unit

@@ -1,0 +1,285 @@
+"""The sections of the report: each a function from the job to HTML.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from html import escape
+
+import numpy as np
+
+from amontons.report import charts
+from amontons.report.charts import Series, number
+from amontons.report.data import Floats, Ints, Job
+
+SEARCHES = ["none", "all", "global", "nodal", "automatic"]
+SCENARIOS = ["I slipped too far", "II not enough slip", "III backed up too far", "IV backing up"]
+SCENARIO_COLOURS = ["#4daf7c", "#f2c14e", "#d1495b", "#6c5b9e"]
+STATUS_NAMES = ["open", "stick", "slip"]
+UNTOLD = 1.0e29  #: written for what was no finite number
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[object]], kind: str = "") -> str:
+    """A table; cells that are numbers stand to the right. A cell that starts with < is HTML."""
+    lines = [f'<div class="wide"><table class="{kind}"><thead><tr>' + "".join(f"<th>{escape(h)}</th>" for h in head) + "</tr></thead><tbody>"]
+    for row in rows:
+        cells = []
+        for value in row:
+            if isinstance(value, (float, np.floating)):
+                cells.append(f'<td class="n">{number(float(value))}</td>')
+            elif isinstance(value, (int, np.integer)):
+                cells.append(f'<td class="n">{value}</td>')
+            else:
+                text = str(value)
+                cells.append(f"<td>{text if text.startswith('<') else escape(text)}</td>")
+        lines.append("<tr>" + "".join(cells) + "</tr>")
+    return "".join(lines) + "</tbody></table></div>"
+
+
+def verdict(job: Job) -> tuple[bool, str]:
+    """Whether the job is done, in a sentence."""
+    asked = float(np.sum(job.steps["period"]))
+    done = float(job.times[-1]) if len(job.times) else 0.0
+    rows = job.attempts()
+    failed = int(np.sum(job.history["is_converged"][rows] == 0))
+    reached = float(np.max(job.history["total_time"][rows & (job.history["is_converged"] == 1)], initial=0.0))
+    if reached >= asked * (1 - 1e-9):
+        return True, f"All {len(job.steps['period'])} steps are done, to time {number(reached)}; {failed} attempts were cut back."
+    reason = next((str(r) for r in reversed(job.history["reason"].tolist()) if str(r)), "") if "reason" in job.history else ""
+    return False, f"The job stands at time {number(max(reached, done))} of {number(asked)}. {reason}"
+
+
+def model_summary(job: Job) -> str:
+    """Sizes, kinds, materials, pairs, steps."""
+    low, high = job.points.min(axis=0), job.points.max(axis=0)
+    kinds = ", ".join(f"{n} {kind}" for kind, n in Counter(job.kinds).most_common())
+    rows = [
+        ("Nodes", f"{len(job.points)}"),
+        ("Elements", kinds),
+        ("Box", " x ".join(number(float(v)) for v in high - low) + f" from ({', '.join(number(float(v)) for v in low)})"),
+        ("Slave nodes", f"{len(np.unique(job.slave_node))}"),
+        ("Increments", f"{int(np.sum(job.history['is_converged'][job.attempts()]))} converged, {len(job.times)} frames on file (the initial state is one)"),
+        ("Dialect, version", f"{job.dialect}, Amontons {job.version}"),
+    ]
+    parts = [table(("what", "value"), rows, "facts")]
+    m = job.materials
+    parts.append("<h3>Materials</h3>" + table(
+        ("material", "law at finite strain", "Young's modulus", "Poisson's ratio", "density"),
+        zip(m["name"], m["law"], m["youngs_modulus"], m["poissons_ratio"], m["density"], strict=True)))  # fmt: skip
+    p = job.pairs
+    if len(p["slave"]):
+        parts.append("<h3>Contact pairs</h3>" + table(
+            ("slave", "master", "friction", "sliding", "slave nodes"),
+            ((s, t, float(mu), "small" if small else "finite", int(np.sum(job.slave_pair == i)))
+             for i, (s, t, mu, small) in enumerate(zip(p["slave"], p["master"], p["friction"], p["is_small_sliding"], strict=True)))))  # fmt: skip
+    return "".join(parts)
+
+
+def deck_cards(text: str) -> Counter[str]:
+    """How often each card stands in the deck."""
+    found: Counter[str] = Counter()
+    for line in text.splitlines():
+        match = re.match(r"\*([A-Za-z][^,*]*)", line.strip())
+        if match and not line.strip().startswith("**"):
+            found[re.sub(r"\s+", " ", match.group(1).strip().upper())] += 1
+    return found
+
+
+def read_card_table(text: str) -> dict[str, tuple[str, str]]:
+    """Card to (status, sentence) from what `amontons --cards` prints."""
+    result: dict[str, tuple[str, str]] = {}
+    name = ""
+    for line in text.splitlines():
+        head = re.match(r"\*([A-Z][A-Z0-9 -]*?)  \((.*)\)$", line)
+        if head:
+            name = head.group(1)
+            continue
+        group = re.match(r"(No effect|Refused|refused|no effect)[^:]*: (.*)", line)
+        if group:
+            name = ""
+        if line.strip() and name and name not in result:
+            result[name] = ("used", line.strip())
+    return result
+
+
+def honesty(job: Job, cards: str) -> str:
+    """Every card of the deck: used or without effect; then the numbers that were taken."""
+    known = read_card_table(cards)
+    rows = []
+    for card, count in sorted(deck_cards(job.deck).items()):
+        status, sentence = known.get(card, ("", ""))
+        if known and not status:
+            status, sentence = "no effect", "Accepted; it cannot change the solution."
+        rows.append((f"*{card}", count, f'<b class="{"good" if status == "used" else "quiet"}">{status or "accepted"}</b>', sentence))
+    text = table(("card", "times", "status", "what it does"), rows)
+    if not known:
+        text += ('<p class="note">The program was not found, so the table tells no more than which cards there are: name it by '
+                 "<code>--program</code>. Cards that are not supported end a job before it starts.</p>")  # fmt: skip
+    s = job.steps
+    text += "<h3>Steps, as they were taken</h3>" + table(
+        ("step", "title", "geometry", "period", "first dt", "least dt", "largest dt", "most increments", "line search"),
+        ((i + 1, str(s["title"][i]), "finite" if s["is_nlgeom"][i] else "linear", float(s["period"][i]), float(s["dt_initial"][i]),
+          float(s["dt_min"][i]), float(s["dt_max"][i]), int(s["max_increments"][i]), SEARCHES[int(s["line_search"][i])])
+         for i in range(len(s["period"]))))  # fmt: skip
+    names = [n for n in ("r_n", "c_n", "r_p", "r_l", "s_max", "s_min", "gap_tolerance", "i_0", "i_r", "i_p", "i_c", "i_l", "i_g",
+                         "i_a", "d_f", "d_c", "d_b", "d_d") if n in job.controls]  # fmt: skip
+    text += "<h3>Controls, as they were taken</h3>" + table(
+        ("step", *names), ((i + 1, *(job.controls[n][i].item() for n in names)) for i in range(len(s["period"]))))
+    return text
+
+
+def convergence(job: Job) -> str:
+    """Residual and correction over the iterations, iterations per increment, and the attempts that failed."""
+    it = job.iterations
+    count = np.arange(1, len(it["residual"]) + 1, dtype=float)
+    starts = count[np.asarray(it["iteration"]) == 1] - 0.5
+    good = np.asarray(it["residual"]) < UNTOLD
+    series = [Series("largest imbalance over largest force", count[good], np.asarray(it["residual"])[good])]
+    good = np.asarray(it["correction"]) < UNTOLD
+    series.append(Series("largest correction over largest increment", count[good], np.asarray(it["correction"])[good]))
+    text = charts.lines(series, "Newton iteration, all steps", "relative size", is_log=True, marks=starts[:200], has_dots=len(count) < 150)
+    rows = job.attempts()
+    h = {name: column[rows] for name, column in job.history.items() if getattr(column, "shape", ())}
+    good = np.asarray(h["is_converged"]) == 1
+    total = int(np.sum(h["n_iterations"]))
+    text += (f"<p>{int(good.sum())} increments, {int((~good).sum())} attempts that failed, {total} iterations, "
+             f"{total / max(int(good.sum()), 1):.2f} per increment; {int(np.sum(h['n_factorisations']))} factorisations, "
+             f"{int(np.sum(h['n_krylov']))} Krylov iterations.</p>")  # fmt: skip
+    text += charts.columns(["iterations that converged", "iterations that failed"],
+                           np.stack([h["n_iterations"] * good, h["n_iterations"] * ~good], axis=1), "attempt", "iterations",
+                           ["#2166ac", "#d1495b"])  # fmt: skip
+    bad = np.flatnonzero(~good)
+    if len(bad):
+        text += "<h3>Attempts that failed</h3>" + table(
+            ("step", "increment", "attempt", "time", "dt", "iterations", "why"),
+            ((int(h["step"][i]), int(h["increment"][i]), int(h["attempt"][i]), float(h["total_time"][i]), float(h["dt"][i]),
+              int(h["n_iterations"][i]), str(h["reason"][i])) for i in bad[:60]))  # fmt: skip
+    return text
+
+
+def scenarios(job: Job) -> str:
+    """Scenario and status counts over the iterations."""
+    if not len(job.slave_node):
+        return '<p class="none">The job has no contact pair.</p>'
+    it = job.iterations
+    text = charts.columns(SCENARIOS, np.asarray(it["n_scenario"]), "Newton iteration, all steps", "slave nodes", SCENARIO_COLOURS)
+    text += charts.columns(STATUS_NAMES, np.asarray(it["n_status"]), "Newton iteration, all steps", "slave nodes", charts.STATUS)
+    return text
+
+
+def ledger(job: Job) -> str:
+    """Forces and energies at the end of each step, and over time."""
+    rows = job.attempts() & (job.history["is_converged"] == 1)
+    h = {name: column[rows] for name, column in job.history.items() if getattr(column, "shape", ())}
+    if not len(h["step"]):
+        return '<p class="none">No increment has converged.</p>'
+    last = [int(np.flatnonzero(h["step"] == s)[-1]) for s in np.unique(h["step"])]
+    lines = []
+    for i in last:
+        forces = [np.asarray(h[name][i]) for name in ("applied_force", "reaction_force", "contact_force")]
+        rest = sum(forces)
+        size = max(float(np.linalg.norm(f)) for f in (*forces, np.asarray(h["slave_force"][i])))
+        told = [vector(np.asarray(f), size) for f in (*forces, h["slave_force"][i])]
+        lines.append((int(h["step"][i]), float(h["total_time"][i]), *told, float(np.linalg.norm(rest) / size) if size else 0.0))
+    text = "<h3>Sums of forces at the end of each step</h3>" + table(
+        ("step", "time", "applied", "reactions", "contact, slaves and masters", "contact on slaves", "imbalance over the largest"), lines)
+    work = [np.asarray(h[name], dtype=float) for name in ("external_work", "strain_energy", "friction_work")]
+    text += "<h3>Energy at the end of each step</h3>" + table(
+        ("step", "time", "external work", "strain energy", "friction", "the rest"),
+        ((int(h["step"][i]), float(h["total_time"][i]), *(float(w[i]) for w in work), float(work[0][i] - work[1][i] - work[2][i])) for i in last))
+    text += ('<p class="note">The rest is what plasticity and creep took, compliant contact stores, and the error of the '
+             "trapezoidal rule by which external work is summed.</p>")  # fmt: skip
+    time = np.asarray(h["total_time"], dtype=float)
+    text += charts.lines([Series("external work", time, work[0]), Series("strain energy", time, work[1]), Series("friction", time, work[2])],
+                         "time", "energy")  # fmt: skip
+    slave, reaction = np.asarray(h["slave_force"]), np.asarray(h["reaction_force"])
+    names = "xyz"
+    shown = [Series(f"contact on slaves, {names[k]}", time, slave[:, k]) for k in range(3) if np.abs(slave[:, k]).max() > 1e-9 * max(np.abs(slave).max(), 1e-300)]
+    if not shown:
+        shown = [Series(f"reactions, {names[k]}", time, reaction[:, k]) for k in range(3) if np.abs(reaction[:, k]).max() > 0]
+    return text + charts.lines(shown, "time", "force")
+
+
+def vector(value: Floats, size: float) -> str:
+    """Three numbers; beside a size those of rounding are 0."""
+    return "(" + ", ".join(number(float(v)) if abs(v) > 1e-12 * size else "0" for v in value) + ")"
+
+
+def maps(job: Job) -> str:
+    """Pressure, friction, slip and status on the slave side of each pair at the last frame."""
+    if not len(job.slave_node):
+        return '<p class="none">The job has no contact pair.</p>'
+    text = ""
+    for i in range(len(job.pairs["slave"])):
+        nodes = np.unique(job.slave_node[job.slave_pair == i])
+        if len(nodes):
+            text += f"<h3>{escape(str(job.pairs['slave'][i]))} on {escape(str(job.pairs['master'][i]))}</h3>" + pair_maps(job, nodes)
+    return text
+
+
+def pair_maps(job: Job, nodes: Ints) -> str:
+    """The maps of one slave surface; of a plane model curves."""
+    last = {name: values[-1] for name, values in job.fields.items()}
+    shear, slip = (np.linalg.norm(last[name], axis=1) for name in ("CSHEAR", "CSLIP"))
+    is_slave = np.zeros(len(job.points), dtype=bool)
+    is_slave[nodes] = True
+    rings = [] if job.is_plane else [(r, c) for r, c in zip(job.skin.rings, job.skin.corners, strict=True) if is_slave[r].all()]
+    if not rings:
+        return pair_curves(job, nodes, shear, slip)
+    x = job.points
+    normal = sum((np.cross(x[c[2]] - x[c[0]], x[c[-1]] - x[c[1]]) if len(c) == 4 else np.cross(x[c[1]] - x[c[0]], x[c[2]] - x[c[0]])
+                  for _, c in rings), np.zeros(3))  # fmt: skip
+    dropped = int(np.argmax(np.abs(normal)))
+    kept = [d for d in range(3) if d != dropped]
+    rings = rings[:: max(1, len(rings) // 6000)]
+    shapes = [x[ring][:, kept] for ring, _ in rings]
+    names = ("xyz"[kept[0]], "xyz"[kept[1]])
+
+    def mean(values: Floats) -> list[float]:
+        return [float(values[ring].mean()) for ring, _ in rings]
+
+    status = [float(max(last["CSTATUS"][ring])) for ring, _ in rings]
+    return ('<div class="maps">' + charts.patches(shapes, mean(last["CPRESS"]), "Pressure", job.units.get("CPRESS", ""), names)
+            + charts.patches(shapes, mean(shear), "Friction", job.units.get("CSHEAR", ""), names)
+            + charts.patches(shapes, mean(slip), "Slip since the start", job.units.get("CSLIP", ""), names)
+            + charts.patches(shapes, status, "Status", "", names, list(zip(STATUS_NAMES, charts.STATUS, strict=True))) + "</div>")  # fmt: skip
+
+
+def pair_curves(job: Job, nodes: Ints, shear: Floats, slip: Floats) -> str:
+    """Curves along the direction in which the slave nodes reach farthest."""
+    d = int(np.argmax(np.ptp(job.points[nodes], axis=0)))
+    order = nodes[np.argsort(job.points[nodes, d], kind="stable")]
+    at, pressure = job.points[order, d], job.fields["CPRESS"][-1]
+    text = charts.lines([Series("pressure", at, pressure[order]), Series("friction", at, shear[order])], "xyz"[d], "stress", has_dots=True)
+    return text + charts.lines([Series("slip since the start", at, slip[order])], "xyz"[d], "length", has_dots=True)
+
+
+def worst_nodes(job: Job) -> str:
+    """The nodes with the largest values at the last frame."""
+    last = {name: values[-1] for name, values in job.fields.items()}
+    ways: list[tuple[str, str, Callable[[], Floats]]] = [
+        ("displacement", "U", lambda: np.linalg.norm(last["U"], axis=1)),
+        ("Mises stress", "S_mises", lambda: last["S_mises"]),
+        ("reaction", "RF", lambda: np.linalg.norm(last["RF"], axis=1)),
+        ("contact pressure", "CPRESS", lambda: last["CPRESS"]),
+        ("slip", "CSLIP", lambda: np.linalg.norm(last["CSLIP"], axis=1)),
+        ("penetration", "COPEN", lambda: np.where(last["CSTATUS"] > 0, -last["COPEN"], 0.0)),
+        ("plastic strain", "PEEQ", lambda: last["PEEQ"]),
+    ]
+    rows = []
+    for name, source, values in ways:
+        if source not in last:
+            continue
+        size = values()
+        for rank, node in enumerate(np.argsort(-size, kind="stable")[:3], start=1):
+            if size[node] > 0:
+                place = ", ".join(number(float(v)) for v in job.points[node])
+                button = f'<button class="node" data-node="{node}">{job.labels[node]}</button>'
+                rows.append((name if rank == 1 else "", rank, button, float(size[node]), job.units.get(source, ""), place))
+    return table(("what", "", "node", "value", "unit", "where it was at the start"), rows) + (
+        '<p class="note">A click on a node shows it in the view. Stresses are those at the nodes, extrapolated from the '
+        "integration points and averaged: at a singular corner they grow with every refinement.</p>")

@@ -1,0 +1,120 @@
+"""The page of a job: what it says, that it loads nothing, and that a browser shows it without a complaint.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Run
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE / "decks"), str(HERE.parent / "python")]
+
+import make_decks  # noqa: E402
+from amontons.report import main, make_report  # noqa: E402
+from amontons.report.data import Job, read_job  # noqa: E402
+from solids import KINDS, as_kind, node_set  # noqa: E402
+
+BROWSER = next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
+LOADS = r"""<(?:link|script|img|iframe|object|embed)[^>]*(?:src|href)=|@import|url\(|\bfetch\(|XMLHttpRequest|WebSocket|https?://"""
+
+
+@pytest.fixture(scope="module")
+def cubes(run: Run, root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A job with contact."""
+    folder = tmp_path_factory.mktemp("cubes")
+    assert run(["--quiet", "--outdir", folder, root / "input" / "three_cubes.inp"]).returncode == 0
+    return folder / "three_cubes.vtkhdf"
+
+
+def bar(kind: str) -> str:
+    """Two cells of a kind under tension, and a truss beside them."""
+    solid = as_kind(make_decks.block([0.0, 1.0, 2.0], [0.0, 1.0], [0.0, 1.0], "BAR"), kind)
+    left, right = (np.flatnonzero(np.abs(solid.nodes[:, 0] - x) < 1e-9) for x in (0.0, 2.0))
+    n = len(solid.nodes)
+    return (solid.cards() + node_set("LEFT", left) + node_set("RIGHT", right)
+            + f"*NODE\n{n + 1}, 0., 2., 0.\n{n + 2}, 2., 2., 0.\n*NSET, NSET=ENDS\n{n + 1}, {n + 2}\n"
+            + f"*ELEMENT, TYPE=T3D2, ELSET=ROD\n{len(solid.elements) + 1}, {n + 1}, {n + 2}\n"
+            "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.3\n*SOLID SECTION, ELSET=ALL, MATERIAL=M\n"
+            "*SOLID SECTION, ELSET=ROD, MATERIAL=M\n0.01\n"
+            "*STEP\n*STATIC\n*BOUNDARY\nLEFT, 1, 3\nRIGHT, 1, 1, 0.01\nENDS, 1, 3\n*END STEP\n")  # fmt: skip
+
+
+def enclosed_volume(job: Job) -> float:
+    """Of the bodies, by Gauss's theorem over the triangles of the skin; the edges of quadratic faces are straight here."""
+    a, b, c = (job.points[job.skin.triangles()[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_skin_is_closed(run_deck: Run, tmp_path: Path, kind: str) -> None:
+    """The outer faces of every kind enclose its volume, turned outward; a truss is a line."""
+    assert run_deck(bar(kind), "--quiet").returncode == 0
+    job = read_job(tmp_path / "job.vtkhdf")
+    assert enclosed_volume(job) == pytest.approx(2.0, rel=1e-12)
+    assert len(job.lines) == 1
+
+
+def test_what_it_says(cubes: Path, program: Path) -> None:
+    """The tables hold the numbers of the file; every card of the deck is told; nothing is loaded."""
+    job = read_job(cubes)
+    cards = subprocess.run([program, "--cards"], capture_output=True, text=True, check=True).stdout
+    page = make_report(job, cards)
+    assert "All 2 steps are done" in page
+    for title in ("Deformed bodies", "Contact at the last frame", "Forces and energies", "Convergence", "Slip scenarios",
+                  "Largest values", "The deck, card by card"):  # fmt: skip
+        assert title in page
+    for card in ("*CONTACT PAIR", "*FRICTION", "*BOUNDARY", "*STATIC"):
+        assert f"<td>{card}</td>" in page
+    worst = int(np.argmax(job.fields["CPRESS"][-1]))
+    assert f'data-node="{worst}">{job.labels[worst]}<' in page
+    total = int(np.sum(job.history["n_iterations"]))
+    assert f"{total} iterations" in page
+    text = page[: page.index('id="job"')] + page[page.rindex("<script>") :]
+    loads = [hit for hit in re.findall(LOADS, text) if hit != '<link rel="icon" href=']
+    assert loads == []
+
+
+def test_command(cubes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The command writes the page; a file that is none of ours is refused with exit code 7."""
+    assert main([str(cubes), "--output", str(tmp_path / "page.html")]) == 0
+    assert (tmp_path / "page.html").read_text().startswith("<!DOCTYPE html>")
+    (tmp_path / "no.vtkhdf").write_text("nothing")
+    assert main([str(tmp_path / "no.vtkhdf")]) == 7
+    assert "*ERROR" in capsys.readouterr().err
+
+
+def open_in_browser(page: Path, folder: Path) -> tuple[str, str]:
+    """The document after its scripts have run, and what the browser had to say."""
+    done = subprocess.run(
+        [BROWSER or "", "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+         "--disable-background-networking", "--no-first-run", f"--user-data-dir={folder / 'profile'}", "--window-size=1200,1500",
+         "--virtual-time-budget=5000", "--enable-logging=stderr", "--v=0", "--dump-dom", page.as_uri()],
+        capture_output=True, text=True, timeout=240, check=False)  # fmt: skip
+    return done.stdout, done.stderr
+
+
+@pytest.mark.skipif(BROWSER is None, reason="Chromium is not installed (apt-get install chromium)")
+@pytest.mark.parametrize("case", ["contact", "quadratic"])
+def test_in_a_browser(cubes: Path, run_deck: Run, tmp_path: Path, case: str) -> None:
+    """The view is drawn, the console stays empty, and nothing was asked of anybody."""
+    result = cubes
+    if case == "quadratic":
+        assert run_deck(bar("C3D20R"), "--quiet").returncode == 0
+        result = tmp_path / "job.vtkhdf"
+    page = tmp_path / "page.html"
+    assert main([str(result), "--output", str(page)]) == 0
+    document, told = open_in_browser(page, tmp_path)
+    complaints = [line for line in told.splitlines() if "CONSOLE" in line]
+    assert complaints == []
+    assert re.search(r'data-drawn="[1-9]', document), "the view was not drawn: " + told[-1500:]
+    assert 'data-requests="0"' in document
+    assert '<p id="nogl" class="none" hidden' in document
