@@ -94,7 +94,7 @@ build: $(PRODUCTS)
 
 $(BIN)/amontons: $(B)/main.o $(LIB)/libamontons.a
 	@echo "linking   $@" && mkdir -p $(@D)
-	$(Q)$(FC) $(FFLAGS) -o $@ $^ $(LDLIBS)
+	$(Q)$(FC) $(FFLAGS) -rdynamic -o $@ $^ $(LDLIBS)
 
 $(LIB)/libamontons.a: $(OBJECTS)
 	@echo "linking   $@" && mkdir -p $(@D) && rm -f $@

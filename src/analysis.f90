@@ -18,6 +18,7 @@ module amontons_analysis
   use amontons_state, only: state_type, commit_state, restore_state
   use amontons_contact, only: commit_slip
   use amontons_adjust, only: adjust_slaves
+  use amontons_user_job, only: start_routines, heed_routines
   use amontons_fasten, only: fasten_model
   use amontons_system, only: system_type, create_system, begin_step, begin_increment
   use amontons_audit, only: audit_model, audit_summary
@@ -62,6 +63,7 @@ module amontons_analysis
     logical :: has_files = .false.                 !< result files are open
     type(iteration_record_type), allocatable :: iterations(:)   !< those that are not in the result file
     integer :: n_iterations = 0
+    real(DP) :: pnewdt = 1                         !< smallest that user routines asked for in this attempt [-]
     logical :: is_trial = .false.                  !< .sta and .cvg get their lines only when they are committed
     logical :: is_step_start = .true.              !< the next increment is the first of its step
     integer(I64) :: clock = 0                      !< when the attempt began
@@ -94,6 +96,8 @@ contains
       call read_deck(options, analysis%model, analysis%complaints, error)
     end if
     call journal%complain(analysis%complaints)
+    if (allocated(error)) return
+    call start_routines(analysis%model, options, error)
     if (allocated(error)) return
     call fasten_model(analysis%model, error)
     if (allocated(error)) return
@@ -333,6 +337,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     associate (step => analysis%model%steps(analysis%stepper%step))
       call iterate(analysis%newton, analysis%system, analysis%model, step, analysis%state, verdict, error)
+      if (.not. allocated(error)) call heed_routines(analysis%model, journal, analysis%pnewdt, error)
       if (allocated(error)) return
       call tell_iteration(analysis, journal)
       if (verdict == VERDICT_CONVERGED) call accept(analysis, step)
@@ -518,8 +523,11 @@ contains
     type(analysis_type), intent(inout) :: analysis
     real(DP), intent(in) :: dt                     !< [time]
     call restore_state(analysis%state)
+    analysis%pnewdt = 1.0_DP
     analysis%state%new%step_time = analysis%stepper%step_time + dt
     analysis%state%new%total_time = analysis%stepper%total_time + dt
+    analysis%state%new%step = analysis%stepper%step
+    analysis%state%new%increment = analysis%stepper%increment
     analysis%system%seconds = 0.0_DP
     analysis%system%n_factorisations = 0
     analysis%system%n_krylov = 0
@@ -580,9 +588,12 @@ contains
     character(120) :: place
     associate (record => analysis%records(analysis%n_records))
       record%reason = failure_reason(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
+      if (analysis%pnewdt < 1.0_DP) record%reason = 'A user routine asks for a smaller increment: PNEWDT is ' // &
+        text_of(analysis%pnewdt) // '.'
       call close_record(analysis, record)
       call tell_attempt(analysis, journal)
       call reject_increment(analysis%stepper, step, dt, verdict, outcome)
+      if (analysis%pnewdt < 1.0_DP .and. outcome == CUT_BACK) analysis%stepper%dt = max(step%dt_min, analysis%pnewdt * dt)
       if (outcome /= CUT_BACK) then
         write (place, '(a,i0,a,i0,a,i0,a,i0,a)') 'Step ', record%step, ', increment ', record%increment, ', attempt ', &
           record%attempt, ', iteration ', record%n_iterations, ': '

@@ -10,6 +10,7 @@ module amontons_assembly
   use amontons_errors, only: error_type
   use amontons_topology, only: element_kind, kind_type, KIND_MASS, FAMILY_SOLID, MAX_NODES, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, element_nodes
+  use amontons_materials, only: MAX_HISTORY
   use amontons_model, only: model_type, direction_of
   use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
   use amontons_steps, only: step_type
@@ -19,6 +20,7 @@ module amontons_assembly
   use amontons_element, only: element_forces, element_tangent, element_body_force, facet_pressure, edge_pressure, &
     points_type, ELEMENT_OK
   use amontons_spin, only: centrifugal_forces
+  use amontons_user_state, only: bring_user, keep_user
   implicit none
   private
   public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads, add_coupling
@@ -388,13 +390,15 @@ contains
     call element_nodes(model%mesh, e, n, nodes)
     associate (material => model%materials(material_of(model%mesh, e)), fields => state%new)
       call bring_along(model, state, e, points)
+      if (material%is_user) call bring_user(model, state, e, is_nlgeom, points)
       call element_forces(model%mesh%kind(e), material, model%mesh%coordinates(:, nodes(:n)), fields%u(:, nodes(:n)), &
         is_nlgeom, force, points, status)
       if (status /= ELEMENT_OK) then
         failed = min(failed, e)
         return
       end if
-      call keep_points(model%mesh, e, material%n_history, points, fields)
+      call keep_points(model%mesh, e, merge(0, material%n_history, material%is_user), points, fields)
+      if (material%is_user) call keep_user(model, e, points, fields)
       do a = 1, n
         fields%internal_force(:, nodes(a)) = fields%internal_force(:, nodes(a)) + force(:, a)
       end do
@@ -423,7 +427,7 @@ contains
     call element_nodes(model%mesh, e, n, nodes)
     p = model%mesh%point_first(e)
     m = model%mesh%point_first(e + 1) - p
-    k = model%materials(material_of(model%mesh, e))%n_history
+    k = min(MAX_HISTORY, model%materials(material_of(model%mesh, e))%n_history)
     points%past = 0.0_DP
     points%past(:k, :m) = state%old%history(:k, p:p + m - 1)
     points%temperature(:n) = state%new%temperature(nodes(:n))
@@ -495,6 +499,7 @@ contains
     integer :: n, a, b, k, status, nodes(MAX_NODES)
     call element_nodes(model%mesh, e, n, nodes)
     call bring_along(model, state, e, points)
+    if (model%materials(material_of(model%mesh, e))%is_user) call bring_user(model, state, e, is_nlgeom, points)
     call element_tangent(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), &
       model%mesh%coordinates(:, nodes(:n)), state%new%u(:, nodes(:n)), is_nlgeom, stiffness, points, status)
     if (status /= ELEMENT_OK) then

@@ -126,8 +126,9 @@ contains
       end do
     end do
     do m = 1, size(model%materials)
-      if (is_used(m) .and. .not. model%materials(m)%has_elastic) call complain(report, 'The material ' // &
-        model%materials(m)%name // ' is used by a *SOLID SECTION but has no *ELASTIC. Give it E and nu.')
+      if (is_used(m) .and. .not. (model%materials(m)%has_elastic .or. model%materials(m)%is_user)) &
+        call complain(report, 'The material ' // model%materials(m)%name // &
+        ' is used by a *SOLID SECTION but has no *ELASTIC. Give it E and nu.')
       if (is_heavy(m) .and. .not. model%materials(m)%has_density) call complain(report, &
         'Gravity (*DLOAD, GRAV) acts on elements of the material ' // model%materials(m)%name // &
         ', which has no *DENSITY. Give it one.')
@@ -306,6 +307,8 @@ contains
       associate (material => model%materials(m))
         text = text // '    ' // material%name
         if (material%has_elastic) text = text // ', E ' // text_of(material%youngs_modulus) // ', nu ' // &
+          text_of(material%poissons_ratio)
+        if (material%is_user) text = text // ', of the user, at rest as E ' // text_of(material%youngs_modulus) // ', nu ' // &
           text_of(material%poissons_ratio)
         if (material%has_density) text = text // ', density ' // text_of(material%density)
         text = text // NEWLINE

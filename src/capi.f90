@@ -10,15 +10,15 @@ module amontons_capi
   use amontons_model, only: DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_sparse, only: sparse_type
   use amontons_library, only: job_type, job_options_type, listener_type, open_job, advance_job, advance_job_to, try_job, &
-    begin_job, iterate_job, commit_job, rollback_job, finish_job, is_job_done, get_values, set_values, get_matrix
+    begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, get_matrix
   implicit none
   private
 
-  integer(c_int32_t), parameter :: ABI = 1         !< AMONTONS_ABI of the header
+  integer(c_int32_t), parameter :: ABI = 2         !< AMONTONS_ABI of the header
   !> amontons_options of the header.
   type, bind(C) :: options_type
     integer(c_int32_t) :: abi, n_threads, has_files, has_checkpoint, is_resumed, is_check
-    type(c_ptr) :: deck, text, job, outdir, dialect
+    type(c_ptr) :: deck, text, job, outdir, dialect, user
     type(c_funptr) :: log
     type(c_ptr) :: context
   end type options_type
@@ -120,6 +120,7 @@ contains
     if (c_associated(options%text)) wanted%deck_text = text_at(options%text)
     if (c_associated(options%job)) wanted%job = text_at(options%job)
     if (c_associated(options%outdir)) wanted%outdir = text_at(options%outdir)
+    if (c_associated(options%user)) wanted%user = text_at(options%user)
     wanted%n_threads = max(1, options%n_threads)
     wanted%is_guarded = options%has_checkpoint /= 0
     wanted%is_resumed = options%is_resumed /= 0
@@ -144,7 +145,7 @@ contains
     type(error_type), allocatable :: error
     if (.not. c_associated(handle)) return
     call c_f_pointer(handle, self)
-    call finish_job(self%job, error)
+    call close_job(self%job, error)
     if (associated(self%message)) deallocate (self%message)
     deallocate (self)
   end subroutine capi_close
@@ -178,9 +179,7 @@ contains
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    status = EXIT_USAGE
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call advance_job(self%job, error)
     status = told(self, error)
   end function capi_advance
@@ -192,9 +191,7 @@ contains
     real(c_double), value :: total_time            !< [time]
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    status = EXIT_USAGE
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call advance_job_to(self%job, total_time, error)
     status = told(self, error)
   end function capi_advance_to
@@ -206,9 +203,7 @@ contains
     real(c_double), value :: dt                    !< [time]
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    status = EXIT_USAGE
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call try_job(self%job, dt, error)
     status = told(self, error)
   end function capi_try
@@ -220,9 +215,7 @@ contains
     real(c_double), value :: dt                    !< [time]
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    status = EXIT_USAGE
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call begin_job(self%job, dt, error)
     status = told(self, error)
   end function capi_begin
@@ -234,10 +227,8 @@ contains
     integer(c_int), intent(out) :: verdict         !< AMONTONS_GO_ON, ...
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    status = EXIT_USAGE
     verdict = 0
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call iterate_job(self%job, verdict, error)
     status = told(self, error)
   end function capi_iterate
@@ -248,9 +239,7 @@ contains
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    status = EXIT_USAGE
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call commit_job(self%job, error)
     status = told(self, error)
   end function capi_commit
@@ -261,9 +250,7 @@ contains
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    status = EXIT_USAGE
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call rollback_job(self%job, error)
     status = told(self, error)
   end function capi_rollback
@@ -274,9 +261,7 @@ contains
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    status = EXIT_USAGE
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call finish_job(self%job, error)
     status = told(self, error)
   end function capi_finish
@@ -293,11 +278,9 @@ contains
     type(error_type), allocatable :: error
     real(DP), allocatable :: found(:, :)
     real(c_double), pointer :: target(:, :)
-    status = EXIT_USAGE
     rows = 0
     columns = 0
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call get_values(self%job, text_at(quantity), text_at(set), found, error)
     if (.not. allocated(error)) then
       columns = size(found, 1, kind=c_int64_t)
@@ -320,9 +303,7 @@ contains
     real(c_double), intent(in) :: values(n)
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    status = EXIT_USAGE
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call set_values(self%job, text_at(quantity), text_at(set), values, error)
     status = told(self, error)
   end function capi_set
@@ -335,12 +316,10 @@ contains
     integer(c_int64_t), intent(out) :: rows, columns, entries
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    status = EXIT_USAGE
     rows = 0
     columns = 0
     entries = 0
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
+    if (.not. is_found(handle, self, status)) return
     call get_matrix(self%job, text_at(name), self%matrix, self%residual, error)
     if (.not. allocated(error)) then
       rows = int(self%matrix%n_rows, c_int64_t)
@@ -359,9 +338,8 @@ contains
     integer(c_int64_t), intent(out) :: column(*)   !< (entries), from 0
     real(c_double), intent(out) :: values(*)       !< (entries)
     type(handle_type), pointer :: self
+    if (.not. is_found(handle, self, status)) return
     status = EXIT_USAGE
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
     if (.not. allocated(self%matrix%first)) return
     first(:size(self%matrix%first)) = int(self%matrix%first, c_int64_t) - 1_c_int64_t
     column(:size(self%matrix%column)) = int(self%matrix%column, c_int64_t) - 1_c_int64_t
@@ -375,13 +353,25 @@ contains
     type(c_ptr), value :: handle
     real(c_double), intent(out) :: values(*)       !< (free unknowns) [force]
     type(handle_type), pointer :: self
+    if (.not. is_found(handle, self, status)) return
     status = EXIT_USAGE
-    if (.not. c_associated(handle)) return
-    call c_f_pointer(handle, self)
     if (.not. allocated(self%residual)) return
     values(:size(self%residual)) = self%residual
     status = EXIT_DONE
   end function capi_residual_copy
+
+
+  !> What a handle points to: what every verb asks first. There is nothing behind NULL.
+  logical function is_found(handle, self, status)
+    type(c_ptr), intent(in) :: handle
+    type(handle_type), pointer, intent(out) :: self
+    integer(c_int), intent(out) :: status          !< EXIT_USAGE if there is nothing
+    nullify (self)
+    status = EXIT_DONE
+    is_found = c_associated(handle)
+    if (is_found) call c_f_pointer(handle, self)
+    if (.not. is_found) status = EXIT_USAGE
+  end function is_found
 
 
   !> The status of a verb; the message of an error is kept.

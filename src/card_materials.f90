@@ -22,6 +22,7 @@ contains
     call describe_expansion(table)
     call describe_inelastic(table)
     call describe_rubber(table)
+    call describe_user(table)
     call describe_section(table)
     call describe_conditions(table)
   end subroutine describe_materials
@@ -96,6 +97,23 @@ contains
     call table%refuse_words('CREEP', 'Time counts from the start of the job.')
     call refuse_fields(table)
   end subroutine describe_inelastic
+
+
+  !> USER MATERIAL and DEPVAR.
+  subroutine describe_user(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('USER MATERIAL', IN_MODEL, 'The stress by a routine UMAT of the user, with the arguments of Abaqus, ' // &
+      'in place of ELASTIC: amontons job user=file. It is called for all elements as in space (NTENS = 6).', &
+      parent='MATERIAL', data='the constants, in lines of eight')
+    call table%option('CONSTANTS', VALUE_INTEGER, 'Number of constants (NPROPS).', default='required')
+    call table%option('TYPE', VALUE_WORD, 'What the routine gives.', allowed='MECHANICAL', default='MECHANICAL')
+    call table%refuse_words('THERMAL', 'There is no heat transfer.')
+    call table%option('UNSYMM', VALUE_NONE, 'The symmetric part of DDSDDE is taken.', status=STATUS_NOTED)
+    call table%option('HYBRID FORMULATION|EFFMOD', VALUE_TEXT, 'Only stress from strain.', status=STATUS_REFUSED)
+    call table%card('DEPVAR', IN_MODEL, 'Number of variables that UMAT keeps at each point (STATEV), zero at the ' // &
+      'start.', parent='MATERIAL', data='number; further lines that name the variables are passed over')
+    call table%option('DELETE', VALUE_TEXT, 'Elements are the same in all steps.', status=STATUS_REFUSED)
+  end subroutine describe_user
 
 
   !> Rubber and foam.

@@ -13,8 +13,8 @@ module amontons_card_table
     SECTION_VARIABLES
 
   character(*), parameter :: NODE_VARIABLES = 'U|RF'              !< what NODE PRINT knows
-  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|PEEQ|CEEQ|ENER|ELSE|EVOL' !< what EL PRINT knows
   character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< what SECTION PRINT knows, each asks for all
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL' !< what EL PRINT knows
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS' !< what CONTACT PRINT knows
 
 contains
@@ -504,8 +504,8 @@ contains
       'JOINTED MATERIAL|SUPERELASTIC|SHAPE MEMORY ALLOY|EOS|FABRIC|GASKET ELASTICITY|GASKET THICKNESS BEHAVIOR|' // &
       'VISCOUS|UNIAXIAL TEST DATA|BIAXIAL TEST DATA|PLANAR TEST DATA|SIMPLE SHEAR TEST DATA|VOLUMETRIC TEST DATA', &
       'Give the material with *ELASTIC, *PLASTIC, *CREEP, *HYPERELASTIC or *HYPERFOAM.')
-    call table%cards_with(STATUS_REFUSED, 'USER MATERIAL|USER ELEMENT|USER SECTION|USER DEFINED FIELD|UEL ' // &
-      'PROPERTY|DEPVAR', 'User subroutines do not exist here.')
+    call table%cards_with(STATUS_REFUSED, 'USER ELEMENT|USER SECTION|USER DEFINED FIELD|UEL PROPERTY', &
+      'Of the user subroutines there are UMAT, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
     call table%cards_with(STATUS_REFUSED, 'INITIAL STRAIN INCREASE|FIELD|PRESSURE STRESS|MASS FLOW RATE', &
       'Give *INITIAL CONDITIONS and *TEMPERATURE.')
     call table%cards_with(STATUS_REFUSED, 'TRANSFORMF|SYSTEM|NODAL ROTATION', &

@@ -75,6 +75,7 @@ contains
     type(point_type) :: point
     integer :: status
     call begin_point(material, points, 1, [real(DP) ::], point)
+    if (allocated(point%user)) deallocate (point%user)
     if (.not. material%is_plain) then
       point%past = 0
       point%temperature = sum(points%temperature(:n)) / real(n, DP)

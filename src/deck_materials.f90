@@ -9,14 +9,16 @@ module amontons_deck_materials
   use amontons_materials, only: material_type, table_type, curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
     HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
-    HISTORY_INELASTIC, HISTORY_BACK
+    HISTORY_INELASTIC, HISTORY_BACK, USER_STATE
   use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_user, only: CALL_NAME
   use amontons_text, only: text_of, parse_integer, parse_real, plural, NUMBER_OK
   implicit none
   private
   public :: read_materials, finish_materials
 
   integer, parameter :: FIELDS = 8               !< values of a data line
+  integer, parameter :: MOST_STATEV = 100000
 
 contains
 
@@ -82,6 +84,10 @@ contains
       call read_rubber(reader, c, material)
     case ('HYPERFOAM')
       call read_foam(reader, c, material)
+    case ('USERMATERIAL')
+      call read_user_material(reader, c, material)
+    case ('DEPVAR')
+      call read_depvar(reader, c, material)
     end select
   end subroutine read_property
 
@@ -116,7 +122,14 @@ contains
     character(:), allocatable :: who
     logical :: has_yield, is_rubber
     who = 'The material ''' // material%name // ''' '
-    if (.not. material%has_elastic) call complain(reader, line, who // 'has no *ELASTIC card.')
+    if (.not. (material%has_elastic .or. material%is_user)) call complain(reader, line, who // 'has no *ELASTIC card.')
+    if (material%n_statev > 0 .and. .not. material%is_user) call complain(reader, line, who // 'has *DEPVAR but no ' // &
+      '*USER MATERIAL.')
+    if (material%is_user .and. (material%has_elastic .or. allocated(material%isotropic) .or. &
+      allocated(material%kinematic) .or. material%creep_law /= CREEP_NONE)) call complain(reader, line, who // &
+      'has *USER MATERIAL beside laws of ours; UMAT gives the whole stress.')
+    if (material%is_user .and. len(material%name) > CALL_NAME) call complain(reader, line, who // 'has a name of ' // &
+      'more than ' // text_of(CALL_NAME) // ' letters, which UMAT cannot be given.')
     has_yield = allocated(material%isotropic) .or. allocated(material%kinematic)
     is_rubber = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
     if ((has_yield .or. material%creep_law /= CREEP_NONE) .and. (is_rubber .or. material%has_deformation_plasticity)) &
@@ -131,6 +144,58 @@ contains
         'is rubber or foam with anisotropic expansion, which is not supported.')
     end if
   end subroutine check_material
+
+
+  !> USER MATERIAL: the PROPS of UMAT.
+  subroutine read_user_material(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(material_type), intent(inout) :: material
+    type(parameter_type), allocatable :: parameters(:)
+    type(row_type) :: row
+    integer :: n, i, k, status
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    material%is_user = .true.
+    call parse_integer(parameter_text(parameters, 'CONSTANTS'), n, status)
+    if (status /= NUMBER_OK .or. n < 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'CONSTANTS must be the number of the constants of UMAT, 0 or more.')
+      return
+    end if
+    allocate (material%props(n), source=0.0_DP)
+    i = 0
+    is_ok = .true.
+    do while (next_row(reader%cards, row) .and. is_ok)
+      call need_at_most(reader, row, min(FIELDS, n - i))
+      do k = 1, min(FIELDS, n - i)
+        call need_real(reader, row, k, 'constant', material%props(i + k), is_ok, 0.0_DP)
+      end do
+      i = i + min(FIELDS, n - i)
+    end do
+    if (i < n .and. is_ok) call complain(reader, reader%cards%cards(c)%line, 'CONSTANTS is ' // text_of(n) // &
+      ', but there is room for only ' // text_of(i) // ' in the data lines, eight in each.')
+  end subroutine read_user_material
+
+
+  !> DEPVAR: the number of the STATEV. Lines that name them are passed over.
+  subroutine read_depvar(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(material_type), intent(inout) :: material
+    type(parameter_type), allocatable :: parameters(:)
+    type(row_type) :: row
+    integer :: n, status
+    call open_card(reader, c, parameters, row)
+    n = 0
+    status = -1
+    if (next_row(reader%cards, row)) call parse_integer(field_text(reader%cards, row, 1), n, status)
+    if (status /= NUMBER_OK .or. n < 1 .or. n > MOST_STATEV) then
+      call complain(reader, reader%cards%cards(c)%line, '*DEPVAR needs the number of the variables of UMAT: 1 to ' // &
+        text_of(MOST_STATEV) // '.')
+    else
+      material%n_statev = n
+    end if
+  end subroutine read_depvar
 
 
   !> What follows from the whole deck: which materials are plain, and how much history the others have. Without any
@@ -157,6 +222,8 @@ contains
           .not. allocated(material%expansion%value) .and. .not. material%has_deformation_plasticity
         if (allocated(material%elastic%value)) material%is_plain = material%is_plain .and. &
           size(material%elastic%value, 2) == 1
+        if (material%is_user) material%n_history = USER_STATE - 1 + material%n_statev
+        if (material%is_user) material%is_plain = .false.
       end associate
     end do
   end subroutine finish_materials

@@ -20,16 +20,17 @@ uses_partition = errors sparse
 uses_factor = kinds errors sparse
 uses_krylov = kinds errors sparse factor
 uses_store = kinds errors posix
+uses_user = kinds errors text
 
 # 2 model: what the user said, frozen after its check
 uses_topology =
 uses_mesh = kinds topology
-uses_materials = kinds
+uses_materials = kinds user
 uses_surfaces = kinds
 uses_loads = kinds
 uses_ties = kinds tensor
 uses_steps = kinds surfaces loads
-uses_model = kinds mesh materials surfaces loads ties steps
+uses_model = kinds user mesh materials surfaces loads ties steps
 
 # 3 reading: text to cards, cards to model
 uses_cards = kinds errors text lookup
@@ -40,7 +41,7 @@ uses_deck_reader = kinds text lookup mesh model cards card_form
 uses_deck_mesh = kinds text lookup topology mesh materials model cards card_form deck_reader
 uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
 uses_deck_model = kinds text lookup topology mesh surfaces loads model cards card_form deck_reader
-uses_deck_materials = kinds text materials model cards card_form deck_reader
+uses_deck_materials = kinds text user materials model cards card_form deck_reader
 uses_deck_conditions = kinds text lookup mesh materials loads model cards card_form deck_reader
 uses_deck_contact = kinds text mesh surfaces steps model cards card_form deck_reader
 uses_deck_bonds = kinds text tensor topology mesh loads ties model cards card_form deck_reader
@@ -56,8 +57,9 @@ uses_stress = kinds tensor materials principal
 uses_plastic = kinds materials
 uses_hyperelastic = kinds materials principal
 uses_log_strain = kinds tensor principal
-uses_material_point = kinds tensor materials principal stress plastic hyperelastic log_strain
-uses_points = kinds tensor topology materials material_point
+uses_user_material = kinds errors tensor user materials log_strain
+uses_material_point = kinds tensor materials principal stress plastic hyperelastic log_strain user_material
+uses_points = kinds tensor topology materials user_material material_point
 uses_condition = kinds tensor materials stress material_point points
 uses_hourglass = kinds tensor topology
 uses_enhanced = kinds tensor topology
@@ -75,9 +77,10 @@ uses_spin = kinds topology shapes element
 
 # 5 system: unknowns, residual, matrix
 uses_state = kinds tensor topology mesh materials loads steps model shapes material_point
+uses_user_state = kinds topology mesh materials model shapes points element state
 uses_constraints = kinds errors sparse
 uses_condensed = kinds errors sparse dense partition factor constraints
-uses_assembly = kinds errors sparse partition topology mesh loads steps model element spin state
+uses_assembly = kinds errors sparse partition topology mesh materials loads steps model element spin state user_state
 uses_bonds = kinds errors tensor loads ties model state constraints assembly
 uses_supports = kinds errors loads steps model state constraints bonds
 uses_fasten = kinds errors tensor topology loads ties model shapes facets search gap
@@ -108,8 +111,9 @@ uses_frd = kinds errors version history posix topology mesh materials steps mode
 # 7 roof: the job
 uses_restart = kinds errors posix store model state system newton stepper
 uses_failure = kinds text model state system converge forensics newton
-uses_analysis = kinds errors text history journal posix dense factor store steps model deck state fasten contact adjust system audit converge newton stepper results printed frd restart failure
+uses_user_job = kinds errors journal user model user_material
+uses_analysis = kinds errors text history journal posix dense factor store steps model deck state fasten contact adjust system audit converge newton stepper results printed frd restart failure user_job
 uses_drive = kinds errors text loads steps model
-uses_library = kinds errors text journal sparse model state system converge stepper columns results analysis drive
+uses_library = kinds errors text journal sparse user model state system converge stepper columns results analysis drive
 uses_capi = kinds errors version text sparse model library
 uses_main = errors version journal posix model card_table analysis

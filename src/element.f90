@@ -15,8 +15,8 @@ module amontons_element
   use amontons_materials, only: material_type
   use amontons_material_point, only: point_type, update_point
   use amontons_plane, only: plane_element, plane_volumes, plane_body_force, edge_pressure
-  use amontons_points, only: points_type, begin_point, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, &
-    ELEMENT_DEGENERATE
+  use amontons_points, only: points_type, begin_point, keep_history, ELEMENT_OK, ELEMENT_INVERTED, &
+    ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_principal, only: logarithm_1p
   use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, STRESS_OK, STRESS_INVERTED, &
@@ -638,7 +638,7 @@ contains
       if (is_nlgeom) points%stress(:, p) = point%stress / (1 + motion%j(p))
       points%strain(:, p) = point%strain
       points%energy(p) = point%energy
-      points%history(:, p) = point%history
+      call keep_history(point, points, p)
       points%volume(p) = motion%reference(p)
     end do
     if (status /= STRESS_OK) status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, status == STRESS_INVERTED)

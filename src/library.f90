@@ -16,6 +16,7 @@ module amontons_library
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
   use amontons_sparse, only: sparse_type, full_of, multiply_transpose
   use amontons_state, only: state_type
+  use amontons_user, only: close_routines
   use amontons_system, only: evaluate, linearise, tangent_matrix, TROUBLE_NONE
   use amontons_columns, only: column_type, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
   use amontons_results, only: point_fields, model_size
@@ -26,7 +27,7 @@ module amontons_library
   implicit none
   private
   public :: job_type, job_options_type, listener_type, error_type, sparse_type
-  public :: open_job, advance_job, advance_job_to, try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job
+  public :: open_job, advance_job, advance_job_to, try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job
   public :: is_job_done, get_values, set_values, get_matrix, VERDICT_GO_ON, VERDICT_CONVERGED
 
   real(DP), parameter :: SNAP = 1.0e-9_DP          !< a time this near to the one asked for is it, of the step's period [-]
@@ -250,6 +251,15 @@ contains
     job%is_begun = .false.
     call finish_analysis(job%analysis, job%journal, error)
   end subroutine finish_job
+
+
+  !> Finishes a job and closes what it holds open; after this it is not to be asked for anything.
+  subroutine close_job(job, error)
+    type(job_type), intent(inout) :: job
+    type(error_type), allocatable, intent(out) :: error
+    call finish_job(job, error)
+    call close_routines(job%analysis%model%routines)
+  end subroutine close_job
 
 
   !> Whether all steps are done.

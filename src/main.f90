@@ -106,7 +106,10 @@ contains
     name = word
     value = ''
     equals = index(word, '=')
-    if (index(word, '--') == 1 .and. equals > 0) then
+    if (equals > 0 .and. any(word(:max(1, equals - 1)) == ['user', 'job '])) then
+      name = '--' // word(:equals - 1)
+      value = word(equals + 1:)
+    else if (index(word, '--') == 1 .and. equals > 0) then
       name = word(:equals - 1)
       value = word(equals + 1:)
     else if (is_with_value(word)) then
@@ -126,7 +129,7 @@ contains
   pure function is_with_value(name) result(is_true)
     character(*), intent(in) :: name
     logical :: is_true
-    is_true = any(name == [character(10) :: '-i', '--threads', '--progress', '--dialect', '--outdir'])
+    is_true = any(name == [character(10) :: '-i', '--job', '--threads', '--progress', '--dialect', '--outdir', '--user'])
   end function is_with_value
 
 
@@ -160,7 +163,9 @@ contains
       call take_dialect(command%job, value, error)
     case ('--outdir')
       command%job%outdir = value
-    case ('-i')
+    case ('--user')
+      command%job%user = value
+    case ('-i', '--job')
       call take_job(command%job, value, error)
     case default
       if (index(name, '-') == 1) then
@@ -304,7 +309,7 @@ contains
       'Amontons ' // VERSION // ': ' // DESCRIPTION // '.', &
       '', &
       USAGE, &
-      '       amontons [options] -i job', &
+      '       amontons [options] -i job    (or --job=job)', &
       '', &
       'The deck job.inp is written with the cards of Abaqus or CalculiX; amontons --cards lists those known.', &
       '', &
@@ -317,6 +322,8 @@ contains
       '                               "** dialect: calculix" in the first comments of the deck says)', &
       '  --frd                        write all fields to job.frd too, for CGX, PrePoMax and the like (under the', &
       '                               calculix dialect the FILE cards of the deck ask for it)', &
+      '  --user FILE, user=FILE       routines of the user (UMAT, ...): a Fortran file, which gfortran compiles, or a', &
+      '                               shared library', &
       '  --progress=auto|plain|none   a line per increment; auto adds a live line on a terminal', &
       '  --quiet                      write nothing but failures', &
       '  --cards                      list the cards', &

@@ -27,6 +27,7 @@ module amontons_material_point
     STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, determinant_minus_one, double_dot, invert, &
     pack_voigt, unpack_voigt, von_mises
+  use amontons_user_material, only: user_point_type, update_user
   implicit none
   private
   public :: point_type, update_point, elastic_strain_of, axes_at
@@ -42,6 +43,7 @@ module amontons_material_point
     real(DP) :: time                               !< at the end of the increment, for laws that know it [time]
     real(DP) :: time_increment                     !< [time]
     real(DP) :: past(MAX_HISTORY)                  !< committed history
+    type(user_point_type), allocatable :: user     !< more of a user's material; not there: at rest
     ! goes out
     real(DP) :: stress(6)                          !< small strain: stress; finite: Kirchhoff stress [stress]
     real(DP) :: tangent(6, 6)                      !< its derivative, spatial at finite strain [stress]
@@ -72,6 +74,10 @@ contains
     integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK nothing that goes out is to be used
     type(moduli_type) :: moduli
     point%history = point%past
+    if (material%is_user) then
+      call update_by_user(material, is_nlgeom, point, status)
+      return
+    end if
     call find_moduli(material, point, moduli)
     if (.not. is_nlgeom) then
       call strain_law(material, moduli, point%strain, point, status)
@@ -93,6 +99,41 @@ contains
       call update_principal(material, moduli, point, status)
     end if
   end subroutine update_point
+
+
+  !> The law of a user. A point that brings nothing along is at rest: its tangent was found before the start.
+  pure subroutine update_by_user(material, is_nlgeom, point, status)
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    type(moduli_type) :: moduli
+    type(point_type) :: start
+    logical :: is_taken
+    status = STRESS_OK
+    if (.not. allocated(point%user)) then
+      point%stress = 0
+      point%tangent = material%at_rest
+      point%energy = 0
+      return
+    end if
+    if (is_nlgeom) status = gradient_status(point%H)
+    if (status /= STRESS_OK) return
+    if (allocated(material%expansion%value)) then
+      call find_thermal_strain(material, point, moduli)
+      point%user%thermal(:, 2) = moduli%thermal
+      start = point
+      start%temperature = point%user%values%temp
+      call find_thermal_strain(material, start, moduli)
+      point%user%thermal(:, 1) = moduli%thermal
+    end if
+    point%user%values%dtemp = point%temperature - point%user%values%temp
+    call update_user(material, is_nlgeom, point%H, point%strain, point%frame, point%user, point%stress, point%tangent, &
+      is_taken)
+    if (.not. is_taken) status = STRESS_NOT_FINITE
+    point%energy = point%user%values%energies(1)
+    if (is_nlgeom) point%strain = shown_strain(material, point%H)
+  end subroutine update_by_user
 
 
   !> The constants at the temperature of a point, in the global axes.

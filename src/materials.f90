@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_materials
   use amontons_kinds, only: DP
+  use amontons_user, only: routines_type
   implicit none
   private
   public :: material_type, table_type, curve_type, orientation_type, evaluate_table, evaluate_curves
@@ -9,7 +10,8 @@ module amontons_materials
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
-  public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_USER
+  public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK
+  public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_STATE
   public :: SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL
 
   integer, parameter :: LAW_HENCKY = 1          !< Kirchhoff stress linear in the logarithmic strain (abaqus dialect)
@@ -36,8 +38,13 @@ module amontons_materials
   integer, parameter :: HISTORY_CEEQ = 2        !< equivalent creep strain [-]
   integer, parameter :: HISTORY_INELASTIC = 3   !< 3 to 8: plastic and creep strain, logarithmic, reference placement [-]
   integer, parameter :: HISTORY_BACK = 9        !< 9 to 14: back stress in the reference placement [stress]
-  integer, parameter :: HISTORY_USER = 15       !< from here on: variables of a user's material
   integer, parameter :: MAX_HISTORY = 14
+  ! After these, of a user's material alone; components 11 22 33 12 13 23, in its local axes at small strain.
+  integer, parameter :: USER_STRESS = 15        !< 15 to 20: Cauchy stress [stress]
+  integer, parameter :: USER_STRAIN = 21        !< 21 to 26: STRAN, engineering shears [-]
+  integer, parameter :: USER_GRADIENT = 27      !< 27 to 35: displacement gradient, column by column [-]
+  integer, parameter :: USER_ENERGY = 36        !< 36 to 38: SSE, SPD, SCD [stress]
+  integer, parameter :: USER_STATE = 39         !< from here on: STATEV
 
   integer, parameter :: SYSTEM_RECTANGULAR = 1, SYSTEM_CYLINDRICAL = 2
 
@@ -87,6 +94,11 @@ module amontons_materials
     type(table_type) :: deformation             !< E, nu, yield stress, n, alpha of Ramberg and Osgood's law
     integer :: creep_law = CREEP_NONE
     type(table_type) :: creep                   !< A, n, m
+    logical :: is_user = .false.                !< UMAT gives the stress
+    real(DP), allocatable :: props(:)           !< its PROPS
+    integer :: n_statev = 0                     !< number of its STATEV
+    real(DP) :: at_rest(6, 6) = 0               !< its DDSDDE at rest, set before the start [stress]
+    type(routines_type) :: routines             !< where it is; opened before the start
   end type material_type
 
 contains

@@ -8,6 +8,7 @@ module amontons_model
   use amontons_loads, only: amplitude_type, equation_type
   use amontons_ties, only: bond_type, tie_type, spread_type
   use amontons_steps, only: step_type
+  use amontons_user, only: routines_type
   implicit none
   private
   public :: model_type, job_options_type, job_path, direction_of, n_bonds, with_twins, DIALECT_ABAQUS, DIALECT_CALCULIX, &
@@ -26,6 +27,7 @@ module amontons_model
     integer :: n_threads = 1
     logical :: is_check = .false.               !< read, check, audit, stop
     character(:), allocatable :: deck_text      !< the deck itself; then `deck` only names it in messages
+    character(:), allocatable :: user           !< file with routines of the user, Fortran or a shared library
     logical :: has_files = .true.               !< write result files
     logical :: has_frd = .false.                !< write all fields to job.frd, whatever the cards ask for
     logical :: is_guarded = .false.             !< a checkpoint after each converged increment
@@ -58,6 +60,7 @@ module amontons_model
     integer, allocatable :: frame_of(:)         !< (n_nodes) index into frames of a transformed node, 0; else not allocated
     real(DP), allocatable :: frames(:, :, :)    !< (3, 3, n) directions of transformed nodes, columns
     type(step_type), allocatable :: steps(:)
+    type(routines_type) :: routines             !< of the user; opened before the start
     logical :: keeps_restart = .false.          !< RESTART, WRITE: the checkpoint stays when the job is done
   end type model_type
 

@@ -6,9 +6,10 @@ module amontons_points
   use amontons_materials, only: material_type, MAX_HISTORY
   use amontons_tensor, only: IDENTITY, determinant_minus_one
   use amontons_topology, only: MAX_NODES, MAX_POINTS
+  use amontons_user_material, only: user_point_type
   implicit none
   private
-  public :: points_type, begin_point, end_point
+  public :: points_type, begin_point, end_point, keep_history
   public :: ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
 
   integer, parameter :: ELEMENT_OK = 0             !< all is well
@@ -29,6 +30,7 @@ module amontons_points
     real(DP) :: initial_temperature(MAX_NODES)     !< of the nodes [temperature]
     real(DP) :: time                               !< at the end of the increment [time]
     real(DP) :: time_increment                     !< [time]
+    type(user_point_type), allocatable :: user(:)  !< (points) of a user's material
     ! goes out
     real(DP) :: history(MAX_HISTORY, MAX_POINTS)   !< at the end of the increment
     real(DP) :: stress(6, MAX_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]
@@ -54,6 +56,8 @@ contains
     point%temperature = dot_product(weight, points%temperature(:size(weight)))
     point%initial_temperature = dot_product(weight, points%initial_temperature(:size(weight)))
     point%past = points%past(:, p)
+    if (.not. allocated(points%user)) return
+    if (p <= size(points%user)) point%user = points%user(p)
   end subroutine begin_point
 
 
@@ -68,7 +72,17 @@ contains
     if (is_nlgeom) points%stress(:, p) = point%stress / (1 + determinant_minus_one(point%H))
     points%strain(:, p) = point%strain
     points%energy(p) = point%energy
-    if (.not. material%is_plain) points%history(:, p) = point%history
+    if (.not. material%is_plain) call keep_history(point, points, p)
   end subroutine end_point
+
+
+  !> The history of a point into those of its element.
+  pure subroutine keep_history(point, points, p)
+    type(point_type), intent(in) :: point
+    type(points_type), intent(inout) :: points
+    integer, intent(in) :: p                       !< point
+    points%history(:, p) = point%history
+    if (allocated(point%user)) points%user(p)%history = point%user%history
+  end subroutine keep_history
 
 end module amontons_points

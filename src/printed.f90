@@ -16,7 +16,7 @@ module amontons_printed
   use amontons_mesh, only: mesh_type, set_type
   use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, &
     PRINT_SECTION
-  use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ
+  use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, USER_STATE
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
@@ -38,7 +38,7 @@ module amontons_printed
   end type printed_type
 
   character(*), parameter :: NODE_FORM = '(i10,1p,3(1x,e13.6))'
-  character(*), parameter :: POINT_FORM = '(i10,1x,i3,1p,6(1x,e13.6))'
+  character(*), parameter :: POINT_FORM = '(i10,1x,i3,1p,*(1x,e13.6))'
   character(*), parameter :: TOTAL_FORM = '(6x,1p,3(1x,e13.6))'
   character(*), parameter :: STATISTICS_FORM = '(2x,1p,6(1x,e13.6))'
 
@@ -403,6 +403,9 @@ contains
       case ('CEEQ')
         call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
         call print_point_rows(unit, mesh, set, reshape(history_row(fields, HISTORY_CEEQ), [1, mesh%n_points]))
+      case ('SDV')
+        call print_head(unit, 'internal state variables (elem, integ.pnt.,values)', set, time)
+        call print_point_rows(unit, mesh, set, fields%history(USER_STATE:, :))
       case ('ENER')
         call print_head(unit, 'internal energy density (elem, integ.pnt.,energy)', set, time)
         call print_point_rows(unit, mesh, set, reshape(fields%energy, [1, size(fields%energy)]))

@@ -312,6 +312,8 @@ contains
   subroutine carry_fields(parcel, fields)
     type(parcel_type), intent(inout) :: parcel
     type(fields_type), intent(inout) :: fields
+    call parcel%carry(fields%step)
+    call parcel%carry(fields%increment)
     call parcel%carry(fields%step_time)
     call parcel%carry(fields%total_time)
     call parcel%carry(fields%creep_time)

@@ -32,7 +32,7 @@ module amontons_results
   use amontons_materials, only: LAW_HENCKY
   use amontons_surfaces, only: surface_type
   use amontons_steps, only: is_output_due, step_type
-  use amontons_materials, only: HISTORY_PEEQ
+  use amontons_materials, only: HISTORY_PEEQ, USER_STATE
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type, PHASE_NAMES
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
@@ -63,6 +63,7 @@ module amontons_results
     type(table_type), allocatable :: point_offset(:)   !< /VTKHDF/Steps/PointDataOffsets
     type(table_type) :: time                           !< /VTKHDF/Steps/Values
     type(table_type), allocatable :: constant(:)       !< the other tables of /VTKHDF/Steps
+    type(column_type), allocatable :: integration_columns(:)
     type(table_type), allocatable :: integration(:)
     type(table_type), allocatable :: contact(:)        !< created with the first fields, which know the slave nodes
     type(table_type), allocatable :: history(:)
@@ -93,6 +94,7 @@ contains
     results%n_points = model%mesh%n_points
     results%far = model_size(model%mesh)
     results%point_columns = POINT_COLUMNS
+    results%integration_columns = columns_of_points(model)
     if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
       results%point_columns(STRAIN_COLUMN)%name = 'LE'
     call create_store(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
@@ -120,6 +122,7 @@ contains
     results%n_slaves = n_slaves
     results%far = model_size(model%mesh)
     results%point_columns = POINT_COLUMNS
+    results%integration_columns = columns_of_points(model)
     if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
       results%point_columns(STRAIN_COLUMN)%name = 'LE'
     call open_store(results%store, job_path(options, '.vtkhdf'), error)
@@ -154,8 +157,8 @@ contains
         if (.not. allocated(error)) call open_table(store, results%point_offset(i), &
           '/VTKHDF/Steps/PointDataOffsets/' // trim(results%point_columns(i)%name), form_type(storage=STORE_I64), error)
       end do
-      if (.not. allocated(error)) call open_columns(store, '/AMONTONS/integration_points', INTEGRATION_COLUMNS, &
-        results%n_points, results%integration, error)
+      if (.not. allocated(error)) call open_columns(store, '/AMONTONS/integration_points', &
+        results%integration_columns, results%n_points, results%integration, error)
       if (.not. allocated(error)) call open_columns(store, '/AMONTONS/contact', CONTACT_COLUMNS, &
         max(1, results%n_slaves), results%contact, error)
     end associate
@@ -327,8 +330,20 @@ contains
     end do
     if (.not. allocated(error)) call create_group(results%store, '/AMONTONS', error)
     if (.not. allocated(error)) call create_columns(results%store, '/AMONTONS/integration_points', &
-      INTEGRATION_COLUMNS, results%n_points, results%integration, error)
+      results%integration_columns, results%n_points, results%integration, error)
   end subroutine create_frames
+
+
+  !> The columns of the integration points: STATEV too where a user's material has some.
+  pure function columns_of_points(model) result(columns)
+    type(model_type), intent(in) :: model
+    type(column_type), allocatable :: columns(:)
+    integer :: n
+    columns = INTEGRATION_COLUMNS
+    n = 0
+    if (size(model%materials) > 0) n = maxval(model%materials%n_statev)
+    if (n > 0) columns = [columns, column_type('SDV', n, '[-]', 'Variables of UMAT (STATEV), as it left them.')]
+  end function columns_of_points
 
 
   !> The tables that grow by a row at a time.
@@ -560,12 +575,13 @@ contains
       return
     end if
     allocate (reals(N_POINT_REALS, results%n_nodes), integers(N_POINT_INTEGERS, results%n_nodes))
-    allocate (at_points(N_INTEGRATION_REALS, results%n_points))
+    allocate (at_points(sum(results%integration_columns%width), results%n_points))
     at_points(:6, :) = fields%stress
     at_points(7:12, :) = fields%strain
     at_points(13, :) = fields%energy
     at_points(14, :) = history_row(fields, HISTORY_PEEQ)
-    call check_finite('integration point', INTEGRATION_COLUMNS, at_points, error)
+    if (size(at_points, 1) > N_INTEGRATION_REALS) at_points(N_INTEGRATION_REALS + 1:, :) = fields%history(USER_STATE:, :)
+    call check_finite('integration point', results%integration_columns, at_points, error)
     if (allocated(error)) return
     call point_fields(mesh, fields, results%far, reals, integers)
     call check_finite('node', results%point_columns, reals, error)
@@ -575,8 +591,8 @@ contains
     if (allocated(error)) return
     associate (store => results%store)
       call append_columns(store, results%point_columns, integers, reals, results%point, error)
-      if (.not. allocated(error)) call append_columns(store, INTEGRATION_COLUMNS, integers, at_points, &
-        results%integration, error)
+      if (.not. allocated(error)) call append_columns(store, results%integration_columns, integers, &
+        at_points, results%integration, error)
       if (.not. allocated(error)) call append_columns(store, CONTACT_COLUMNS, contact_integers, contact_reals, &
         results%contact, error)
     end associate

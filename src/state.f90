@@ -5,11 +5,11 @@ module amontons_state
   use amontons_mesh, only: mesh_type, element_nodes
   use amontons_loads, only: load_value
   use amontons_material_point, only: elastic_strain_of, axes_at
-  use amontons_materials, only: HISTORY_INELASTIC
+  use amontons_materials, only: HISTORY_INELASTIC, USER_STRESS
   use amontons_model, only: model_type
   use amontons_shapes, only: shape_functions, quadrature
   use amontons_steps, only: step_type
-  use amontons_tensor, only: IDENTITY
+  use amontons_tensor, only: IDENTITY, pack_voigt, unpack_voigt
   use amontons_topology, only: MAX_NODES, MAX_POINTS
   implicit none
   private
@@ -49,6 +49,8 @@ module amontons_state
 
   !> All that an increment changes. Forces are those of the configuration u.
   type :: fields_type
+    integer :: step = 0                     !< number, from 1, for routines of the user
+    integer :: increment = 0                !< likewise
     real(DP) :: step_time = 0               !< [time]
     real(DP) :: total_time = 0              !< [time]
     real(DP), allocatable :: u(:, :)        !< (3, n_nodes) displacement [length]
@@ -109,7 +111,10 @@ contains
       if (allocated(model%initial_temperature)) new%temperature = model%initial_temperature
       deallocate (new%history)
       allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
-      if (allocated(model%initial_history)) new%history = model%initial_history(:n_history, :)
+      if (allocated(model%initial_history)) then
+        n_history = min(n_history, size(model%initial_history, 1))
+        new%history(:n_history, :) = model%initial_history(:n_history, :)
+      end if
       if (allocated(model%orientations)) then
         if (size(model%orientations) > 0) call find_frames(model, new%frame)
       end if
@@ -153,6 +158,10 @@ contains
       temperature = sum(fields%temperature(nodes(:n))) / real(n, DP)
       do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
         if (allocated(fields%frame)) frame = fields%frame(:, :, p)
+        if (model%materials(model%mesh%material(e))%is_user) then
+          fields%history(USER_STRESS:USER_STRESS + 5, p) = local_stress(model%initial_stress(:, p), frame)
+          cycle
+        end if
         associate (strain => fields%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p))
           strain = strain - elastic_strain_of(model%materials(model%mesh%material(e)), temperature, frame, &
             model%initial_stress(:, p))
@@ -160,6 +169,16 @@ contains
       end do
     end do
   end subroutine start_with_stress
+
+
+  !> The components 11 22 33 12 13 23 of a stress in local axes.
+  pure function local_stress(stress, frame) result(x)
+    real(DP), intent(in) :: stress(6)              !< xx yy zz xy yz xz, global [stress]
+    real(DP), intent(in) :: frame(3, 3)            !< local axes in columns
+    real(DP) :: x(6)
+    x = pack_voigt(matmul(transpose(frame), matmul(unpack_voigt(stress), frame)))
+    x(5:6) = x([6, 5])
+  end function local_stress
 
 
   !> The temperatures at the time of the trial state, and how long materials have crept.

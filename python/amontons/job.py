@@ -129,6 +129,7 @@ class Job:
         checkpoint: bool = False,
         resume: bool = False,
         check: bool = False,
+        user: str | PathLike[str] | None = None,
         log: Callable[[str], None] | None = None,
     ) -> None:
         """Begins a job.
@@ -144,6 +145,7 @@ class Job:
             checkpoint: and job.restart at each commit.
             resume: go on after that checkpoint.
             check: read and audit the deck, no more.
+            user: routines of the user (UMAT, ...): a Fortran file, which is compiled, or a shared library.
             log: is given the lines that the program would print.
 
         Raises:
@@ -154,7 +156,7 @@ class Job:
         self._log = Log((lambda _, line: log(line.decode(errors="replace"))) if log else 0)
         options = Options(
             ABI, threads, files, checkpoint, resume, check, encoded(deck), encoded(text), encoded(name), encoded(outdir),
-            encoded(dialect), self._log, None,
+            encoded(dialect), encoded(user), self._log, None,
         )  # fmt: skip
         status = self._library.amontons_open(ctypes.byref(options), ctypes.byref(self._job))
         try:

@@ -1,0 +1,452 @@
+/* User shim: the routines of a user in a shared library: compiled if they are Fortran, loaded, and called.
+ * SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * The routines have the argument lists of Abaqus. They are called one at a time, whatever the number of threads: common
+ * blocks and saved variables of the user are safe. XIT and STDB_ABQERR are here; XIT leaves the routine, and its caller
+ * is told. All state lives in the handle, but for a thread's own note of the call that it is in. */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* The routines, in the order that user.f90 knows. */
+enum { UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, N_ROUTINES };
+static const char *const NAMES[N_ROUTINES] = {"umat", "fric", "uinter", "dload", "disp", "uamp", "sdvini"};
+
+/* What opening can end with; user.f90 knows them. */
+enum { OPENED = 0, NO_FILE = 1, NOT_COMPILED = 2, NOT_LOADED = 3, NO_ROUTINE = 4, NO_MEMORY = 5 };
+
+enum { TEXT_ROOM = 8192, NAME_ROOM = 80 };
+
+typedef struct {
+  void *library;
+  void *routine[N_ROUTINES];
+  pthread_mutex_t lock;
+  double smallest;       /* PNEWDT asked for since the last question */
+  int is_stopped;        /* XIT was called, or STDB_ABQERR with -3 */
+  int n_text;
+  char text[TEXT_ROOM];  /* what STDB_ABQERR said since the last question */
+  char folder[1024], job[256];
+} routines;
+
+/* The call that a thread is in. */
+static _Thread_local routines *inside;
+static _Thread_local jmp_buf way_out;
+
+/* --- what the routines may call ---------------------------------------------------------------------------------- */
+
+static void say(routines *self, const char *text, size_t length)
+{
+  if ((size_t)self->n_text + length + 2 > TEXT_ROOM) return;
+  memcpy(self->text + self->n_text, text, length);
+  self->n_text += (int)length;
+  self->text[self->n_text++] = '\n';
+}
+
+static void leave(void)
+{
+  inside->is_stopped = 1;
+  longjmp(way_out, 1);
+}
+
+/* SUBROUTINE XIT */
+void xit_(void);
+void xit_(void)
+{
+  if (inside) leave();
+}
+
+/* The next item of a list of STDB_ABQERR: %I from intv, %R from realv, %S from charv (8 letters each). */
+static int put_item(char *to, size_t room, char kind, const int *intv, const double *realv, const char *charv, int *next)
+{
+  if (kind == 'I') return snprintf(to, room, "%d", intv[next[0]++]);
+  if (kind == 'R') return snprintf(to, room, "%g", realv[next[1]++]);
+  int length = 8;
+  const char *from = charv + 8 * next[2]++;
+  while (length > 0 && from[length - 1] == ' ') length--;
+  return snprintf(to, room, "%.*s", length, from);
+}
+
+/* SUBROUTINE STDB_ABQERR(LOP, STRING, INTV, REALV, CHARV): 1 a note, -1 a warning, -2 an error, -3 an error that ends
+ * the analysis at once. */
+void stdb_abqerr_(const int *lop, const char *string, const int *intv, const double *realv, const char *charv,
+                  size_t n_string, size_t n_charv);
+void stdb_abqerr_(const int *lop, const char *string, const int *intv, const double *realv, const char *charv,
+                  size_t n_string, size_t n_charv)
+{
+  char line[1024];
+  size_t n = 0;
+  int next[3] = {0, 0, 0};
+  (void)n_charv;
+  if (!inside) return;
+  n += (size_t)snprintf(line, sizeof line, "%s", *lop == 1 ? "" : *lop == -1 ? "*WARNING: " : "*ERROR: ");
+  while (n_string > 0 && string[n_string - 1] == ' ') n_string--;
+  for (size_t i = 0; i < n_string && n + 64 < sizeof line; i++) {
+    if (string[i] == '%' && i + 1 < n_string && strchr("IRS", string[i + 1])) {
+      n += (size_t)put_item(line + n, sizeof line - n, string[++i], intv, realv, charv, next);
+    } else {
+      line[n++] = string[i];
+    }
+  }
+  say(inside, line, n);
+  if (*lop <= -3) leave();
+}
+
+static void give_text(char *to, size_t room, int *length, const char *from)
+{
+  size_t n = strlen(from) < room ? strlen(from) : room;
+  memset(to, ' ', room);
+  memcpy(to, from, n);
+  *length = (int)n;
+}
+
+/* SUBROUTINE GETOUTDIR(OUTDIR, LENOUTDIR), GETJOBNAME(JOBNAME, LENJOBNAME) */
+void getoutdir_(char *to, int *length, size_t room);
+void getoutdir_(char *to, int *length, size_t room)
+{
+  give_text(to, room, length, inside ? inside->folder : ".");
+}
+
+void getjobname_(char *to, int *length, size_t room);
+void getjobname_(char *to, int *length, size_t room)
+{
+  give_text(to, room, length, inside ? inside->job : "job");
+}
+
+/* --- from a file to routines ------------------------------------------------------------------------------------- */
+
+static int ends_with(const char *path, const char *const *endings)
+{
+  const char *dot = strrchr(path, '.');
+  for (; dot && *endings; endings++)
+    if (strcasecmp(dot, *endings) == 0) return 1;
+  return 0;
+}
+
+/* Writes ABA_PARAM.INC, in both spellings: good for fixed and for free form. */
+static int write_include(const char *folder)
+{
+  static const char *const names[] = {"ABA_PARAM.INC", "aba_param.inc"};
+  char path[1200];
+  for (int i = 0; i < 2; i++) {
+    snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+    FILE *file = fopen(path, "w");
+    if (!file) return 0;
+    fputs("      implicit real*8(a-h,o-z)\n      parameter (nprecd=2)\n", file);
+    if (fclose(file)) return 0;
+  }
+  return 1;
+}
+
+static void remove_folder(const char *folder)
+{
+  char path[1400];
+  DIR *directory = opendir(folder);
+  struct dirent *entry;
+  while (directory && (entry = readdir(directory))) {
+    if (entry->d_name[0] == '.') continue;
+    snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+    unlink(path);
+  }
+  if (directory) closedir(directory);
+  rmdir(folder);
+}
+
+/* The first lines of what the compiler said. */
+static void read_log(const char *folder, char *message, int room)
+{
+  char path[1200];
+  snprintf(path, sizeof path, "%s/log", folder);
+  FILE *file = fopen(path, "r");
+  size_t n = file ? fread(message, 1, (size_t)room - 1, file) : 0;
+  message[n] = 0;
+  while (n > 0 && message[n - 1] == '\n') message[--n] = 0;
+  if (file) fclose(file);
+}
+
+/* Compiles a Fortran file into folder/routines.so, the modules into the folder too. 1: done. */
+static int compile(const char *source, const char *folder, char *message, int room)
+{
+  char target[1200], include[1200], modules[1200], beside[1200], log[1200];
+  const char *compiler = getenv("AMONTONS_FC");
+  if (!compiler || !*compiler) compiler = "gfortran";
+  snprintf(target, sizeof target, "%s/routines.so", folder);
+  snprintf(include, sizeof include, "-I%s", folder);
+  snprintf(modules, sizeof modules, "-J%s", folder);
+  snprintf(log, sizeof log, "%s/log", folder);
+  const char *slash = strrchr(source, '/');
+  snprintf(beside, sizeof beside, "-I%.*s", slash ? (int)(slash - source) + 1 : 1, slash ? source : ".");
+  const char *const words[] = {compiler, "-shared", "-fPIC", "-O2", "-g", "-w", "-std=legacy", "-frecursive", include, beside,
+                               modules, "-o", target, source, NULL};
+  pid_t child = fork();
+  if (child == 0) {
+    int descriptor = open(log, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (descriptor >= 0) {
+      dup2(descriptor, STDOUT_FILENO);
+      dup2(descriptor, STDERR_FILENO);
+    }
+    execvp(compiler, (char *const *)words);
+    _exit(127);
+  }
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) < 0) {
+    snprintf(message, (size_t)room, "%s cannot be started: %s", compiler, strerror(errno));
+    return 0;
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return 1;
+  read_log(folder, message, room);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
+    snprintf(message, (size_t)room, "there is no compiler %s; install it, or name one in AMONTONS_FC", compiler);
+  return 0;
+}
+
+/* XIT and STDB_ABQERR must be seen by what is loaded, also where Amontons itself was loaded for a few only. */
+static void show_ourselves(void)
+{
+  Dl_info info;
+  if (dladdr((void *)(uintptr_t)&xit_, &info) && info.dli_fname) {
+    void *ourselves = dlopen(info.dli_fname, RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD);
+    if (ourselves) dlclose(ourselves);
+  }
+}
+
+static void find_routines(routines *self)
+{
+  char name[32];
+  for (int i = 0; i < N_ROUTINES; i++) {
+    snprintf(name, sizeof name, "%s_", NAMES[i]);
+    self->routine[i] = dlsym(self->library, name);
+    if (self->routine[i]) continue;
+    for (char *c = name; *c; c++) *c = (char)(*c >= 'a' && *c <= 'z' ? *c - 'a' + 'A' : *c);
+    self->routine[i] = dlsym(self->library, name);
+    name[strlen(name) - 1] = 0;
+    if (!self->routine[i]) self->routine[i] = dlsym(self->library, name);
+  }
+}
+
+static int load(routines *self, const char *path, char *message, int room)
+{
+  char full[4200];
+  snprintf(full, sizeof full, "%s%s", strchr(path, '/') ? "" : "./", path);
+  show_ourselves();
+  self->library = dlopen(full, RTLD_NOW | RTLD_LOCAL);
+  if (!self->library) {
+    const char *reason = dlerror();
+    snprintf(message, (size_t)room, "%s", reason ? reason : "unknown reason");
+    return NOT_LOADED;
+  }
+  find_routines(self);
+  for (int i = 0; i < N_ROUTINES; i++)
+    if (self->routine[i]) return OPENED;
+  return NO_ROUTINE;
+}
+
+/* Opens a shared library, or a Fortran file that is compiled first. OPENED or what went wrong, with the words of the
+ * compiler or the loader. */
+int amontons_user_open(const char *path, char *message, int room, void **handle)
+{
+  static const char *const fortran[] = {".f", ".for", ".f90", ".f95", ".f03", ".f08", ".ftn", ".fpp", NULL};
+  char folder[1024] = "", compiled[1200];
+  struct stat file;
+  *handle = NULL;
+  message[0] = 0;
+  if (stat(path, &file) < 0) return NO_FILE;
+  routines *self = calloc(1, sizeof *self);
+  if (!self) return NO_MEMORY;
+  pthread_mutex_init(&self->lock, NULL);
+  self->smallest = 1;
+  int status = OPENED;
+  if (ends_with(path, fortran)) {
+    const char *where = getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%s/amontons-XXXXXX", where && *where ? where : "/tmp");
+    snprintf(message, (size_t)room, "there is no room for temporary files in %s", where && *where ? where : "/tmp");
+    if (!mkdtemp(folder)) folder[0] = 0;
+    status = folder[0] && write_include(folder) && compile(path, folder, message, room) ? OPENED : NOT_COMPILED;
+    snprintf(compiled, sizeof compiled, "%s/routines.so", folder);
+    path = compiled;
+  }
+  if (status == OPENED) status = load(self, path, message, room);
+  if (folder[0]) remove_folder(folder);
+  if (status == OPENED) {
+    *handle = self;
+  } else {
+    if (self->library) dlclose(self->library);
+    pthread_mutex_destroy(&self->lock);
+    free(self);
+  }
+  return status;
+}
+
+void amontons_user_close(void *handle)
+{
+  routines *self = handle;
+  if (!self) return;
+  dlclose(self->library);
+  pthread_mutex_destroy(&self->lock);
+  free(self);
+}
+
+/* 1: the library has the routine. */
+int amontons_user_has(const void *handle, int which)
+{
+  const routines *self = handle;
+  return self && self->routine[which] ? 1 : 0;
+}
+
+/* Folder and name of the job, for GETOUTDIR and GETJOBNAME. */
+void amontons_user_job(void *handle, const char *folder, const char *job)
+{
+  routines *self = handle;
+  snprintf(self->folder, sizeof self->folder, "%s", folder);
+  snprintf(self->job, sizeof self->job, "%s", job);
+}
+
+/* What happened since the last question: the smallest PNEWDT, what was said, whether XIT was called. */
+void amontons_user_news(void *handle, double *smallest, int *is_stopped, char *text, int room)
+{
+  routines *self = handle;
+  pthread_mutex_lock(&self->lock);
+  *smallest = self->smallest;
+  *is_stopped = self->is_stopped;
+  int n = self->n_text < room - 1 ? self->n_text : room - 1;
+  memcpy(text, self->text, (size_t)n);
+  text[n] = 0;
+  self->smallest = 1;
+  self->is_stopped = 0;
+  self->n_text = 0;
+  pthread_mutex_unlock(&self->lock);
+}
+
+/* --- the calls --------------------------------------------------------------------------------------------------- */
+
+/* Around each call: one at a time, and back here after XIT. */
+#define CALL(self, statement)           \
+  do {                                  \
+    pthread_mutex_lock(&(self)->lock);  \
+    inside = (self);                    \
+    if (!setjmp(way_out)) statement;    \
+    inside = NULL;                      \
+    pthread_mutex_unlock(&(self)->lock);\
+  } while (0)
+
+typedef void umat_routine(double *stress, double *statev, double *ddsdde, double *sse, double *spd, double *scd, double *rpl,
+                          double *ddsddt, double *drplde, double *drpldt, const double *stran, const double *dstran,
+                          const double *time, const double *dtime, const double *temp, const double *dtemp,
+                          const double *predef, const double *dpred, const char *cmname, const int *ndi, const int *nshr,
+                          const int *ntens, const int *nstatv, const double *props, const int *nprops, const double *coords,
+                          const double *drot, double *pnewdt, const double *celent, const double *dfgrd0,
+                          const double *dfgrd1, const int *noel, const int *npt, const int *layer, const int *kspt,
+                          const int *jstep, const int *kinc, size_t n_cmname);
+
+/* What goes through UMAT in space beside STATEV and PROPS; components 11 22 33 12 13 23. umat_type of user.f90. */
+typedef struct {
+  double stress[6], ddsdde[36], energies[3], stran[6], dstran[6], time[2], dtime, temp, dtemp, celent, coords[3], drot[9],
+    dfgrd0[9], dfgrd1[9];
+  int noel, npt, step, increment;
+  int is_taken;          /* 1: take the answer; 2: PNEWDT < 1; 0: it has called XIT */
+} umat_values;
+
+void amontons_user_umat(void *handle, const char *cmname, const double *props, int nprops, double *statev, int nstatv,
+                        umat_values *v)
+{
+  routines *self = handle;
+  const int ndi = 3, nshr = 3, ntens = 6, one = 1;
+  const int jstep[4] = {v->step, 1, 0, 0};
+  const double none = 0;
+  double rpl = 0, drpldt = 0, ddsddt[6] = {0}, drplde[6] = {0}, pnewdt = 1;
+  umat_routine *umat = (umat_routine *)(uintptr_t)self->routine[UMAT];
+  CALL(self, umat(v->stress, statev, v->ddsdde, &v->energies[0], &v->energies[1], &v->energies[2], &rpl, ddsddt, drplde,
+                  &drpldt, v->stran, v->dstran, v->time, &v->dtime, &v->temp, &v->dtemp, &none, &none, cmname, &ndi, &nshr,
+                  &ntens, &nstatv, props, &nprops, v->coords, v->drot, &pnewdt, &v->celent, v->dfgrd0, v->dfgrd1, &v->noel,
+                  &v->npt, &one, &one, jstep, &v->increment, NAME_ROOM));
+  pthread_mutex_lock(&self->lock);
+  v->is_taken = self->is_stopped ? 0 : pnewdt < 1 ? 2 : 1;
+  if (pnewdt > 0 && pnewdt < self->smallest) self->smallest = pnewdt;
+  pthread_mutex_unlock(&self->lock);
+}
+
+typedef void sdvini_routine(double *statev, const double *coords, const int *nstatv, const int *ncrds, const int *noel,
+                            const int *npt, const int *layer, const int *kspt);
+
+/* SDVINI. 1: done; 0: it has called XIT. */
+void amontons_user_sdvini(void *handle, double *statev, int nstatv, const double *coords, int noel, int npt, int *is_taken)
+{
+  routines *self = handle;
+  const int ncrds = 3, one = 1;
+  sdvini_routine *sdvini = (sdvini_routine *)(uintptr_t)self->routine[SDVINI];
+  CALL(self, sdvini(statev, coords, &nstatv, &ncrds, &noel, &npt, &one, &one));
+  *is_taken = !self->is_stopped;
+}
+
+typedef void dload_routine(double *f, const int *kstep, const int *kinc, const double *time, const int *noel, const int *npt,
+                           const int *layer, const int *kspt, const double *coords, const int *jltyp, const char *sname,
+                           size_t n_sname);
+
+/* DLOAD: the magnitude at a point of an element or a face. `counts`: step, increment, noel, npt, jltyp. */
+void amontons_user_dload(void *handle, double *f, const double *time, const double *coords, const char *sname,
+                         const int *counts, int *is_taken)
+{
+  routines *self = handle;
+  const int one = 1;
+  dload_routine *dload = (dload_routine *)(uintptr_t)self->routine[DLOAD];
+  CALL(self, dload(f, &counts[0], &counts[1], time, &counts[2], &counts[3], &one, &one, coords, &counts[4], sname, NAME_ROOM));
+  *is_taken = !self->is_stopped;
+}
+
+typedef void disp_routine(double *u, const int *kstep, const int *kinc, const double *time, const int *node, const int *noel,
+                          const int *jdof, const double *coords);
+
+/* DISP: a prescribed displacement. `time`: step, total, increment; `counts`: step, increment, node, jdof. */
+void amontons_user_disp(void *handle, double *u, const double *time, const double *coords, const int *counts, int *is_taken)
+{
+  routines *self = handle;
+  const int none = 0;
+  double answer[3] = {*u, 0, 0};
+  disp_routine *disp = (disp_routine *)(uintptr_t)self->routine[DISP];
+  CALL(self, disp(answer, &counts[0], &counts[1], time, &counts[2], &none, &counts[3], coords));
+  *u = answer[0];
+  *is_taken = !self->is_stopped;
+}
+
+typedef void uamp_routine(const char *name, const double *time, const double *old, const double *dt, const int *nprops,
+                          const double *props, const int *nsvars, double *svars, const int *flags, const int *nsensor,
+                          const double *sensor_values, const char *sensor_names, const int *sensor_table, double *value,
+                          int *defined, double *derivative, double *second, double *integral, double *double_integral,
+                          size_t n_name, size_t n_sensor_names);
+
+/* uamp_type of user.f90. */
+typedef struct {
+  double time[2], dt, old, value;   /* time: step, total */
+  int is_first, step, increment;    /* is_first: the call before the first increment */
+  int is_taken;
+} uamp_values;
+
+/* UAMP: the value of an amplitude; there are no sensors. */
+void amontons_user_uamp(void *handle, const char *name, const double *props, int nprops, double *svars, int nsvars,
+                        uamp_values *v)
+{
+  routines *self = handle;
+  const int none = 0;
+  const int flags[4] = {v->is_first, 0, v->step, v->increment};
+  int defined[4] = {0, 0, 0, 0};
+  const double no_sensor = 0;
+  double derivative = 0, second = 0, integral = 0, double_integral = 0;
+  char no_name[NAME_ROOM];
+  memset(no_name, ' ', sizeof no_name);
+  uamp_routine *uamp = (uamp_routine *)(uintptr_t)self->routine[UAMP];
+  CALL(self, uamp(name, v->time, &v->old, &v->dt, &nprops, props, &nsvars, svars, flags, &none, &no_sensor, no_name, &none,
+                  &v->value, defined, &derivative, &second, &integral, &double_integral, NAME_ROOM, NAME_ROOM));
+  v->is_taken = !self->is_stopped;
+}

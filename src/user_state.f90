@@ -1,0 +1,70 @@
+!> User state: what the points of an element of a user's material bring along and leave behind; their start.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_user_state
+  use amontons_kinds, only: DP
+  use amontons_element, only: element_volume
+  use amontons_materials, only: USER_STRESS
+  use amontons_mesh, only: element_nodes
+  use amontons_model, only: model_type
+  use amontons_points, only: points_type
+  use amontons_shapes, only: shape_functions, quadrature
+  use amontons_state, only: state_type, fields_type
+  use amontons_topology, only: MAX_NODES, MAX_POINTS
+  implicit none
+  private
+  public :: bring_user, keep_user
+
+contains
+
+  !> What the points of an element bring to UMAT: committed history, times, places, numbers.
+  pure subroutine bring_user(model, state, e, is_nlgeom, points)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state          !< old history; new times, numbers, displacements
+    integer, intent(in) :: e                       !< element
+    logical, intent(in) :: is_nlgeom
+    type(points_type), intent(inout) :: points     !< out: user
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), x(3, MAX_NODES), volume, dt
+    integer :: n_rule, n_nodes, nodes(MAX_NODES), p, first, n_history, status
+    call element_nodes(model%mesh, e, n_nodes, nodes)
+    x(:, :n_nodes) = model%mesh%coordinates(:, nodes(:n_nodes))
+    call element_volume(model%mesh%kind(e), x(:, :n_nodes), model%mesh%section(e), volume, status)
+    if (is_nlgeom) x(:, :n_nodes) = x(:, :n_nodes) + state%new%u(:, nodes(:n_nodes))
+    call quadrature(model%mesh%kind(e), n_rule, xi, w)
+    dt = state%new%total_time - state%old%total_time
+    first = model%mesh%point_first(e)
+    n_history = model%materials(model%mesh%material(e))%n_history
+    if (allocated(points%user)) deallocate (points%user)
+    allocate (points%user(model%mesh%point_first(e + 1) - first))
+    do p = 1, size(points%user)
+      call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
+      associate (user => points%user(p), values => points%user(p)%values)
+        user%past = state%old%history(USER_STRESS:n_history, first + p - 1)
+        values%time = [state%new%step_time - dt, state%old%total_time]
+        values%dtime = dt
+        values%temp = sum(state%old%temperature(nodes(:n_nodes))) / real(n_nodes, DP)
+        values%coords = matmul(x(:, :n_nodes), N(:n_nodes))
+        values%celent = max(volume, 0.0_DP)**(1 / 3.0_DP)
+        values%noel = model%mesh%element_label(e)
+        values%npt = p
+        values%step = state%new%step
+        values%increment = state%new%increment
+      end associate
+    end do
+  end subroutine bring_user
+
+
+  !> What UMAT has made of the history of the points of an element.
+  pure subroutine keep_user(model, e, points, fields)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e                       !< element
+    type(points_type), intent(in) :: points
+    type(fields_type), intent(inout) :: fields
+    integer :: p, n_history
+    n_history = model%materials(model%mesh%material(e))%n_history
+    do p = 1, size(points%user)
+      fields%history(:USER_STRESS - 1, model%mesh%point_first(e) + p - 1) = 0
+      fields%history(USER_STRESS:n_history, model%mesh%point_first(e) + p - 1) = points%user(p)%history
+    end do
+  end subroutine keep_user
+
+end module amontons_user_state

@@ -1,0 +1,84 @@
+C     Von Mises plasticity with linear isotropic hardening, by radial
+C     return.  PROPS: E, nu, yield stress, hardening modulus.
+C     STATEV: equivalent plastic strain.
+      SUBROUTINE UMAT(STRESS,STATEV,DDSDDE,SSE,SPD,SCD,
+     1 RPL,DDSDDT,DRPLDE,DRPLDT,
+     2 STRAN,DSTRAN,TIME,DTIME,TEMP,DTEMP,PREDEF,DPRED,CMNAME,
+     3 NDI,NSHR,NTENS,NSTATV,PROPS,NPROPS,COORDS,DROT,PNEWDT,
+     4 CELENT,DFGRD0,DFGRD1,NOEL,NPT,LAYER,KSPT,JSTEP,KINC)
+      INCLUDE 'ABA_PARAM.INC'
+      CHARACTER*80 CMNAME
+      DIMENSION STRESS(NTENS),STATEV(NSTATV),
+     1 DDSDDE(NTENS,NTENS),DDSDDT(NTENS),DRPLDE(NTENS),
+     2 STRAN(NTENS),DSTRAN(NTENS),TIME(2),PREDEF(1),DPRED(1),
+     3 PROPS(NPROPS),COORDS(3),DROT(3,3),DFGRD0(3,3),DFGRD1(3,3),
+     4 JSTEP(4)
+      DIMENSION FLOW(6)
+      EMOD=PROPS(1)
+      ENU=PROPS(2)
+      EG=EMOD/(2.D0*(1.D0+ENU))
+      ELAM=EMOD*ENU/((1.D0+ENU)*(1.D0-2.D0*ENU))
+      DO J=1,NTENS
+        DO I=1,NTENS
+          DDSDDE(I,J)=0.D0
+        END DO
+      END DO
+      DO J=1,NDI
+        DO I=1,NDI
+          DDSDDE(I,J)=ELAM
+        END DO
+        DDSDDE(J,J)=ELAM+2.D0*EG
+      END DO
+      DO J=NDI+1,NTENS
+        DDSDDE(J,J)=EG
+      END DO
+      DO J=1,NTENS
+        DO I=1,NTENS
+          STRESS(I)=STRESS(I)+DDSDDE(I,J)*DSTRAN(J)
+        END DO
+      END DO
+      SHYDRO=(STRESS(1)+STRESS(2)+STRESS(3))/3.D0
+      SMISES=0.D0
+      DO I=1,NDI
+        FLOW(I)=STRESS(I)-SHYDRO
+        SMISES=SMISES+FLOW(I)**2
+      END DO
+      DO I=NDI+1,NTENS
+        FLOW(I)=STRESS(I)
+        SMISES=SMISES+2.D0*FLOW(I)**2
+      END DO
+      SMISES=SQRT(1.5D0*SMISES)
+      SYIELD=PROPS(3)+PROPS(4)*STATEV(1)
+      IF (SMISES.GT.(1.D0+1.D-12)*SYIELD) THEN
+        DEQPL=(SMISES-SYIELD)/(3.D0*EG+PROPS(4))
+        SNEW=SMISES-3.D0*EG*DEQPL
+        STATEV(1)=STATEV(1)+DEQPL
+        RATIO=SNEW/SMISES
+        DO I=1,NDI
+          FLOW(I)=FLOW(I)/SMISES
+          STRESS(I)=FLOW(I)*SNEW+SHYDRO
+        END DO
+        DO I=NDI+1,NTENS
+          FLOW(I)=FLOW(I)/SMISES
+          STRESS(I)=FLOW(I)*SNEW
+        END DO
+        EG2=2.D0*EG*RATIO
+        EBULK=ELAM+2.D0*EG/3.D0
+        DO J=1,NDI
+          DO I=1,NDI
+            DDSDDE(I,J)=EBULK-EG2/3.D0
+          END DO
+          DDSDDE(J,J)=DDSDDE(J,J)+EG2
+        END DO
+        DO J=NDI+1,NTENS
+          DDSDDE(J,J)=EG2/2.D0
+        END DO
+        HARD=3.D0*EG*PROPS(4)/(3.D0*EG+PROPS(4))-3.D0*EG*RATIO
+        DO J=1,NTENS
+          DO I=1,NTENS
+            DDSDDE(I,J)=DDSDDE(I,J)+HARD*FLOW(I)*FLOW(J)
+          END DO
+        END DO
+      END IF
+      RETURN
+      END

@@ -1,0 +1,345 @@
+"""Routines of the user: compiled and loaded, called with the arguments of Abaqus, equal to what our own cards give.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from common import ROOT, same_results
+from conftest import Run
+
+import amontons
+
+ROUTINES = ROOT / "verify" / "library" / "routines"
+USAGE, SETUP, NOT_CONVERGED, IO = 2, 4, 5, 7
+
+PLASTIC = "*ELASTIC\n210000., 0.3\n*PLASTIC\n200., 0.\n2200., 1.\n"
+J2 = "*USER MATERIAL, CONSTANTS=4\n210000., 0.3, 200., 2000.\n*DEPVAR\n1\n1, PEEQ, equivalent plastic strain\n"
+RUBBER = "*HYPERELASTIC, NEO HOOKE\n0.5, 0.4\n"
+USER_RUBBER = "*USER MATERIAL, CONSTANTS=2\n0.5, 0.4\n"
+
+
+def solid_deck(kind: str, material: str, *, nlgeom: bool = False, top: tuple[float, float] = (0.01, -0.006)) -> str:
+    """A skew block of one kind of element, sheared and pressed, then let go half the way."""
+    import make_decks
+    import solids
+
+    n = 2 if kind in ("C3D8", "C3D8R") else 1
+    ticks = np.linspace(0.0, 1.0, n + 1)
+    body = solids.as_kind(make_decks.block(ticks, ticks, 1.3 * ticks, "BODY"), kind)
+    nodes = body.nodes.copy()
+    nodes[:, 2] += 0.05 * nodes[:, 0] * nodes[:, 1]
+    bottom = np.flatnonzero(body.nodes[:, 2] < 1e-9) + 1
+    upper = np.flatnonzero(body.nodes[:, 2] > 1.3 - 1e-9) + 1
+    lines = ["*NODE, NSET=ALL"]
+    lines += [f"{i}, {x:.17g}, {y:.17g}, {z:.17g}" for i, (x, y, z) in enumerate(nodes, 1)]
+    lines += [f"*ELEMENT, TYPE={kind}, ELSET=BODY"]
+    for i, element in enumerate(body.elements, 1):
+        words = [str(i), *(str(n + 1) for n in element)]
+        lines += [", ".join(words[:16]) + ("," if len(words) > 16 else "")] + ([", ".join(words[16:])] if len(words) > 16 else [])
+    return "\n".join([*lines, "*NSET, NSET=BOTTOM", *map(str, bottom), "*NSET, NSET=TOP", *map(str, upper),
+                      "*MATERIAL, NAME=STUFF", material.strip(), "*SOLID SECTION, ELSET=BODY, MATERIAL=STUFF",
+                      "*BOUNDARY", "BOTTOM, 1, 3",
+                      *(line for x, z in (top, (0.5 * top[0], 0.5 * top[1]))
+                        for line in ("*STEP" + (", NLGEOM" if nlgeom else ""), "*STATIC", "0.25, 1.",
+                                     "*BOUNDARY", f"TOP, 1, 1, {x}", f"TOP, 3, 3, {z}", "*END STEP")), ""])  # fmt: skip
+
+
+def sheet_deck(kind: str, material: str) -> str:
+    """Four elements in the plane, pulled and let go half the way."""
+    nodes = [f"{1 + i + 3 * j}, {1 + 0.5 * i}, {0.5 * j + 0.1 * i * j}" for j in range(3) for i in range(3)]
+    corner = [1, 2, 4, 5]
+    elements = [f"{k}, {c}, {c + 1}, {c + 4}, {c + 3}" for k, c in enumerate(corner, 1)]
+    steps = [f"*STEP\n*STATIC\n0.25, 1.\n*BOUNDARY\n7, 2, 2, {u}\n8, 2, 2, {u}\n9, 2, 2, {u}\n*END STEP" for u in (0.004, 0.002)]
+    return "\n".join(["*NODE", *nodes, f"*ELEMENT, TYPE={kind}, ELSET=BODY", *elements, "*MATERIAL, NAME=STUFF", material.strip(),
+                      "*SOLID SECTION, ELSET=BODY, MATERIAL=STUFF", "1.", "*BOUNDARY", "1, 1, 2", "2, 2, 2", "3, 2, 2",
+                      *steps, ""])  # fmt: skip
+
+
+def run_two(run: Run, folder: Path, ours: str, theirs: str, routines: Path) -> tuple[Path, Path]:
+    """Runs a deck with our law and one with the user's; the result files."""
+    (folder / "ours.inp").write_text(ours)
+    (folder / "theirs.inp").write_text(theirs)
+    done = run(["ours"], cwd=folder)
+    assert done.returncode == 0, done.stdout
+    done = run(["theirs", f"user={routines}"], cwd=folder)
+    assert done.returncode == 0, done.stdout
+    return folder / "ours.vtkhdf", folder / "theirs.vtkhdf"
+
+
+def assert_equal(ours: Path, theirs: Path, tolerance: float) -> None:
+    """Displacements, reactions, stresses and strains of all frames, relative to the largest; the same iterations."""
+    with h5py.File(ours) as a, h5py.File(theirs) as b:
+        for name in a["VTKHDF/PointData"]:
+            if name not in ("U", "RF", "S", "E", "LE"):
+                continue
+            x, y = a["VTKHDF/PointData"][name][:], b["VTKHDF/PointData"][name][:]
+            assert np.abs(x).max() > 0, name
+            assert np.abs(x - y).max() <= tolerance * np.abs(x).max(), name
+        assert a["AMONTONS/history/n_iterations"][:].tolist() == b["AMONTONS/history/n_iterations"][:].tolist()
+
+
+@pytest.mark.parametrize("kind", ["C3D4", "C3D6", "C3D8", "C3D8R", "C3D10", "C3D15", "C3D20R"])
+def test_plasticity_by_umat_is_plastic(run: Run, tmp_path: Path, kind: str) -> None:
+    """Radial return with linear hardening, loaded and let go: our PLASTIC to 1e-10, SDV1 is PEEQ; small strain, where
+    both integrate the same equations exactly."""
+    ours, theirs = run_two(run, tmp_path, solid_deck(kind, PLASTIC), solid_deck(kind, J2), ROUTINES / "j2.f")
+    assert_equal(ours, theirs, 1e-10)
+    with h5py.File(ours) as a, h5py.File(theirs) as b:
+        peeq = a["AMONTONS/integration_points/PEEQ"][:].ravel()
+        assert peeq.max() > 1e-3
+        assert np.abs(peeq - b["AMONTONS/integration_points/SDV"][:].ravel()).max() <= 1e-10 * peeq.max()
+
+
+@pytest.mark.parametrize("kind", ["CPE4", "CAX4", "CPS4"])
+def test_umat_in_the_plane(run: Run, tmp_path: Path, kind: str) -> None:
+    """The same in plane strain, around an axis and in plane stress, where the strain across is ours to find."""
+    ours, theirs = run_two(run, tmp_path, sheet_deck(kind, PLASTIC), sheet_deck(kind, J2), ROUTINES / "j2.f")
+    assert_equal(ours, theirs, 1e-9 if kind == "CPS4" else 1e-10)
+
+
+@pytest.mark.parametrize("kind", ["C3D8", "C3D10"])
+def test_rubber_by_umat_is_hyperelastic(run: Run, tmp_path: Path, kind: str) -> None:
+    """Neo-Hookean rubber from DFGRD1 at shears of 0.4: stresses as HYPERELASTIC's; as many iterations, so that the
+    tangent of Jaumann's rate is taken over rightly."""
+    top = (0.5, -0.2)
+    ours, theirs = run_two(run, tmp_path, solid_deck(kind, RUBBER, nlgeom=True, top=top),
+                           solid_deck(kind, USER_RUBBER, nlgeom=True, top=top), ROUTINES / "neo_hooke.f90")  # fmt: skip
+    assert_equal(ours, theirs, 1e-8)
+    with h5py.File(ours) as a, h5py.File(theirs) as b:
+        energy = a["AMONTONS/integration_points/energy"][:]
+        assert np.abs(energy - b["AMONTONS/integration_points/energy"][:]).max() <= 1e-8 * energy.max()
+
+
+def test_stress_turns_with_the_material(run: Run, tmp_path: Path) -> None:
+    """A rate law under NLGEOM: a cube is pulled, then turned by a quarter in 45 increments of 2 degrees. Its stress turns
+    with it; Hughes and Winget's rotation makes an error of the order of the cube of an increment's angle each."""
+    corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
+    stretch = np.array([0.001, -0.0003, -0.0003])
+    lines = ["*NODE"] + [f"{i}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(corners, 1)]
+    lines += ["*ELEMENT, TYPE=C3D8, ELSET=BODY", "1, 1, 2, 4, 3, 5, 6, 8, 7", "*MATERIAL, NAME=STUFF",
+              "*USER MATERIAL, CONSTANTS=4", "210000., 0.3, 1e9, 1.", "*DEPVAR", "1",
+              "*SOLID SECTION, ELSET=BODY, MATERIAL=STUFF"]  # fmt: skip
+    angles = np.radians(np.arange(0, 91, 2))
+    tables = []
+    for i, place in enumerate(corners):
+        stretched = place * (1 + stretch)
+        for k in range(3):
+            values = [(0.0, 0.0)]
+            for time, angle in enumerate(angles, 1):
+                c, s = np.cos(angle), np.sin(angle)
+                turned = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ stretched
+                values.append((float(time), turned[k] - place[k]))
+            tables.append(f"*AMPLITUDE, NAME=A{3 * i + k}\n" + "\n".join(f"{t}, {v:.15g}" for t, v in values))
+    lines += [*tables, "*STEP, NLGEOM, INC=100", "*STATIC, DIRECT", f"1., {len(angles)}."]
+    for i in range(8):
+        for k in range(3):
+            lines.append(f"*BOUNDARY, AMPLITUDE=A{3 * i + k}\n{i + 1}, {k + 1}, {k + 1}, 1.")
+    (tmp_path / "job.inp").write_text("\n".join([*lines, "*END STEP", ""]))
+    done = run(["job", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        stress = file["AMONTONS/integration_points/S"][:].reshape(-1, 8, 6)
+    pulled, turned = stress[1].mean(axis=0), stress[-1].mean(axis=0)
+    lame, shear = 210000 * 0.3 / 1.3 / 0.4, 210000 / 2.6
+    expected = lame * stretch.sum() + 2 * shear * stretch
+    assert np.abs(pulled[:3] - expected).max() < 1.5e-3 * expected.max()  # the strains are logarithms, to their order
+    angle = np.radians(2)
+    bound = len(angles) * angle**3 / 12 * np.abs(pulled).max() + 1e-9
+    assert np.abs(turned[[1, 0, 2, 3, 4, 5]] - pulled).max() < 2 * bound
+
+
+def test_a_shared_library(run: Run, tmp_path: Path) -> None:
+    """A library that the user has built, on the card's side of things the same."""
+    built = tmp_path / "mine.so"
+    (tmp_path / "aba_param.inc").write_text("      implicit real*8(a-h,o-z)\n")
+    (tmp_path / "ABA_PARAM.INC").write_text("      implicit real*8(a-h,o-z)\n")
+    subprocess.run(["gfortran", "-shared", "-fPIC", "-std=legacy", "-w", f"-I{tmp_path}", "-o", str(built), str(ROUTINES / "j2.f")],
+                   check=True)  # fmt: skip
+    deck = solid_deck("C3D8", J2)
+    (tmp_path / "one.inp").write_text(deck)
+    (tmp_path / "two.inp").write_text(deck)
+    assert run(["one", "--user", built], cwd=tmp_path).returncode == 0
+    assert run(["two", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path).returncode == 0
+    assert same_results(tmp_path / "one.vtkhdf", tmp_path / "two.vtkhdf") == []
+
+
+WRONG = {
+    "missing.f": (None, IO, "no such file"),
+    "syntax.f": ("      SUBROUTINE UMAT(\n      END\n", IO, "do not compile"),
+    "text.so": ("no library at all\n", IO, "cannot be loaded"),
+    "empty.f90": ("subroutine other\nend subroutine other\n", SETUP, "none of UMAT"),
+    "fric.f90": ("subroutine fric\nend subroutine fric\n", SETUP, "needs the user routine UMAT"),
+    "unknown.f90": ("subroutine umat\ncall nowhere\nend subroutine umat\n", IO, "cannot be loaded.*nowhere"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_libraries_are_told(run: Run, tmp_path: Path, name: str) -> None:
+    """Each with its sentence and exit code; no result file is begun."""
+    text, code, sentence = WRONG[name]
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
+    done = run(["job", f"user={name}"], cwd=tmp_path)
+    assert done.returncode == code, done.stdout
+    import re
+
+    assert re.search(sentence, done.stdout), done.stdout
+    assert "*ERROR" in done.stdout
+    assert not (tmp_path / "job.vtkhdf").exists()
+
+
+def test_library_of_another_machine(run: Run, tmp_path: Path) -> None:
+    """The head of a library says that it is for another processor."""
+    subprocess.run(["gfortran", "-shared", "-fPIC", "-std=legacy", "-w", "-x", "f77", "-", "-o", str(tmp_path / "other.so")],
+                   input="      SUBROUTINE UMAT\n      END\n", text=True, check=True)  # fmt: skip
+    image = bytearray((tmp_path / "other.so").read_bytes())
+    image[18:20] = b"\xf3\x00"  # e_machine: RISC-V
+    (tmp_path / "other.so").write_bytes(image)
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
+    done = run(["job", "--user=other.so"], cwd=tmp_path)
+    assert done.returncode == IO, done.stdout
+    assert "cannot be loaded" in done.stdout
+
+
+def test_no_library_is_named(run: Run, tmp_path: Path) -> None:
+    """The deck needs UMAT, the command line has none."""
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == USAGE, done.stdout
+    assert "amontons job user=" in done.stdout
+
+
+def with_lines(lines: str, folder: Path) -> Path:
+    """The routine of plasticity with some lines before its first."""
+    text = (ROUTINES / "j2.f").read_text()
+    path = folder / "changed.for"
+    path.write_text(text.replace("      EMOD=PROPS(1)\n", lines + "      EMOD=PROPS(1)\n", 1))
+    return path
+
+
+def test_pnewdt_cuts_back(run: Run, tmp_path: Path) -> None:
+    """PNEWDT = 0.4 for increments longer than 0.15: 0.25 becomes 0.1, with the reason in the file."""
+    routines = with_lines("      IF (DTIME.GT.0.15D0) PNEWDT=0.4D0\n", tmp_path)
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
+    done = run(["job", f"user={routines}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        dt = file["AMONTONS/history/dt"][:].ravel()
+        failed = file["AMONTONS/history/is_converged"][:].ravel() == 0
+        reason = file["AMONTONS/history/reason"][:]
+    rows = np.flatnonzero(failed & (dt > 0))
+    assert rows.size > 0
+    assert dt[rows[0]] == 0.25
+    assert dt[rows[0] + 1] == pytest.approx(0.1, rel=1e-14)
+    assert b"PNEWDT is 0.4" in bytes(reason[rows[0]])
+    assert dt[~failed].max() <= 0.15 + 1e-12
+
+
+def test_xit_ends_the_job(run: Run, tmp_path: Path) -> None:
+    """XIT in the second increment: exit code 5, the first increment is on disk, and STDB_ABQERR's sentence is told."""
+    routines = with_lines("      IF (TIME(2).GT.0.2D0) THEN\n"
+                          "      CALL STDB_ABQERR(-1,'Element %I at %R in %S',NOEL,\n     1 TIME(2),CMNAME)\n"
+                          "      CALL XIT\n      END IF\n", tmp_path)  # fmt: skip
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
+    done = run(["job", f"user={routines}"], cwd=tmp_path)
+    assert done.returncode == NOT_CONVERGED, done.stdout
+    assert "WARNING: Element 1 at 0.25 in STUFF" in done.stdout
+    assert done.stdout.splitlines()[-1].startswith("*ERROR: A user routine has ended the job")
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        assert file["VTKHDF/Steps/Values"][:].ravel().tolist() == [0.0, 0.25]
+
+
+def test_what_umat_is_told(run: Run, tmp_path: Path) -> None:
+    """Times, numbers, places and names: a routine that stops when one of them is not what it should be."""
+    routines = with_lines("""\
+      IF (CMNAME.NE.'STUFF') CALL STDB_ABQERR(-3,'CMNAME',0,0.D0,' ')
+      IF (NDI.NE.3.OR.NSHR.NE.3.OR.NTENS.NE.6) CALL STDB_ABQERR(-3,
+     1 'NTENS',0,0.D0,' ')
+      IF (NPROPS.NE.4.OR.NSTATV.NE.1) CALL XIT
+      IF (NOEL.LT.1.OR.NOEL.GT.8.OR.NPT.LT.1.OR.NPT.GT.8) CALL XIT
+      IF (MINVAL(COORDS).LT.0.D0.OR.MAXVAL(COORDS).GT.1.35D0) CALL XIT
+      IF (KINC.GE.1.AND.CELENT.LT.0.4D0) CALL XIT
+      IF (JSTEP(1).EQ.2.AND.ABS(TIME(2)-TIME(1)-1.D0).GT.1D-12) CALL XIT
+      IF (JSTEP(1).EQ.1.AND.ABS(TIME(2)-TIME(1)).GT.1D-12) CALL XIT
+      IF (ABS(TIME(1)-.25D0*(KINC-1)).GT.1D-12.AND.KINC.LE.4) CALL XIT
+""", tmp_path)  # fmt: skip
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2).replace("0.25, 1.", "0.25, 1., 1e-5, 0.25"))
+    done = run(["job", f"user={routines}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+
+
+def test_routines_and_rollback(tmp_path: Path) -> None:
+    """Through the library: after a rollback the same step gives the same bits, STATEV included."""
+    with amontons.Job(text=solid_deck("C3D8", J2), user=ROUTINES / "j2.f") as job:
+        job.advance()
+        job.try_step(0.5)
+        first = [job.get(name).tobytes() for name in ("U", "S", "RF")]
+        job.rollback()
+        job.try_step(0.25)
+        job.rollback()
+        job.try_step(0.5)
+        assert [job.get(name).tobytes() for name in ("U", "S", "RF")] == first
+
+
+def test_killed_jobs_with_umat_resume(program: Path, run: Run, tmp_path: Path) -> None:
+    """kill -9 while UMAT runs: the job goes on bitwise, since STATEV are in the checkpoint."""
+    slow = with_lines("      IF (KINC.EQ.3) CALL SLEEP(1)\n", tmp_path)
+    deck = solid_deck("C3D4", J2)
+    for name in ("whole", "killed"):
+        (tmp_path / f"{name}.inp").write_text(deck)
+    assert run(["whole", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path).returncode == 0
+    job = subprocess.Popen([str(program), "killed", f"user={slow}"], cwd=tmp_path, stdout=subprocess.DEVNULL)
+    for _ in range(400):
+        sta = tmp_path / "killed.sta"
+        if sta.exists() and len(sta.read_text().splitlines()) >= 4:
+            break
+        try:
+            job.wait(timeout=0.05)
+        except subprocess.TimeoutExpired:
+            continue
+    job.send_signal(signal.SIGKILL)
+    job.wait()
+    assert (tmp_path / "killed.restart").exists()
+    assert run(["--resume", "killed", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path).returncode == 0
+    assert same_results(tmp_path / "whole.vtkhdf", tmp_path / "killed.vtkhdf") == []
+
+
+@pytest.mark.parametrize(("card", "sentence"), [
+    ("*USER MATERIAL, CONSTANTS=9\n1., 2., 3., 4.\n", "CONSTANTS is 9"),
+    ("*USER MATERIAL\n1., 2.\n", "CONSTANTS"),
+    ("*USER MATERIAL, CONSTANTS=2\n1., x\n", "constant"),
+    ("*USER MATERIAL, CONSTANTS=2\n1., 2.\n*ELASTIC\n1., 0.3\n", "beside laws of ours"),
+    ("*USER MATERIAL, CONSTANTS=2, TYPE=THERMAL\n1., 2.\n", "no heat transfer"),
+    ("*ELASTIC\n1., 0.3\n*DEPVAR\n2\n", "no \\*USER MATERIAL"),
+    ("*USER MATERIAL, CONSTANTS=2\n1., 2.\n*DEPVAR\n0\n", "DEPVAR needs"),
+])  # fmt: skip
+def test_cards_that_are_wrong(run: Run, tmp_path: Path, card: str, sentence: str) -> None:
+    """USER MATERIAL and DEPVAR tell what is wrong, with the line."""
+    import re
+
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", card))
+    done = run(["--check", "job"], cwd=tmp_path)
+    assert done.returncode == 3, done.stdout
+    assert re.search(sentence, done.stdout), done.stdout
+
+
+def test_the_example_of_the_manual(run: Run, tmp_path: Path) -> None:
+    """Routine and deck of doc/manual/user_routines.md: a bar under 210 per unit area, E = 210000."""
+    page = (ROOT / "doc" / "manual" / "user_routines.md").read_text()
+    routine, deck = (page.split(f"```{kind}\n")[1].split("```")[0] for kind in ("fortran", "abaqus-user"))
+    (tmp_path / "mine.f90").write_text(routine)
+    (tmp_path / "job.inp").write_text(deck)
+    done = run(["job", "user=mine.f90"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        assert file["AMONTONS/integration_points/SDV"][-8:].ravel() == pytest.approx(np.full(8, 1e-3), rel=1e-9)
+    assert "1.000000E-03" in (tmp_path / "job.dat").read_text()
