@@ -53,6 +53,7 @@ OPT_debug    := -O0 -g -fno-omit-frame-pointer
 OPT_sanitize := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined
 CHECK_debug    := -fcheck=all -fbacktrace -ffpe-trap=invalid,zero,overflow -finit-real=snan
 CHECK_sanitize := -fcheck=all -fbacktrace -finit-real=snan
+UNIT_release := -O1#  the programs of the unit tests are compiled often and run once
 COMMON := $(OPT_$(BUILD)) -fPIC -fopenmp $(if $(WERROR),-Werror)
 
 # HDF5 by pkg-config where it is known there; then the usual places: Debian, Fedora, conda, Homebrew.
@@ -78,9 +79,11 @@ OBJECTS := $(addprefix $(B)/,$(addsuffix .o,$(filter-out main,$(ROOMS)) $(SHIMS)
 UNITS := $(patsubst verify/unit/%.f90,$(B)/unit/%,$(wildcard verify/unit/test_*.f90))
 PRODUCTS := $(LIB)/libamontons.a $(LIB)/libamontons.so $(if $(wildcard src/analysis.f90),$(BIN)/amontons)
 
-# depends.mk says `uses_mesh = kinds topology`; here it becomes build/mesh.o: build/kinds.o build/topology.o.
+# depends.mk says `uses_mesh = kinds topology`; here it becomes build/mesh.o: build/amontons_kinds.mod build/amontons_topology.mod.
+# The compiler leaves a .mod as it is if the interface has not changed: then the rooms that use it need not be compiled again.
 define room_rule
-$(B)/$(1).o: $(foreach used,$(filter $(ROOMS),$(uses_$(1))),$(B)/$(used).o)
+$(B)/$(1).o: $(foreach used,$(filter $(ROOMS),$(uses_$(1))),$(B)/amontons_$(used).mod)
+$(B)/amontons_$(1).mod: $(B)/$(1).o ;
 endef
 $(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
 
@@ -121,7 +124,7 @@ $(B)/unit/check.o: verify/unit/check.f90
 
 $(B)/unit/test_%: verify/unit/test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a $(wildcard verify/unit/*.inc)
 	@echo "compiling $<" && mkdir -p $@.modules
-	$(Q)$(FC) $(FFLAGS) -Wno-integer-division -I$(B) -I$(@D) $(INCLUDES) -J$@.modules -o $@ $(filter-out %.inc,$^) $(LDLIBS)
+	$(Q)$(FC) $(FFLAGS) $(UNIT_$(BUILD)) -Wno-integer-division -I$(B) -I$(@D) $(INCLUDES) -J$@.modules -o $@ $(filter-out %.inc,$^) $(LDLIBS)
 
 debug: ready ## Build with all run-time checks into build/debug
 	@$(MAKE) BUILD=debug build
