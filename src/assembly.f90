@@ -16,6 +16,7 @@ module amontons_assembly
   use amontons_steps, only: step_type
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
+  use amontons_follower, only: follower_type, begin_follower, add_follower
   use amontons_partition, only: partition_mesh
   use amontons_element, only: element_forces, element_tangent, element_body_force, facet_pressure, edge_pressure, &
     points_type, ELEMENT_OK
@@ -30,6 +31,7 @@ module amontons_assembly
   !> The pattern of the stiffness and the order in which elements are added.
   type :: assembly_type
     type(sparse_type) :: stiffness                    !< K, upper triangle by rows, all 3 n_nodes unknowns
+    type(follower_type) :: follower                   !< what follower loads add to K, unsymmetric
     integer, allocatable :: graph_first(:)            !< (n_nodes + 1) neighbours j >= i of each node i, itself first
     integer, allocatable :: graph_node(:)
     integer, allocatable :: pair_first(:)             !< (n_elements + 1) start of an element's node pairs
@@ -540,8 +542,8 @@ contains
 
   !> The applied forces F_ext at a time, and under NLGEOM their stiffness subtracted from K.
   !!
-  !! A pressure follows its face. Its load stiffness is unsymmetric in general; its symmetric part goes into K, which is
-  !! exact for a closed or clamped pressurised surface (Bonet and Wood, Nonlinear Continuum Mechanics, 2008, sec. 8.5).
+  !! A pressure follows its face. Its load stiffness is unsymmetric in general: the symmetric part goes into K, the rest into
+  !! assembly%follower, which is to be finished by finish_follower.
   subroutine assemble_loads(assembly, model, step, fields, is_nlgeom, is_with_stiffness)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
@@ -552,6 +554,7 @@ contains
     integer :: i
     real(DP) :: magnitude
     fields%applied_force = 0.0_DP
+    if (is_with_stiffness) call begin_follower(assembly%follower)
     do i = 1, size(step%concentrated)
       associate (load => step%concentrated(i))
         magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
@@ -601,7 +604,9 @@ contains
     do a = 1, n
       fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
     end do
-    if (is_nlgeom .and. is_with_stiffness) call subtract_symmetric_part(assembly, e, local(:n), nodes, stiffness)
+    if (.not. (is_nlgeom .and. is_with_stiffness)) return
+    call subtract_symmetric_part(assembly, e, local(:n), nodes, stiffness)
+    call add_follower(assembly%follower, nodes(local(:n)), stiffness)
   end subroutine add_pressure
 
 

@@ -4,7 +4,7 @@
 !! Two verbs. `evaluate` gives imbalance, contact and residual of a configuration: forces only, no matrix.
 !! `find_direction` linearises there and solves:
 !!
-!!     K      stiffness of the elements and loads, symmetric
+!!     K      stiffness of the elements and loads, symmetric; what follower loads add to it is in assembly%follower
 !!     C, c   du = C dv + c: boundary conditions, equations, followers, contact rows     (constraints)
 !!     A      C' K C, factorised by Cholesky                                             (factor)
 !!     J      C' (K - d F_c) C, with the exact change of the contact forces, unsymmetric (contact_tangent)
@@ -28,6 +28,7 @@ module amontons_system
   use amontons_constraints, only: constraints_type, finish_constraints, condense_forces, condensation
   use amontons_bonds, only: add_curvatures, keep_supports, curved_nodes
   use amontons_supports, only: support_model
+  use amontons_follower, only: finish_follower, subtract_follower, with_follower
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
   use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
     begin_contact_increment
@@ -298,6 +299,8 @@ contains
     trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
     if (failed /= 0) return
     call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
+    call finish_follower(system%assembly%follower, 3 * model%mesh%n_nodes, error)
+    if (allocated(error)) return
     if (step%is_nlgeom .and. n_bonds(model) > 0) call add_curvatures(system%base, system%assembly, model, state%new)
     call scale_slaves(system, state%new)
     call stop_clock(clock, system%seconds(PHASE_ASSEMBLY))
@@ -700,7 +703,7 @@ contains
     type(sparse_type), intent(out) :: J            !< (n_free x n_free)
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: K, E, by_imbalance, by_displacement
-    K = full_of(system%assembly%stiffness)
+    K = with_follower(full_of(system%assembly%stiffness), system%assembly%follower)
     call condensation(system%base, E, error)
     if (allocated(error)) return
     call contact_matrices(system%links, system%whole%n_unknowns, by_imbalance, by_displacement, error)
@@ -731,6 +734,7 @@ contains
     real(DP), intent(out) :: w(:)                  !< (n_unknowns) [force]
     real(DP), allocatable :: du(:, :), d_imbalance(:, :), d_force(:, :)
     call multiply_symmetric(system%assembly%stiffness, flat, w)
+    call subtract_follower(system%assembly%follower, flat, w)
     if (size(system%links) == 0) return
     allocate (d_imbalance(3, size(flat) / 3), d_force(3, size(flat) / 3))
     du = reshape(flat, [3, size(flat) / 3])

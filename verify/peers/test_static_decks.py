@@ -46,7 +46,6 @@ NOT_JUDGED = {
 # What is not there yet, so that these decks run but do not agree (or do not run): told in the table, expected to fail. A deck that
 # begins to agree shows as XPASS and leaves this list.
 UNFINISHED = {
-    "beamnh": "neo-Hooke with the replaced D1: cut-backs exhausted",
     "beamp2rotate": "the audit refuses it: supports in turned directions",
     "beampo4": "COORD prints",
     "pret5": "new nodes of the section in the .frd", "pret6": "the same",
