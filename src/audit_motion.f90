@@ -661,6 +661,7 @@ contains
     logical :: is_moved(size(members), size(motions, 2)), is_told(size(motions, 2)), is_same(size(motions, 2))
     character(:), allocatable :: text
     integer :: i, j, first
+    logical :: is_turned
     do j = 1, size(motions, 2)
       do i = 1, size(members)
         is_moved(i, j) = maxval(abs(motions(6 * i - 5:6 * i, j))) > CLEAN * maxval(abs(motions(:, j)))
@@ -676,7 +677,8 @@ contains
       if (count(is_moved(:, j)) > 1) text = text // ' and with it ' // &
         other_bodies(model, bodies, pack(members, is_moved(:, j)))
       text = text // ' can ' // motion_list(bodies%list(members(first)), motions(6 * first - 5:6 * first, :), is_same)
-      call add_finding(text // remedy(is_start), step, is_start, findings)
+      is_turned = may_be_held_later(model, step, motions(6 * first - 5:6 * first, :), is_same)
+      call add_finding(text // remedy(is_start, is_turned), step, is_start .or. is_turned, findings)
     end do
   end subroutine tell_motions
 
@@ -693,11 +695,28 @@ contains
   end function other_bodies
 
 
+  !> Whether a body that can turn where it lies in the deck may be held where an earlier step under NLGEOM has brought it.
+  !! What can move along without turning can so everywhere.
+  pure logical function may_be_held_later(model, step, motions, is_told) result(may_be)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step
+    real(DP), intent(in) :: motions(:, :)          !< (6, n) of one body
+    logical, intent(in) :: is_told(:)              !< (n) those in question
+    integer :: i
+    may_be = step > 1 .and. any(model%steps(:step)%is_nlgeom) .and. .not. any([(is_told(i) .and. &
+      is_translation(motions(:, i)), i=1, size(is_told))])
+  end function may_be_held_later
+
+
   !> What is missing and what to do.
-  pure function remedy(is_start) result(text)
+  pure function remedy(is_start, is_turned) result(text)
     logical, intent(in) :: is_start
+    logical, intent(in) :: is_turned               !< it may be held where the steps before have brought it
     character(:), allocatable :: text
-    if (is_start) then
+    if (is_turned) then
+      text = ' as the deck places it: no support, no equation and no contact holds it there. Under NLGEOM it may be ' // &
+        'held where the steps before have brought it.'
+    else if (is_start) then
       text = ' until its contact closes: what could hold it is open at the start. Move the bodies together, or ' // &
         'drive the body into contact by a prescribed displacement.'
     else

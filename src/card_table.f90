@@ -12,9 +12,9 @@ module amontons_card_table
   public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, &
     SECTION_VARIABLES
 
-  character(*), parameter :: NODE_VARIABLES = 'U|RF'              !< what NODE PRINT knows
+  character(*), parameter :: NODE_VARIABLES = 'U|RF|NT|COOR'      !< what NODE PRINT knows
   character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< what SECTION PRINT knows, each asks for all
-  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL' !< what EL PRINT knows
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR' !< what EL PRINT knows
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS' !< what CONTACT PRINT knows
 
 contains
@@ -400,17 +400,17 @@ contains
   !> Requests for the .dat file.
   subroutine describe_prints(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('NODE PRINT', IN_STEP, 'Prints values of nodes to the .dat file.', data='variables: U, RF')
+    call table%card('NODE PRINT', IN_STEP, 'Prints values of nodes to the .dat file.', data='variables: U, RF, NT, COORD')
     call describe_print(table)
-    call table%option('NSET', VALUE_NAME, 'The nodes.', default='required')
+    call table%option('NSET', VALUE_NAME, 'The nodes.', default='all (abaqus), required (calculix)')
     call table%option('GLOBAL', VALUE_WORD, 'Values are in global directions, or in those of *TRANSFORM.', &
       allowed='YES|NO', default='YES (abaqus), NO (calculix)')
     call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
 
     call table%card('EL PRINT', IN_STEP, 'Prints values of integration points to the .dat file.', data= &
-      'variables: S, E')
+      'variables: S, E, PEEQ, CEEQ, ENER, ELSE, EVOL, COORD')
     call describe_print(table)
-    call table%option('ELSET', VALUE_NAME, 'The elements.', default='required')
+    call table%option('ELSET', VALUE_NAME, 'The elements.', default='all (abaqus), required (calculix)')
     call table%option('GLOBAL', VALUE_WORD, 'Tensors are in global directions, or in the axes of the section.', &
       allowed='YES|NO', default='NO')
     call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)

@@ -441,9 +441,15 @@ contains
       request%is_local = parameter_word(parameters, 'GLOBAL', 'NO') == 'NO'
     end if
     if (kind /= PRINT_CONTACT .and. request%set == 0) then
-      if (name /= '') call complain(reader, reader%cards%cards(c)%line, 'There is no ' // &
-        trim(merge('node   ', 'element', kind == PRINT_NODE)) // ' set ''' // name // '''.')
-      return
+      if (name /= '') then
+        call complain(reader, reader%cards%cards(c)%line, 'There is no ' // &
+          trim(merge('node   ', 'element', kind == PRINT_NODE)) // ' set ''' // name // '''.')
+        return
+      else if (reader%dialect == DIALECT_CALCULIX) then
+        call complain(reader, reader%cards%cards(c)%line, trim(merge('*NODE PRINT needs NSET', &
+          '*EL PRINT needs ELSET ', kind == PRINT_NODE)) // ' under the calculix dialect.')
+        return
+      end if
     end if
     call read_variables(reader, row, known, request%variables)
     if (size(request%variables) > 0) progress%step%prints = [progress%step%prints, request]

@@ -2,13 +2,13 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_nodal
   use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, kind_type, MAX_NODES, MAX_POINTS, N_KINDS
+  use amontons_topology, only: element_kind, kind_type, FAMILY_AXISYMMETRIC, MAX_NODES, MAX_POINTS, N_KINDS
   use amontons_mesh, only: mesh_type, element_nodes
-  use amontons_shapes, only: extrapolation_matrix
+  use amontons_shapes, only: extrapolation_matrix, quadrature, shape_functions
   use amontons_element, only: element_point_volumes
   implicit none
   private
-  public :: average_at_nodes, point_volumes
+  public :: average_at_nodes, point_volumes, point_places
 
 contains
 
@@ -45,6 +45,28 @@ contains
       averages(:, a) = averages(:, a) / real(max(1, n_elements_at(a)), DP)
     end do
   end subroutine average_at_nodes
+
+
+  !> The places of the integration points for given places of the nodes. Points of springs and masses are in the middle.
+  subroutine point_places(mesh, x, places)
+    type(mesh_type), intent(in) :: mesh
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    real(DP), intent(out) :: places(:, :)          !< (3, n_points) [length]
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), shape(MAX_NODES), slope(3, MAX_NODES)
+    integer :: e, p, n, n_rule, nodes(MAX_NODES)
+    do e = 1, mesh%n_elements
+      call element_nodes(mesh, e, n, nodes)
+      associate (kind => element_kind(mesh%kind(e)))
+        n_rule = 0
+        if (kind%family <= FAMILY_AXISYMMETRIC) call quadrature(mesh%kind(e), n_rule, xi, w)
+      end associate
+      shape(:n) = 1 / real(n, DP)
+      do p = 1, mesh%point_first(e + 1) - mesh%point_first(e)
+        if (n_rule > 0) call shape_functions(mesh%kind(e), xi(:, p), shape, slope)
+        places(:, mesh%point_first(e) + p - 1) = matmul(x(:, nodes(:n)), shape(:n))
+      end do
+    end do
+  end subroutine point_places
 
 
   !> The reference volume that each integration point of an element stands for: weight times Jacobian.

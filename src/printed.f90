@@ -20,7 +20,7 @@ module amontons_printed
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
-  use amontons_nodal, only: point_volumes
+  use amontons_nodal, only: point_volumes, point_places
   use amontons_sections, only: section_type, measure_section
   implicit none
   private
@@ -299,9 +299,9 @@ contains
     do i = 1, size(request%variables)
       select case (request%kind)
       case (PRINT_NODE)
-        call print_node_variable(unit, model, fields, request, request%variables(i))
+        call print_node_variable(unit, model, fields, request, request%variables(i), is_nlgeom)
       case (PRINT_ELEMENT)
-        call print_element_variable(unit, model%mesh, fields, request, request%variables(i))
+        call print_element_variable(unit, model%mesh, fields, request, request%variables(i), is_nlgeom)
       case (PRINT_CONTACT)
         call print_contact_variable(unit, model, fields, request%variables(i))
       end select
@@ -309,29 +309,63 @@ contains
   end subroutine print_request
 
 
-  !> U and RF of a node set.
-  subroutine print_node_variable(unit, model, fields, request, variable)
+  !> The set of a request; without one all nodes or elements that there are.
+  pure function set_of(mesh, request) result(set)
+    type(mesh_type), intent(in) :: mesh
+    type(print_request_type), intent(in) :: request
+    type(set_type) :: set
+    integer :: i
+    if (request%set == 0) then
+      set%name = 'ALL'
+      set%members = [(i, i=1, merge(mesh%n_nodes, mesh%n_elements, request%kind == PRINT_NODE))]
+    else if (request%kind == PRINT_NODE) then
+      set = mesh%node_sets(request%set)
+    else
+      set = mesh%element_sets(request%set)
+    end if
+  end function set_of
+
+
+  !> U, RF, NT, COORD of a node set.
+  subroutine print_node_variable(unit, model, fields, request, variable, is_nlgeom)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     type(print_request_type), intent(in) :: request
     character(*), intent(in) :: variable
+    logical, intent(in) :: is_nlgeom
+    type(set_type) :: set
     real(DP), allocatable :: force(:, :)
-    associate (set => model%mesh%node_sets(request%set))
-      select case (variable)
-      case ('U')
-        call print_node_rows(unit, 'displacements (vx,vy,vz)', model%mesh, set, fields, &
-          in_directions(model, request, fields%u))
-      case ('RF')
-        force = in_directions(model, request, printed_forces(model, fields))
-        if (.not. request%is_only_totals) &
-          call print_node_rows(unit, 'forces (fx,fy,fz)', model%mesh, set, fields, force)
-        if (.not. (request%is_totals .or. request%is_only_totals)) return
-        call print_head(unit, 'total force (fx,fy,fz)', set, fields%total_time)
-        write (unit, TOTAL_FORM) sum(force(:, set%members), 2)
-      end select
-    end associate
+    set = set_of(model%mesh, request)
+    select case (variable)
+    case ('U')
+      call print_node_rows(unit, 'displacements (vx,vy,vz)', model%mesh, set, fields, &
+        in_directions(model, request, fields%u))
+    case ('RF')
+      force = in_directions(model, request, printed_forces(model, fields))
+      if (.not. request%is_only_totals) &
+        call print_node_rows(unit, 'forces (fx,fy,fz)', model%mesh, set, fields, force)
+      if (.not. (request%is_totals .or. request%is_only_totals)) return
+      call print_head(unit, 'total force (fx,fy,fz)', set, fields%total_time)
+      write (unit, TOTAL_FORM) sum(force(:, set%members), 2)
+    case ('NT')
+      call print_node_rows(unit, 'temperatures', model%mesh, set, fields, reshape(fields%temperature, &
+        [1, model%mesh%n_nodes]))
+    case ('COOR')
+      call print_node_rows(unit, 'coordinates (x,y,z)', model%mesh, set, fields, places_of(model%mesh, fields, is_nlgeom))
+    end select
   end subroutine print_node_variable
+
+
+  !> The places of the nodes: in the deck, under NLGEOM now.
+  pure function places_of(mesh, fields, is_nlgeom) result(x)
+    type(mesh_type), intent(in) :: mesh
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_nlgeom
+    real(DP) :: x(3, mesh%n_nodes)
+    x = mesh%coordinates
+    if (is_nlgeom) x = x + fields%u
+  end function places_of
 
 
   !> Vectors at the nodes in the directions that a request asks for.
@@ -372,7 +406,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(set_type), intent(in) :: set
     type(fields_type), intent(in) :: fields
-    real(DP), intent(in) :: values(:, :)           !< (3, n_nodes)
+    real(DP), intent(in) :: values(:, :)           !< (at most 3, n_nodes)
     integer :: i
     call print_head(unit, title, set, fields%total_time)
     do i = 1, size(set%members)
@@ -381,15 +415,18 @@ contains
   end subroutine print_node_rows
 
 
-  !> S, E, ENER at the integration points of an element set; ELSE, EVOL of its elements.
-  subroutine print_element_variable(unit, mesh, fields, request, variable)
+  !> S, E, PEEQ, CEEQ, ENER, COORD at the integration points of an element set; ELSE, EVOL of its elements.
+  subroutine print_element_variable(unit, mesh, fields, request, variable, is_nlgeom)
     integer, intent(in) :: unit
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
     type(print_request_type), intent(in) :: request
     character(*), intent(in) :: variable
-    ! CalculiX prints xx yy zz xy xz yz.
-    associate (set => mesh%element_sets(request%set), time => fields%total_time)
+    logical, intent(in) :: is_nlgeom
+    type(set_type) :: set
+    real(DP), allocatable :: places(:, :)
+    set = set_of(mesh, request)
+    associate (time => fields%total_time)           ! CalculiX prints xx yy zz xy xz yz
       select case (variable)
       case ('S')
         call print_head(unit, 'stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)', set, time)
@@ -409,6 +446,11 @@ contains
       case ('ENER')
         call print_head(unit, 'internal energy density (elem, integ.pnt.,energy)', set, time)
         call print_point_rows(unit, mesh, set, reshape(fields%energy, [1, size(fields%energy)]))
+      case ('COOR')
+        allocate (places(3, mesh%n_points))
+        call point_places(mesh, places_of(mesh, fields, is_nlgeom), places)
+        call print_head(unit, 'global coordinates (elem, integ.pnt.,x,y,z)', set, time)
+        call print_point_rows(unit, mesh, set, places)
       case ('ELSE')
         call print_element_rows(unit, ['internal energy (element, energy)', 'total internal energy            '], &
           mesh, request, time, fields%energy)
@@ -463,23 +505,23 @@ contains
     type(print_request_type), intent(in) :: request
     real(DP), intent(in) :: time                   !< total time [time]
     real(DP), intent(in), optional :: density(:)   !< (n_points); default 1
+    type(set_type) :: set
     real(DP) :: volumes(MAX_POINTS), integral, total
     integer :: i, n, first
-    associate (set => mesh%element_sets(request%set))
-      if (.not. request%is_only_totals) call print_head(unit, trim(titles(1)), set, time)
-      total = 0
-      do i = 1, size(set%members)
-        call point_volumes(mesh, set%members(i), n, volumes)
-        integral = sum(volumes(:n))
-        first = mesh%point_first(set%members(i))
-        if (present(density)) integral = dot_product(volumes(:n), density(first:first + n - 1))
-        total = total + integral
-        if (.not. request%is_only_totals) write (unit, NODE_FORM) mesh%element_label(set%members(i)), integral
-      end do
-      if (.not. (request%is_totals .or. request%is_only_totals)) return
-      call print_head(unit, trim(titles(2)), set, time)
-      write (unit, TOTAL_FORM) total
-    end associate
+    set = set_of(mesh, request)
+    if (.not. request%is_only_totals) call print_head(unit, trim(titles(1)), set, time)
+    total = 0
+    do i = 1, size(set%members)
+      call point_volumes(mesh, set%members(i), n, volumes)
+      integral = sum(volumes(:n))
+      first = mesh%point_first(set%members(i))
+      if (present(density)) integral = dot_product(volumes(:n), density(first:first + n - 1))
+      total = total + integral
+      if (.not. request%is_only_totals) write (unit, NODE_FORM) mesh%element_label(set%members(i)), integral
+    end do
+    if (.not. (request%is_totals .or. request%is_only_totals)) return
+    call print_head(unit, trim(titles(2)), set, time)
+    write (unit, TOTAL_FORM) total
   end subroutine print_element_rows
 
 

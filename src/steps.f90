@@ -47,7 +47,7 @@ module amontons_steps
   !> One PRINT card.
   type :: print_request_type
     integer :: kind = PRINT_NODE           !< PRINT_...
-    integer :: set = 0                     !< index of the node set, element set or surface; 0 for contact
+    integer :: set = 0                     !< index of the node set, element set or surface; 0: all
     character(4), allocatable :: variables(:)   !< e.g. 'U', 'RF', 'S', 'E', 'CDIS', 'CSTR', 'SCEN'
     logical :: is_totals = .false.         !< TOTALS=YES: rows and their sum
     logical :: is_only_totals = .false.    !< TOTALS=ONLY

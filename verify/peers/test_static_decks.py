@@ -46,8 +46,6 @@ NOT_JUDGED = {
 # What is not there yet, so that these decks run but do not agree (or do not run): told in the table, expected to fail. A deck that
 # begins to agree shows as XPASS and leaves this list.
 UNFINISHED = {
-    "beamp2rotate": "the audit refuses it: supports in turned directions",
-    "beampo4": "COORD prints",
     "pret5": "new nodes of the section in the .frd", "pret6": "the same",
     "bolt": "node-based slaves: CalculiX adds the flat faces of its expanded elements to their areas",
 }  # fmt: skip

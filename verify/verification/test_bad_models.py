@@ -126,6 +126,24 @@ def test_released_in_a_later_step(run_deck: Run, tmp_path: Path) -> None:
     refuse(run_deck, tmp_path, deck, "In step 2 the body of element 1")
 
 
+def test_held_where_it_has_turned_to(run_deck: Run, tmp_path: Path) -> None:
+    """A body that could turn where the deck places it is held where a step under NLGEOM has brought it: a warning, and the job
+    runs. Without NLGEOM it is an error, and so is always what can move along.
+    """
+    hinge, turn = "*BOUNDARY{0}\n1, 1, 3\n2, 2, 3\n5, 3, 3{1}\n6, 3, 3{1}", "\n5, 2, 2, 0.3\n6, 2, 2, 0.3"
+    later = hinge.format(", OP=NEW", ", -0.046")
+    deck = Deck(steps=[[hinge.format("", "") + turn], [later]], nlgeom=", NLGEOM")
+    deck.cube((0.0, 0.0, 0.0))
+    assert "In step 2 the body of element 1 (set ALL, 1 element) can turn about x" in accept(run_deck, deck)
+    assert run_deck(deck.text()).returncode == 0
+    for path in tmp_path.iterdir():
+        path.unlink()
+    deck.nlgeom = ""
+    refuse(run_deck, tmp_path, deck, "In step 2 the body of element 1 (set ALL, 1 element) can turn about x")
+    deck.nlgeom, deck.steps[1] = ", NLGEOM", ["*BOUNDARY, OP=NEW\nFLOOR1, 2, 3"]
+    refuse(run_deck, tmp_path, deck, "In step 2 the body of element 1 (set ALL, 1 element) can move along x")
+
+
 def test_sliding_without_friction(run_deck: Run, tmp_path: Path) -> None:
     """On a smooth table a body is free to slide; with friction it is not."""
     deck = stack(friction=0.0)
