@@ -174,7 +174,7 @@ check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
 	@$(PYTEST) -m "not slow" verify
 
 verify: programs $(VENV)/installed ## Run the verification cases and write their pages to doc/verification
-	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/verification
+	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/verification verify/peers
 
 bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) and write the table of doc/performance.md
 	@$(PY) verify/benchmark/bench.py --program $(BIN)/amontons --write

@@ -255,6 +255,7 @@ def write_index(pages: Path) -> None:
     """index.md from the .json files of the cases, which it takes away; a row per check."""
     files = sorted(pages.glob("*.json"))
     cases = [json.loads(file.read_text()) for file in files]
+    has_decks = (pages / "calculix-decks.md").exists()
     n_increments, n_iterations, n_failed = (sum(e[i] for c in cases for e in c["effort"]) for i in range(3))
     lines = [
         "# Verification",
@@ -265,6 +266,7 @@ def write_index(pages: Path) -> None:
         f"{len(cases)} cases, {sum(len(c['checks']) for c in cases)} checks, {n_increments} increments, {n_iterations} Newton",
         f"iterations ({n_iterations / max(n_increments, 1):.2f} per increment), {n_failed} failed attempts.",
         "",
+        *(["The decks of CalculiX's own suite have [a page of their own](calculix-decks.md).", ""] * has_decks),
         "| case | quantity | reference | ours | error | allowed | order |",
         "|---|---|---|---|---|---|---|",
     ]

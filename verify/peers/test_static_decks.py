@@ -24,8 +24,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from dat import Block, Deviation, compare, read_dat, read_frd  # noqa: E402
 
+from peers.conftest import AGREES, Entry, Row  # noqa: E402
+
 DECKS = Path(os.environ.get("AMONTONS_DECKS", Path(__file__).resolve().parents[3] / "shared" / "decks"))
-AGREES = 0.01  # of the largest value of a block
 
 # References that CalculiX's own release does not reproduce, or that need code compiled into it: told, not judged.
 NOT_JUDGED = {
@@ -53,6 +54,9 @@ UNFINISHED = {
 # Decks in which CalculiX cut its first increment back by itself and printed where it then came by. Amontons needs no cut-back
 # and would print the end of the step alone: these decks are given CalculiX's increments, and nothing else is changed.
 INCREMENTS = {"beamplane": ("*STATIC\n", "*STATIC\n.25, 1., , .25\n")}
+
+# Fields of .frd, and what they are called in the result file.
+FIELDS = {"DISP": ["U"], "STRESS": ["S"], "TOSTRAIN": ["E", "LE"]}
 
 FOLDERS = [folder for folder in ("static", "contact") if (DECKS / folder).is_dir()]
 FILES = [deck for folder in FOLDERS for deck in sorted((DECKS / folder).glob("*.inp"))]
@@ -86,11 +90,11 @@ def references(deck: Path) -> tuple[list[Block], list[Block]]:
     dat, frd = deck.with_suffix(".dat.ref"), deck.with_suffix(".frd.ref")
     tables = read_dat(dat) if dat.exists() else []
     fields = read_frd(frd) if frd.exists() and not tables else []
-    return tables, [block for block in fields if block.title in ("DISP", "STRESS")]
+    return tables, [block for block in fields if block.title in FIELDS]
 
 
 def read_our_fields(path: Path, wanted: list[Block]) -> list[Block]:
-    """Displacements and nodal stresses of the result file at the times wanted, in the order of .frd."""
+    """Displacements, nodal stresses and strains of the result file at the times wanted, in the order of .frd."""
     result = []
     with h5py.File(path) as file:
         times = file["VTKHDF/Steps/Values"][:]
@@ -99,8 +103,8 @@ def read_our_fields(path: Path, wanted: list[Block]) -> list[Block]:
         n = int(file["VTKHDF/NumberOfPoints"][0])
         for block in wanted:
             k = int(np.argmin(np.abs(times - block.time)))
-            name = {"DISP": "U", "STRESS": "S"}[block.title]
-            if name not in points:
+            name = next((name for name in FIELDS[block.title] if name in points), "")
+            if not name:
                 continue
             values = points[name][k * n : (k + 1) * n]
             result.append(Block(block.title, "", block.time,
@@ -146,39 +150,52 @@ def with_increments(deck: Path, folder: Path) -> Path:
     return copy
 
 
-@pytest.mark.parametrize("deck", parameters())
-def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, tell: Callable[..., None]) -> None:
-    """Every block of a deck that runs is within 1 % of its largest value."""
-    name = f"{deck.parent.name}/{deck.stem}"
-    result = run(["--dialect=calculix", "--outdir", tmp_path, with_increments(deck, tmp_path)])
-    output = result.stdout + result.stderr
-    if result.returncode == 3:
-        tell(name, f"{name:28s} refused  {refusal(output)}")
-        pytest.skip(refusal(output))
+def read_ours(deck: Path, folder: Path) -> list[Deviation]:
+    """The deviations of all blocks of the references of a deck that has run."""
     tables, fields = references(deck)
-    if result.returncode != 0:
-        tell(name, f"{name:28s} exit {result.returncode}   {output.strip().splitlines()[-1][:150] if output.strip() else ''}")
-        assert deck.stem in NOT_JUDGED, output[-2000:]
-        pytest.skip(NOT_JUDGED[deck.stem])
     deviations: list[Deviation] = []
     if tables:
-        dat = tmp_path / (deck.stem + ".dat")
+        dat = folder / (deck.stem + ".dat")
         is_expanded = re.search(r"type\s*=\s*C(PS|PE|AX)", deck.read_text(errors="replace"), re.I) is not None
         deviations = compare(read_dat(dat) if dat.exists() else [], tables, is_expanded,
-                             node_labels(tmp_path / (deck.stem + ".vtkhdf")))
+                             node_labels(folder / (deck.stem + ".vtkhdf")))
     if fields:
-        deviations += compare(read_our_fields(tmp_path / (deck.stem + ".vtkhdf"), fields), fields)
-    n_blocks = len(deviations)
-    deviations = leave_out_noise(deviations, youngs_modulus(deck))
-    for d in deviations:
-        tell(name, f"{name:28s} {100 * d.deviation:9.4f} %  {d.title} {d.set_name} t={d.time:g} largest {d.largest:.3e} at {d.where}"
-             + (f", {d.missing} rows missing" if d.missing else ""))
-    if not n_blocks:
-        tell(name, f"{name:28s} has no reference")
-        pytest.skip("no reference to compare with")
+        deviations += compare(read_our_fields(folder / (deck.stem + ".vtkhdf"), fields), fields)
+    return deviations
+
+
+def row_of(d: Deviation) -> Row:
+    """A line of the table."""
+    where = " ".join(map(str, d.where)) + (f"{d.missing} rows missing" if d.missing else "")
+    return Row(f"{d.title} {d.set_name}".strip(), d.time, d.largest, d.deviation if d.deviation < np.inf else 1e30, where)
+
+
+@pytest.mark.parametrize("deck", parameters())
+def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, tell: Callable[[Entry], None]) -> None:
+    """Every block of a deck that runs is within 1 % of its largest value."""
+    entry = Entry(f"{deck.parent.name}/{deck.stem}", is_excluded=deck.stem in NOT_JUDGED, reason=NOT_JUDGED.get(deck.stem, ""))
+    result = run(["--dialect=calculix", "--outdir", tmp_path, with_increments(deck, tmp_path)])
+    output = result.stdout + result.stderr
+    if result.returncode != 0:
+        entry.has_run = False
+        trouble = refusal(output) if result.returncode == 3 else f"exit {result.returncode}: {(output.strip().splitlines() or [''])[-1][:150]}"
+        trouble = trouble.replace(str(deck), deck.name).replace("*ERROR: ", "")
+        trouble = trouble.replace("*", "\\*").replace("|", "\\|")
+        entry.reason = entry.reason or trouble
+        tell(entry)
+        assert result.returncode == 3 or entry.is_excluded, output[-2000:]
+        pytest.skip(entry.reason)
+    deviations = read_ours(deck, tmp_path)
+    left = leave_out_noise(deviations, youngs_modulus(deck))
+    entry.rows = [row_of(d) for d in left]
     if not deviations:
-        tell(name, f"{name:28s} {0:9.4f} %  all {n_blocks} blocks are nothing but rounding, in the reference and here")
-    if deck.stem in NOT_JUDGED:
-        pytest.skip(NOT_JUDGED[deck.stem])
-    bad = [d for d in deviations if not d.deviation <= AGREES]
+        entry.is_excluded, entry.reason = True, entry.reason or "its reference has nothing that we write"
+    elif not left:
+        entry.note = f"its {len(deviations)} blocks are nothing but rounding, in the reference and here"
+    elif deck.stem in UNFINISHED:
+        entry.note = UNFINISHED[deck.stem]
+    tell(entry)
+    if entry.reason:
+        pytest.skip(entry.reason)
+    bad = [d for d in left if not d.deviation <= AGREES]
     assert not bad, "\n".join(f"{d.title} {d.set_name} t={d.time:g}: {100 * d.deviation:.3g} % of {d.largest:.3e}" for d in bad)
