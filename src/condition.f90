@@ -4,7 +4,8 @@
 !! A sheet chooses its thickness so that the stress across it is zero, a truss its cross-section. The free logarithmic
 !! strains are found by Newton's method with the law's own tangent at each point, from scratch each time: nothing is to
 !! be remembered, and a law in which stress and strain are proportional takes one correction. What is left is condensed
-!! exactly: c_ab - c_af (c_ff)^-1 c_fb. The shears across (yz, xz) are taken as zero.
+!! exactly: c_ab - c_af (c_ff)^-1 c_fb. A correction that does not make the stresses smaller is halved: from scratch the way
+!! leads across the yield surface, where full corrections can go to and fro for ever. The shears across (yz, xz) are taken as zero.
 !! Reference: E. A. de Souza Neto, D. Peric, D. R. J. Owen, Computational methods for plasticity, Wiley 2008, chapter 9.
 module amontons_condition
   use amontons_kinds, only: DP
@@ -22,7 +23,7 @@ module amontons_condition
   integer, parameter :: CONDITION_PLANE_STRESS = 1    !< the normal strain 33 is free
   integer, parameter :: CONDITION_UNIAXIAL = 2        !< 22 and 33 are free
 
-  integer, parameter :: MOST_CORRECTIONS = 40
+  integer, parameter :: MOST_CORRECTIONS = 80
   real(DP), parameter :: EXACT = 1.0e-13_DP           !< of the largest stress: converged [-]
   real(DP), parameter :: ACCEPTABLE = 1.0e-9_DP       !< of the largest stress: where the corrections end [-]
   real(DP), parameter :: ROUNDING = 1.0e-14_DP        !< a correction this small over the strains is rounding [-]
@@ -38,12 +39,14 @@ contains
     type(point_type), intent(inout) :: point       !< in: H, past, ...; out: stress, tangent with the free strains
                                                    !< condensed, strain, energy, history; the free (2, 2), (3, 3) of H
     integer, intent(out) :: status                 !< STRESS_...
-    real(DP) :: e(3), correction(3), largest
+    real(DP) :: e(3), correction(3), largest, left, before
     integer :: first, i, step
     logical :: is_settled
     first = 4 - condition
     is_settled = .false.
     e = 0
+    correction = 0
+    before = huge(before)
     do step = 0, MOST_CORRECTIONS
       do i = first, 3
         point%H(i, i) = e(i)
@@ -52,11 +55,19 @@ contains
       call respond(material, is_nlgeom, point, status)
       if (status /= STRESS_OK .or. condition == CONDITION_NONE) return
       largest = maxval(abs(point%stress))
-      if (maxval(abs(point%stress(first:3))) <= EXACT * largest) exit
-      call correct(first, is_nlgeom, point%stress, point%tangent, correction)
+      left = maxval(abs(point%stress(first:3)))
+      if (left <= EXACT * largest) exit
+      if (left < before) then
+        before = left
+        call correct(first, is_nlgeom, point%stress, point%tangent, correction)
+        correction(first:) = sign(min(abs(correction(first:)), LARGEST_CORRECTION), correction(first:))
+      else                                           ! back by half
+        correction = correction / 2
+        e(first:) = e(first:) - 2 * correction(first:)
+      end if
       is_settled = maxval(abs(correction(first:))) <= ROUNDING * maxval(abs(point%H))
       if (is_settled) exit
-      e(first:) = e(first:) + sign(min(abs(correction(first:)), LARGEST_CORRECTION), correction(first:))
+      e(first:) = e(first:) + correction(first:)
     end do
     if (.not. (is_settled .or. maxval(abs(point%stress(first:3))) <= ACCEPTABLE * largest)) status = STRESS_NOT_FINITE
     call condense(first, point%tangent)
