@@ -102,7 +102,7 @@ module amontons_columns
     column_type('strain_energy', 1, '[energy]', 'Stored in the elements.')]
   integer, parameter :: N_HISTORY_INTEGERS = 16, N_HISTORY_REALS = 21 + N_PHASES
 
-  type(column_type), parameter :: ITERATION_COLUMNS(14) = [ &
+  type(column_type), parameter :: ITERATION_COLUMNS(16) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1.', .true.), &
     column_type('increment', 1, '[-]', 'Increment in the step, counted from 1.', .true.), &
     column_type('attempt', 1, '[-]', 'Attempt at the increment, counted from 1.', .true.), &
@@ -113,12 +113,14 @@ module amontons_columns
     column_type('n_opened', 1, '[-]', 'Slave nodes that opened.', .true.), &
     column_type('n_closed_now', 1, '[-]', 'Slave nodes that closed.', .true.), &
     column_type('n_krylov', 1, '[-]', 'Krylov iterations.', .true.), &
+    column_type('n_balanced', 1, '[-]', 'Slave nodes that slip in balance.', .true.), &
+    column_type('n_rounds', 1, '[-]', 'Corrections of the direction with the bulk linearised.', .true.), &
     column_type('residual', 1, '[-]', 'Largest force imbalance over the largest force; 1e30 if not finite.'), &
     column_type('correction', 1, '[-]', &
       'Largest correction over the largest increment of displacement; 1e30 if not finite.'), &
     column_type('step_length', 1, '[-]', 'Step length of the line search (mean of the nodes for NODAL).'), &
     column_type('worst_gap', 1, '[length]', 'Largest penetration or opening of a closed node; 1e30 if not finite.')]
-  integer, parameter :: N_ITERATION_INTEGERS = 15, N_ITERATION_REALS = 4
+  integer, parameter :: N_ITERATION_INTEGERS = 17, N_ITERATION_REALS = 4
 
   type(column_type), parameter :: STEP_COLUMNS(10) = [ &
     column_type('is_nlgeom', 1, '[-]', '1: large displacements.', .true.), &

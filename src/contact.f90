@@ -306,6 +306,18 @@ contains
   end subroutine renew_areas
 
 
+  !> A node that has no facet, because an earlier iterate took it off its master or because it was far away, is looked for
+  !! again: else it could sink into the master unseen.
+  subroutine find_again(contact, x, s, slave)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    integer, intent(in) :: s
+    type(slave_type), intent(inout) :: slave
+    if (contact%is_small(slave%pair) .or. contact%is_removed(slave%pair)) return
+    call refresh_facet(contact, x, s, SEARCH_REACH * contact%edge(slave%pair), slave)
+  end subroutine find_again
+
+
   !> Looks for the facet of a node: an open node may be nearer to another one now; a closed one keeps walking from its own.
   subroutine refresh_facet(contact, x, s, reach, slave)
     type(contact_type), intent(in) :: contact
@@ -469,6 +481,7 @@ contains
     integer :: status, before
     associate (slave => fields%slaves(s), view => contact%view)
       before = slave%status
+      if (slave%facet == 0) call find_again(contact, x, s, slave)
       call locate_slave(contact, x, slave)
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
         call press_slave(contact, model, old, u_old, imbalance, s, fields)
@@ -695,9 +708,11 @@ contains
   end subroutine add_contact_force
 
 
-  !> How far a change of displacement moves the slave nodes along their master, in facets, at most.
-  pure real(DP) function farthest_travel(contact, slaves, du) result(farthest)
+  !> How far a change of displacement moves the slave nodes along their master, in facets, at most. A facet is as long as it is
+  !! in the direction of the motion: a long and narrow one is crossed where it is narrow.
+  pure real(DP) function farthest_travel(contact, model, slaves, du) result(farthest)
     type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     type(contact_row_type) :: row
@@ -710,10 +725,25 @@ contains
         call touching_row(contact, slave, row)
         d = relative_position(row, du)
         d = d - dot_product(slave%normal, d) * slave%normal
-        farthest = max(farthest, norm2(d) / contact%facets(slave%pair)%edge_length(slave%facet))
+        if (norm2(d) <= 0.0_DP) cycle
+        associate (facets => contact%facets(slave%pair))
+          farthest = max(farthest, norm2(d) / width_along(model%mesh%coordinates(:, facets%nodes(facets%first(slave%facet): &
+            facets%first(slave%facet + 1) - 1)), d / norm2(d), facets%edge_length(slave%facet)))
+        end associate
       end associate
     end do
   end function farthest_travel
+
+
+  !> The extent of points along a direction; another length where they have none.
+  pure real(DP) function width_along(points, direction, otherwise) result(width)
+    real(DP), intent(in) :: points(:, :)           !< (3, :) [length]
+    real(DP), intent(in) :: direction(3), otherwise
+    real(DP) :: along(size(points, 2))
+    along = matmul(direction, points)
+    width = maxval(along) - minval(along)
+    if (width <= 1.0e-6_DP * otherwise) width = otherwise
+  end function width_along
 
 
   !> At the end of a converged increment: gather the slip, and the work that friction took.

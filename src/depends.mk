@@ -97,9 +97,10 @@ uses_audit = kinds errors text lookup topology loads steps model element state c
 
 # 6 solution: the increment, the steps, the results
 uses_converge = kinds steps
+uses_settle = kinds errors steps model state contact system
 uses_line_search = kinds steps model slip state contact system
 uses_forensics = kinds state
-uses_newton = kinds errors history steps model state contact system converge line_search forensics
+uses_newton = kinds errors history steps model state contact system converge settle line_search forensics
 uses_stepper = kinds steps converge
 uses_nodal = kinds topology mesh shapes element
 uses_sections = kinds tensor topology mesh surfaces shapes state nodal

@@ -20,9 +20,11 @@ module amontons_history
     real(DP) :: correction = 0                 !< largest correction over the largest increment of displacement [-]
     integer :: n_status(0:2) = 0               !< slave nodes open, stick, slip
     integer :: n_scenario(4) = 0               !< slave nodes in scenario I to IV
+    integer :: n_balanced = 0                  !< slave nodes that slip in balance: all friction used up, nothing left over
     integer :: n_opened = 0, n_closed_now = 0  !< slave nodes that opened and that closed in this iteration
     real(DP) :: step_length = 1                !< of the line search (mean of the nodes for NODAL) [-]
     integer :: n_krylov = 0                    !< Krylov iterations
+    integer :: n_rounds = 0                    !< corrections of the direction with the bulk linearised (settle)
     real(DP) :: worst_gap = 0                  !< largest penetration or opening of a closed node [length]
   end type iteration_record_type
 

@@ -13,7 +13,7 @@ module amontons_line_search
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type, STATUS_OPEN
-  use amontons_slip, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip, NODE_SLIP
+  use amontons_slip, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip, NODE_SLIP, NODE_BALANCED
   use amontons_contact, only: slip_view_type, farthest_travel
   use amontons_system, only: system_type, evaluate, residual_pair, TROUBLE_NONE
   implicit none
@@ -31,6 +31,7 @@ module amontons_line_search
     logical :: is_arrived = .true.                 !< the prescribed displacements have all arrived
     real(DP) :: correction = 0                     !< largest change of a displacement [length]
     integer :: n_scenario(4) = 0
+    integer :: n_balanced = 0                      !< slave nodes that slip in balance
     integer :: n_opened = 0, n_closed = 0          !< slave nodes, from the iterate before to this one
   end type search_type
 
@@ -38,6 +39,7 @@ module amontons_line_search
   type :: start_type
     real(DP), allocatable :: u(:, :)
     type(slave_type), allocatable :: slaves(:)
+    type(slave_type), allocatable :: ahead(:)      !< the same for the end of the whole direction
     type(slip_view_type) :: view
     real(DP) :: merit = 0
     real(DP) :: pair = 0                           !< d'R(u)
@@ -47,11 +49,12 @@ module amontons_line_search
 contains
 
   !> Moves the trial state along the direction and evaluates it there.
-  subroutine search_line(system, model, step, du, state, search, trouble)
+  subroutine search_line(system, model, step, du, ahead, state, search, trouble)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction d [length]
+    type(slave_type), intent(in) :: ahead(:)       !< the memory of the slave nodes with which u + d is evaluated
     type(state_type), intent(inout) :: state       !< in: evaluated at u; out: evaluated at the new iterate
     type(search_type), intent(out) :: search
     integer, intent(out) :: trouble                !< TROUBLE_... if no step length gives a sound configuration
@@ -59,6 +62,7 @@ contains
     type(slip_verdict_type), allocatable :: verdicts(:)
     start%u = state%new%u
     start%slaves = state%new%slaves
+    start%ahead = ahead
     start%view = system%contact%view
     start%merit = system%merit
     start%pair = residual_pair(system, du)
@@ -76,6 +80,8 @@ contains
     case (SEARCH_AUTO)
       call back_track(system, model, step, du, start, state, search, trouble)
     end select
+    search%n_opened = count(start%slaves%status /= STATUS_OPEN .and. state%new%slaves%status == STATUS_OPEN)
+    search%n_closed = count(start%slaves%status == STATUS_OPEN .and. state%new%slaves%status /= STATUS_OPEN)
     search%correction = maxval(abs(state%new%u - start%u))
     search%is_arrived = start%is_comparable .or. search%is_whole_step
 
@@ -87,12 +93,12 @@ contains
       real(DP) :: full
       if (abs(alpha - 1.0_DP) < 1.0e-3_DP .or. .not. start%is_comparable) return
       full = system%merit
-      call go(system, model, step, start, start%u + alpha * du, state, trouble)
+      call go(system, model, step, start, start%u + alpha * du, .false., state, trouble)
       if (trouble == TROUBLE_NONE .and. system%merit <= full) then
         search%step_length = alpha
         search%is_whole_step = .false.
       else
-        call go(system, model, step, start, start%u + du, state, trouble)
+        call go(system, model, step, start, start%u + du, .true., state, trouble)
       end if
     end subroutine try_length
 
@@ -100,7 +106,7 @@ contains
 
 
   !> The full step, or the longest half, quarter, ... that leaves no element inverted. While supports move, no slave node
-  !! travels more than MOST_TRAVEL facets: its gap and weights are linearised where it is.
+  !! travels more than MOST_TRAVEL facets: its gap and weights are linearised where it is, unless contact has settled ahead.
   subroutine first_step(system, model, step, du, start, state, search, trouble)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -113,11 +119,11 @@ contains
     real(DP) :: longest
     integer :: halving
     longest = 1.0_DP
-    if (.not. start%is_comparable) &
-      longest = MOST_TRAVEL / max(MOST_TRAVEL, farthest_travel(system%contact, start%slaves, du))
+    if (.not. start%is_comparable .and. .not. system%is_settled) &
+      longest = MOST_TRAVEL / max(MOST_TRAVEL, farthest_travel(system%contact, model, start%slaves, du))
     do halving = 0, MOST_HALVINGS
       search%step_length = longest * 0.5_DP**halving
-      call go(system, model, step, start, start%u + search%step_length * du, state, trouble)
+      call go(system, model, step, start, start%u + search%step_length * du, search%step_length == 1.0_DP, state, trouble)
       if (trouble == TROUBLE_NONE) exit
     end do
     search%is_whole_step = search%step_length == 1.0_DP
@@ -125,16 +131,18 @@ contains
 
 
   !> Evaluates a configuration, starting from the contact memory of the iterate.
-  subroutine go(system, model, step, start, u, state, trouble)
+  subroutine go(system, model, step, start, u, is_whole, state, trouble)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(start_type), intent(in) :: start
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    logical, intent(in) :: is_whole                !< the end of the whole direction
     type(state_type), intent(inout) :: state
     integer, intent(out) :: trouble
     state%new%u = u
     state%new%slaves = start%slaves
+    if (is_whole) state%new%slaves = start%ahead
     call evaluate(system, model, step, .false., state, trouble)
   end subroutine go
 
@@ -156,8 +164,6 @@ contains
     controls%alpha_min = step%controls%s_min
     controls%alpha_max = step%controls%s_max
     allocate (verdicts(size(state%new%slaves)))
-    search%n_opened = system%contact%n_opened
-    search%n_closed = system%contact%n_closed
     associate (after => system%contact%view)
       do s = 1, size(verdicts)
         if (start%view%status(s) == STATUS_OPEN) cycle
@@ -168,6 +174,7 @@ contains
         at_ud = slip_point_type(N=after%normal_force(s), Rt=after%imbalance_t(:, s), slip=after%slip(:, s))
         d = after%slip(:, s) - start%view%slip(:, s)
         call classify_slip(at_u, at_ud, d, mu, controls, verdicts(s))
+        if (verdicts(s)%state == NODE_BALANCED) search%n_balanced = search%n_balanced + 1
         if (verdicts(s)%scenario == 0) cycle
         search%n_scenario(verdicts(s)%scenario) = search%n_scenario(verdicts(s)%scenario) + 1
         state%new%slaves(s)%scenario = verdicts(s)%scenario
@@ -213,13 +220,13 @@ contains
         u(:, node) = u(:, node) + (verdicts(s)%alpha - 1.0_DP) * (system%contact%view%slip(:, s) - start%view%slip(:, s))
       end associate
     end do
-    call go(system, model, step, start, u, state, trouble)
+    call go(system, model, step, start, u, .false., state, trouble)
     if (trouble == TROUBLE_NONE .and. system%merit <= full) then
       search%step_length = sum(verdicts%alpha, mask=verdicts%state == NODE_SLIP) &
         / real(count(verdicts%state == NODE_SLIP), DP)
       search%is_whole_step = .false.
     else
-      call go(system, model, step, start, u_full, state, trouble)
+      call go(system, model, step, start, u_full, .true., state, trouble)
     end if
   end subroutine try_nodal
 
@@ -243,7 +250,7 @@ contains
     best_merit = system%merit
     alpha = min(0.5_DP * best, one_step_length(step, start%pair, residual_pair(system, du) - start%pair))
     do halving = 1, MOST_HALVINGS
-      call go(system, model, step, start, start%u + alpha * du, state, trouble)
+      call go(system, model, step, start, start%u + alpha * du, .false., state, trouble)
       if (trouble == TROUBLE_NONE .and. system%merit < best_merit) then
         best = alpha
         best_merit = system%merit
@@ -252,7 +259,7 @@ contains
       alpha = 0.5_DP * alpha
     end do
     if (best /= alpha .or. halving > MOST_HALVINGS) &
-      call go(system, model, step, start, start%u + best * du, state, trouble)
+      call go(system, model, step, start, start%u + best * du, best == 1.0_DP, state, trouble)
     search%is_whole_step = best == 1.0_DP
     search%step_length = best
   end subroutine back_track

@@ -6,11 +6,12 @@ module amontons_newton
   use amontons_model, only: model_type
   use amontons_steps, only: step_type
   use amontons_history, only: iteration_record_type
-  use amontons_state, only: state_type
+  use amontons_state, only: state_type, slave_type
   use amontons_contact, only: farthest_travel
   use amontons_forensics, only: forensics_type, note_slaves
   use amontons_converge, only: progress_type, judge, VERDICT_GO_ON, VERDICT_DIVERGES
   use amontons_line_search, only: search_type, search_line
+  use amontons_settle, only: settle_contact
   use amontons_system, only: system_type, begin_increment, evaluate, find_direction, TROUBLE_NONE, &
     TROUBLE_ELEMENT
   implicit none
@@ -45,7 +46,7 @@ contains
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state       !< trial = committed, with the new times
-    real(DP) :: dt
+    real(DP) :: dt, travel
     newton%progress = progress_type()
     newton%record = iteration_record_type()
     newton%forensics = forensics_type()
@@ -54,9 +55,9 @@ contains
     newton%trouble = TROUBLE_ELEMENT
     if (.not. is_step_start) then
       dt = state%new%total_time - state%old%total_time
+      travel = farthest_travel(system%contact, model, state%old%slaves, dt * state%old%v)
       state%new%u = state%old%u + dt * state%old%v
-      call evaluate(system, model, step, farthest_travel(system%contact, state%old%slaves, dt * state%old%v) < FAR_TRAVEL, &
-        state, newton%trouble)
+      call evaluate(system, model, step, travel < FAR_TRAVEL, state, newton%trouble)
     end if
     if (newton%trouble /= TROUBLE_NONE) then
       state%new%u = state%old%u
@@ -69,7 +70,7 @@ contains
   end subroutine begin_newton
 
 
-  !> One iteration: linearise, solve, go along the direction, judge.
+  !> One iteration: linearise, solve, let contact settle ahead, go along the direction, judge.
   subroutine iterate(newton, system, model, step, state, verdict, error)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(inout) :: system
@@ -79,6 +80,7 @@ contains
     integer, intent(out) :: verdict                !< VERDICT_...; newton%trouble tells more
     type(error_type), allocatable, intent(out) :: error
     type(search_type) :: search
+    type(slave_type), allocatable :: ahead(:)
     real(DP), allocatable :: du(:, :)
     integer :: n_krylov
     verdict = VERDICT_DIVERGES
@@ -87,7 +89,9 @@ contains
     allocate (du, mold=state%new%u)
     call find_direction(system, model, step, state, du, newton%trouble, error)
     if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
-    call search_line(system, model, step, du, state, search, newton%trouble)
+    call settle_contact(system, model, step, state, du, ahead, newton%record%n_rounds, error)
+    if (allocated(error)) return
+    call search_line(system, model, step, du, ahead, state, search, newton%trouble)
     if (newton%trouble /= TROUBLE_NONE) return
     call note_slaves(newton%forensics, state%new%slaves)
     call watch_bodies(newton, model, state)
@@ -144,6 +148,7 @@ contains
       record%n_status = [(count(state%new%slaves%status == status), status=0, 2)]
       record%n_closed = record%n_status(1) + record%n_status(2)
       record%n_scenario = search%n_scenario
+      record%n_balanced = search%n_balanced
       record%n_opened = search%n_opened
       record%n_closed_now = search%n_closed
       record%step_length = search%step_length

@@ -64,7 +64,7 @@ contains
     if (allocated(error)) return
     write (printed%cvg, '(a)', iostat=status) 'SUMMARY OF C0NVERGENCE INFORMATION', &
       '  STEP   INC  ATT   ITER     CONT.   RESID.        CORR.      RESID.      CORR.' // &
-      '    OPEN  STICK   SLIP    S-I   S-II  S-III   S-IV OPENED CLOSED KRYLOV       STEP        WORST', &
+      '    OPEN  STICK   SLIP    S-I   S-II  S-III   S-IV OPENED CLOSED KRYLOV       STEP        WORST BALANC ROUNDS', &
       '                              EL.    FORCE         DISP       FLUX        TEMP.' // &
       '                                                                      LENGTH          GAP', &
       '                              (#)     (%)           (%)        (%)         (%)' // &
@@ -209,11 +209,11 @@ contains
     type(iteration_record_type), intent(in) :: record
     integer :: status
     if (printed%cvg == 0) return
-    write (printed%cvg, '(2x,i4,2x,i4,2x,i4,2x,i4,2x,i7,4(1x,e11.4),3(1x,i6),4(1x,i6),3(1x,i6),2(1x,e12.5))', &
+    write (printed%cvg, '(2x,i4,2x,i4,2x,i4,2x,i4,2x,i7,4(1x,e11.4),3(1x,i6),4(1x,i6),3(1x,i6),2(1x,e12.5),2(1x,i6))', &
       iostat=status) &
       record%step, record%increment, record%attempt, record%iteration, record%n_closed, 100 * record%residual, &
       100 * record%correction, 0.0_DP, 0.0_DP, record%n_status, record%n_scenario, record%n_opened, &
-      record%n_closed_now, record%n_krylov, record%step_length, record%worst_gap
+      record%n_closed_now, record%n_krylov, record%step_length, record%worst_gap, record%n_balanced, record%n_rounds
     if (printed%status == 0) printed%status = status
     call bring_out(printed, printed%cvg)
   end subroutine print_iteration

@@ -238,7 +238,8 @@ contains
     integer :: integers(N_ITERATION_INTEGERS, 1)
     real(DP) :: reals(N_ITERATION_REALS, 1)
     integers(:, 1) = [record%step, record%increment, record%attempt, record%iteration, record%n_closed, &
-      record%n_status, record%n_scenario, record%n_opened, record%n_closed_now, record%n_krylov]
+      record%n_status, record%n_scenario, record%n_opened, record%n_closed_now, record%n_krylov, &
+      record%n_balanced, record%n_rounds]
     reals(:, 1) = finite([record%residual, record%correction, record%step_length, record%worst_gap])
     call append_columns(results%store, ITERATION_COLUMNS, integers, reals, results%iterations, error)
     if (allocated(error)) call abandon(results)

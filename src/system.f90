@@ -37,6 +37,7 @@ module amontons_system
   implicit none
   private
   public :: system_type, create_system, begin_step, begin_increment, evaluate, linearise, find_direction, change_forces, &
+    foresee, correct_direction, return_to, &
     tangent_matrix, residual_pair
   public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
 
@@ -68,6 +69,7 @@ module amontons_system
     type(factor_type) :: factor
     type(condensed_type) :: condensed              !< the bulk with its interface, where that is cheaper
     logical :: is_condensed = .false.              !< the present direction goes by the condensed interface
+    logical :: is_settled = .false.                !< contact has settled ahead along the present direction
     logical :: is_dense_wanted = .true.            !< the interface has not been found too large yet
     real(DP), allocatable :: bulk_u(:, :)          !< (3, n_nodes) where the bulk's factor was made [length]; not there: no factor
     logical, allocatable :: is_contact(:)          !< (n_unknowns) on the interface
@@ -85,6 +87,7 @@ module amontons_system
     integer :: n_conflicts = 0                     !< contact rows dropped for stronger constraints
     integer :: trouble_item = 0
     integer :: n_factorisations = 0                !< since the last reset by the stepper
+    integer :: n_before = 0                        !< the same when the direction was wanted
     integer :: n_krylov = 0
     integer :: n_shifted = 0                       !< factorisations that needed a shift
     integer :: n_whole = 0                         !< directions that needed UMFPACK
@@ -279,9 +282,75 @@ contains
     if (.not. system%is_condensed) call factorise_reduced(system, trouble, error)
     if (allocated(error) .or. trouble /= TROUBLE_NONE) return
     call stop_clock(clock, system%seconds(PHASE_FACTOR))
+    system%n_before = system%n_factorisations
+    system%is_settled = .false.
     call solve_direction(system, du, trouble, error)
     call stop_clock(clock, system%seconds(PHASE_KRYLOV))
   end subroutine find_direction
+
+
+  !> Imbalance, contact and residual at u + du as the tangent at u foretells them: without the elements.
+  subroutine foresee(system, model, state, u, force, du)
+    type(system_type), intent(inout) :: system     !< linearised at u
+    type(model_type), intent(in) :: model
+    type(state_type), intent(inout) :: state       !< its slaves are where they start from
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    real(DP), intent(in) :: force(:, :)            !< (3, n_nodes) internal force at u [force]
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
+    real(DP), allocatable :: change(:)
+    integer(I64) :: clock
+    call start_clock(clock)
+    allocate (change(size(du)))
+    call multiply_symmetric(system%assembly%stiffness, reshape(du, [size(du)]), change)
+    state%new%u = u + du
+    state%new%internal_force = force + reshape(change, shape(du))
+    call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
+    call evaluate_contact(system%contact, model, state%old, system%imbalance, .false., state%new)
+    call measure(system, state%new)
+    call stop_clock(clock, system%seconds(PHASE_CONTACT))
+  end subroutine foresee
+
+
+  !> The direction from a place that was foreseen, with the tangent of the bulk as it is.
+  subroutine correct_direction(system, model, step, state, du, trouble, error)
+    type(system_type), intent(inout), target :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
+    integer, intent(out) :: trouble                !< TROUBLE_...
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64) :: clock
+    call start_clock(clock)
+    trouble = TROUBLE_SOLVER
+    call constrain(system, model, step, state%old, state%new, error)
+    if (allocated(error)) return
+    call stop_clock(clock, system%seconds(PHASE_CONTACT))
+    call factorise_condensed(system, model, step, state, error)
+    if (allocated(error) .or. .not. system%is_condensed) return
+    call stop_clock(clock, system%seconds(PHASE_FACTOR))
+    call solve_direction(system, du, trouble, error)
+    call stop_clock(clock, system%seconds(PHASE_KRYLOV))
+  end subroutine correct_direction
+
+
+  !> Back from where was foreseen to u: displacements, slaves, and the base constraints there.
+  subroutine return_to(system, model, step, u, slaves, state, error)
+    use amontons_state, only: slave_type
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: u(:, :)
+    type(slave_type), intent(in) :: slaves(:)
+    type(state_type), intent(inout) :: state
+    type(error_type), allocatable, intent(out) :: error
+    state%new%u = u
+    state%new%slaves = slaves
+    if (system%condensed%is_ready .and. allocated(system%bulk_u)) then   ! a factor made meanwhile has the stiffness of u
+      if (system%n_factorisations > system%n_before) system%bulk_u = u
+    end if
+    call prescribe(system, model, step, state%new, error)
+  end subroutine return_to
 
 
   !> K, the linearised contact forces, and C with c, at the configuration of the last evaluation.

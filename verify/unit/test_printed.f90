@@ -63,7 +63,7 @@ contains
     call open_printed(printed, model, make_options('cvg'), error)
     record = iteration_record_type(step=1, increment=2, attempt=3, iteration=4, n_closed=243, residual=0.007734_DP, &
       correction=1.0_DP, n_status=[5, 6, 7], n_scenario=[1, 2, 3, 4], n_opened=8, n_closed_now=9, step_length=0.5_DP, &
-      n_krylov=11, worst_gap=-1.0e-9_DP)
+      n_krylov=11, worst_gap=-1.0e-9_DP, n_balanced=12, n_rounds=13)
     call print_iteration(printed, record)
     call expect_line(suite, 'cvg.cvg', 1, 'SUMMARY OF C0NVERGENCE INFORMATION')
     call expect_line(suite, 'cvg.cvg', 2, &
@@ -74,7 +74,7 @@ contains
       '                              (#)     (%)           (%)        (%)         (%)')
     call expect_line(suite, 'cvg.cvg', 5, &
       '     1     2     3     4      243  0.7734E+00  0.1000E+03  0.0000E+00  0.0000E+00' // &
-      '      5      6      7      1      2      3      4      8      9     11  0.50000E+00 -0.10000E-08')
+      '      5      6      7      1      2      3      4      8      9     11  0.50000E+00 -0.10000E-08     12     13')
     call close_printed(printed)
   end subroutine test_cvg
 

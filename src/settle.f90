@@ -1,0 +1,134 @@
+!> Settle: contact is solved to the end while the bulk stays linear, so that a Newton step starts and ends with settled statuses.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/newton.md, "Contact settles ahead". A Newton direction du is right for the statuses that its rows
+!! were made of. With the bulk linearised at u, its imbalance at u + du is known without the elements,
+!!
+!!     Rhat(u + du) = Rhat(u) - E K du,
+!!
+!! so gaps, trial tractions and statuses can be asked for there and the direction corrected, again and again, on the
+!! condensed interface: the factor of the bulk stays. What is left for the next iteration is what the bulk does beyond K.
+module amontons_settle
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_model, only: model_type
+  use amontons_steps, only: step_type, SEARCH_AUTO
+  use amontons_state, only: state_type, slave_type
+  use amontons_contact, only: slip_view_type
+  use amontons_system, only: system_type, foresee, correct_direction, return_to, TROUBLE_NONE
+  implicit none
+  private
+  public :: settle_contact
+
+  integer, parameter :: MOST_ROUNDS = 30           !< corrections of one direction
+  integer, parameter :: MOST_HALVINGS = 4
+  real(DP), parameter :: SETTLED = 1.0e-2_DP       !< part of the merit at u that may be left at u + du [-]
+
+  !> Where the direction starts, to come back to.
+  type :: start_type
+    real(DP), allocatable :: u(:, :), force(:, :)
+    type(slave_type), allocatable :: slaves(:)
+    real(DP) :: merit = 0
+    real(DP), allocatable :: residual(:, :)
+    type(slip_view_type) :: view
+  end type start_type
+
+  !> The best place found.
+  type :: best_type
+    real(DP) :: merit = huge(1.0_DP)
+    real(DP), allocatable :: du(:, :)
+    type(slave_type), allocatable :: slaves(:)
+  end type best_type
+
+contains
+
+  !> Corrects a direction until contact has settled at its end.
+  !!
+  !! Only AUTO does so, and only with the condensed interface: the slides' line searches are to be seen as they are.
+  !! After: du, and the memory of the slave nodes with which u + du is to be evaluated; the state stands at u as before.
+  subroutine settle_contact(system, model, step, state, du, slaves, n_rounds, error)
+    type(system_type), intent(inout), target :: system   !< with the direction's factor
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< evaluated at u
+    real(DP), intent(inout) :: du(:, :)            !< (3, n_nodes) [length]
+    type(slave_type), allocatable, intent(out) :: slaves(:)
+    integer, intent(out) :: n_rounds               !< corrections made
+    type(error_type), allocatable, intent(out) :: error
+    type(start_type) :: start
+    type(best_type) :: best
+    real(DP), allocatable :: correction(:, :)
+    integer :: trouble
+    n_rounds = 0
+    slaves = state%new%slaves
+    if (step%line_search /= SEARCH_AUTO .or. .not. system%is_condensed) return
+    start = start_type(state%new%u, state%new%internal_force, slaves, system%merit, system%residual, system%contact%view)
+    best%du = du
+    best%slaves = start%slaves
+    allocate (correction, mold=du)
+    call foresee(system, model, state, start%u, start%force, du)
+    do
+      call note_best(system, state, du, best)
+      if (system%contact%n_changed == 0 .and. system%merit <= SETTLED * start%merit) exit
+      if (n_rounds == MOST_ROUNDS) exit
+      n_rounds = n_rounds + 1
+      call correct_direction(system, model, step, state, correction, trouble, error)
+      if (allocated(error)) return
+      if (trouble /= TROUBLE_NONE) exit
+      call advance(system, model, start, correction, state, du)
+    end do
+    du = best%du
+    slaves = best%slaves
+    system%is_settled = .true.
+    system%merit = start%merit
+    system%residual = start%residual
+    system%contact%view = start%view
+    call return_to(system, model, step, start%u, start%slaves, state, error)
+  end subroutine settle_contact
+
+
+  !> Keeps the place if its merit is the least so far.
+  subroutine note_best(system, state, du, best)
+    type(system_type), intent(in) :: system
+    type(state_type), intent(in) :: state
+    real(DP), intent(in) :: du(:, :)
+    type(best_type), intent(inout) :: best
+    if (.not. system%merit < best%merit) return
+    best%merit = system%merit
+    best%du = du
+    best%slaves = state%new%slaves
+  end subroutine note_best
+
+
+  !> Goes along a correction as far as the merit falls, else to the best of the lengths tried.
+  subroutine advance(system, model, start, correction, state, du)
+    type(system_type), intent(inout), target :: system
+    type(model_type), intent(in) :: model
+    type(start_type), intent(in) :: start
+    real(DP), intent(in) :: correction(:, :)
+    type(state_type), intent(inout) :: state
+    real(DP), intent(inout) :: du(:, :)
+    type(slave_type), allocatable :: slaves(:)
+    real(DP) :: before, least, length, chosen
+    integer :: halving
+    before = system%merit
+    slaves = state%new%slaves
+    least = huge(1.0_DP)
+    chosen = 1.0_DP
+    length = 1.0_DP
+    do halving = 0, MOST_HALVINGS
+      length = 0.5_DP**halving
+      state%new%slaves = slaves
+      call foresee(system, model, state, start%u, start%force, du + length * correction)
+      if (system%merit < least) chosen = length
+      least = min(least, system%merit)
+      if (system%merit <= before) exit
+    end do
+    if (chosen < length .or. chosen > length) then
+      state%new%slaves = slaves
+      call foresee(system, model, state, start%u, start%force, du + chosen * correction)
+    end if
+    du = du + chosen * correction
+  end subroutine advance
+
+end module amontons_settle
