@@ -26,6 +26,7 @@ module amontons_audit_contact
   !> What the slave nodes of one pair say at the start.
   type :: pair_tally_type
     integer :: n_slaves = 0
+    integer :: n_yielding = 0                  !< besides these: that give way to the other side of a symmetric pair
     integer :: n_projected = 0                 !< that project on the master
     integer :: n_closed = 0                    !< that touch or penetrate
     integer :: n_near = 0                      !< whose normal can be compared with that of the master
@@ -80,6 +81,8 @@ contains
     type(pair_tally_type), intent(inout) :: tally
     real(DP) :: edge
     logical :: is_turned
+    if (.not. contact%overlaps%is_kept(s)) tally%n_yielding = tally%n_yielding + 1
+    if (.not. contact%overlaps%is_kept(s)) return
     tally%n_slaves = tally%n_slaves + 1
     if (slave%facet == 0) return
     tally%n_projected = tally%n_projected + 1
@@ -117,6 +120,7 @@ contains
     type(pair_tally_type), intent(in) :: tally
     type(complaints_type), intent(inout) :: report
     character(:), allocatable :: none
+    if (tally%n_projected == 0 .and. tally%n_yielding > 0) return
     if (tally%n_slaves == 0) then
       call complain(report, pair_name(model, p) // ' has no slave node. Give its slave surface faces or nodes.')
     else if (tally%n_projected == 0) then
@@ -217,85 +221,29 @@ contains
   end function longest_travel
 
 
-  !> Nodes that are on both sides of a pair, slaves of two pairs, or slave of one and master of another.
+  !> Nodes that are on both sides of a pair. (Pairs may share nodes: see amontons_overlaps.)
   subroutine check_overlap(model, report)
     type(model_type), intent(in) :: model
     type(complaints_type), intent(inout) :: report
-    type(integer_list_type), allocatable :: common(:)
-    integer, allocatable :: pair_of(:)             ! (n_nodes) the first pair whose slave a node is
-    integer :: p
-    allocate (pair_of(model%mesh%n_nodes), source=0)
+    type(integer_list_type) :: common
+    logical, allocatable :: is_slave(:)            ! (n_nodes)
+    integer :: p, i
+    allocate (is_slave(model%mesh%n_nodes))
     do p = 1, size(model%pairs)
-      associate (nodes => model%surfaces(model%pairs(p)%slave)%nodes)
-        call collect_common(model, without_soft(model, p, pair_of), nodes, common)
-        call tell_common(model, p, common, .true., report)
-        where (pair_of(nodes) == 0) pair_of(nodes) = p
+      common = integer_list_type()
+      is_slave = .false.
+      is_slave(model%surfaces(model%pairs(p)%slave)%nodes) = .true.
+      associate (nodes => model%surfaces(model%pairs(p)%master)%nodes)
+        do i = 1, size(nodes)
+          if (is_slave(nodes(i))) call common%add(model%mesh%node_label(nodes(i)))
+        end do
       end associate
-    end do
-    do p = 1, size(model%pairs)
-      call collect_common(model, without_soft(model, p, pair_of), model%surfaces(model%pairs(p)%master)%nodes, common)
-      call tell_common(model, p, common, .false., report)
+      if (common%n == 0) cycle
+      call complain(report, capital(number_of('node', common%trimmed(), 'belongs', 'belong')) // ' to both ' // &
+        'surfaces of ' // pair_name(model, p) // '. A body cannot touch itself at its own nodes: take them out ' // &
+        'of one surface, or give the two bodies nodes of their own.')
     end do
   end subroutine check_overlap
-
-
-  !> Pairs of compliant laws may share nodes in every way, as their forces are laws of the positions and add up: for
-  !! such a pair the slaves of other such pairs are none. (Exact contact takes its force from the node's own balance.)
-  pure function without_soft(model, p, pair_of) result(pairs)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: p                       !< pair that is looked at
-    integer, intent(in) :: pair_of(:)              !< (n_nodes) pair or 0
-    integer :: pairs(size(pair_of)), i
-    pairs = pair_of
-    if (.not. is_compliant(model%interactions(model%pairs(p)%interaction))) return
-    do i = 1, size(pairs)
-      if (pairs(i) == 0 .or. pairs(i) == p) cycle
-      if (is_compliant(model%interactions(model%pairs(pairs(i))%interaction))) pairs(i) = 0
-    end do
-  end function without_soft
-
-
-  !> Sorts the labels of nodes by the pair whose slaves they are.
-  subroutine collect_common(model, pair_of, nodes, common)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: pair_of(:)              !< (n_nodes) pair or 0
-    integer, intent(in) :: nodes(:)
-    type(integer_list_type), allocatable, intent(out) :: common(:)   !< (n_pairs) labels
-    integer :: i
-    allocate (common(size(model%pairs)))
-    do i = 1, size(nodes)
-      if (pair_of(nodes(i)) > 0) call common(pair_of(nodes(i)))%add(model%mesh%node_label(nodes(i)))
-    end do
-  end subroutine collect_common
-
-
-  !> One error for each pair of which these nodes are slaves already.
-  subroutine tell_common(model, p, common, is_slave, report)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: p                       !< the pair whose slave or master surface was looked at
-    type(integer_list_type), intent(in) :: common(:)
-    logical, intent(in) :: is_slave                !< its slave surface
-    type(complaints_type), intent(inout) :: report
-    character(:), allocatable :: slave_of
-    integer :: q
-    do q = 1, size(common)
-      if (common(q)%n == 0) cycle
-      slave_of = capital(number_of('node', common(q)%trimmed(), 'is slave', 'are slaves')) // ' in '
-      if (is_slave) then
-        call complain(report, slave_of // pair_name(model, q) // ' and in ' // pair_name(model, p) // &
-          ': a node can be slave of one pair only. Take it out of one slave surface, or put both master surfaces ' // &
-          'into one, or give both pairs a compliant *SURFACE BEHAVIOR.')
-      else if (q == p) then
-        call complain(report, capital(number_of('node', common(q)%trimmed(), 'belongs', 'belong')) // ' to both ' // &
-          'surfaces of ' // pair_name(model, p) // '. A body cannot touch itself at its own nodes: take them out ' // &
-          'of one surface, or give the two bodies nodes of their own.')
-      else
-        call complain(report, slave_of // pair_name(model, q) // ' and on the master of ' // pair_name(model, p) // &
-          ': contact forces cannot be passed on through a slave. Order the pairs in one direction, so ' // &
-          'that a surface is always slave or always master, or give both a compliant *SURFACE BEHAVIOR.')
-      end if
-    end do
-  end subroutine tell_common
 
 
   !> Slave nodes that a support or an equation holds along the contact normal: the contact cannot push them.

@@ -11,10 +11,12 @@ module amontons_contact
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
   use amontons_steps, only: step_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
-  use amontons_constraints, only: constraints_type
+  use amontons_constraints, only: constraints_type, condensation
   use amontons_rows, only: contact_row_type, facet_row, facet_weights, relative_position, imbalance_of, spread_force
   use amontons_areas, only: faces_type, add_face_areas, face_area, depth_of, cover_slave, &
     sum_shares
+  use amontons_sparse, only: sparse_type, multiply
+  use amontons_overlaps, only: overlaps_type, find_overlaps, order_slaves, free_directions, is_friction_taken
   use amontons_facets, only: facets_type, build_facets
   use amontons_search, only: search_type, build_search
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
@@ -24,7 +26,8 @@ module amontons_contact
   private
   public :: contact_type, slip_view_type, create_contact, begin_contact_step, set_supports, &
     begin_contact_increment, evaluate_contact
-  public :: touching_row, origin_row, row_imbalance, contact_slip_vector, farthest_travel, commit_slip, elastic_trial, shear_most
+  public :: touching_row, origin_row, row_imbalance, contact_slip_vector, farthest_travel, commit_slip, elastic_trial, &
+    shear_most, is_cornered
 
   real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
   real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
@@ -54,6 +57,11 @@ module amontons_contact
     integer, allocatable :: follower(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
     real(DP), allocatable :: slave_normal(:, :)   !< (3, n_slaves) outward from the slave in the reference; 0 if node based
     real(DP), allocatable :: mask(:, :)           !< (3, n_slaves) 1 free, 0 held by a support or an equation
+    type(overlaps_type) :: overlaps               !< pairs that share nodes
+    type(sparse_type) :: passing                  !< E: forces on all nodes to those on free ones; only where reactions are passed on
+    real(DP), allocatable :: free(:, :, :)        !< (3, 3, n_slaves) projector on what supports and other pairs leave free
+    real(DP), allocatable :: friction(:)          !< (n_slaves) mu at the last evaluation [-]
+    real(DP), allocatable :: carried(:, :)        !< (3, n_slaves) imbalance of the row, what other slaves bring included [force]
     type(contact_row_type), allocatable :: rows(:)      !< (n) of slaves whose row is kept here: slave%row, as they touch now
     type(contact_row_type), allocatable :: origins(:)   !< (n) the same against their origins
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
@@ -95,7 +103,9 @@ contains
       call append_slaves(contact, model, p, slaves)
     end do
     n = size(slaves)
+    call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
     allocate (contact%mask(3, n), source=1.0_DP)
+    allocate (contact%free(3, 3, n), contact%friction(n), contact%carried(3, n), source=0.0_DP)
     allocate (contact%direction(3, n), source=0.0_DP)
     allocate (contact%view%imbalance_t(3, n), contact%view%slip(3, n), contact%view%position(3, n), source=0.0_DP)
     allocate (contact%view%normal_force(n), source=0.0_DP)
@@ -145,6 +155,7 @@ contains
         node = surface%nodes(i)
         if (is_soft .and. .not. surface%is_node_based .and. area(node) <= 0.0_DP) cycle
         if (corners(1, node) > 0) then
+          if (any(contact%follower(1, :) == node)) cycle   ! of another pair
           contact%follower = append_column(contact%follower, [node, corners(:, node)])
           cycle
         end if
@@ -174,16 +185,18 @@ contains
 
 
   !> Which directions of the slave nodes are free: contact gives no force in a direction that a support holds.
-  subroutine set_supports(contact, slaves, base)
+  subroutine set_supports(contact, slaves, base, error)
     type(contact_type), intent(inout) :: contact
     type(slave_type), intent(in) :: slaves(:)
     type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers
+    type(error_type), allocatable, intent(out) :: error
     integer :: s, k
     do s = 1, size(slaves)
       do k = 1, 3
         contact%mask(k, s) = merge(1.0_DP, 0.0_DP, base%owner(3 * (slaves(s)%node - 1) + k) == 0)
       end do
     end do
+    if (contact%overlaps%has_chains) call condensation(base, contact%passing, error)
   end subroutine set_supports
 
 
@@ -241,6 +254,12 @@ contains
         slave%origin_facet = 0
         if (slave%status /= STATUS_OPEN) call set_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
       end associate
+    end do
+    call order_slaves(contact%facets, fields%slaves, contact%overlaps)
+    do s = 1, size(fields%slaves)
+      if (contact%overlaps%is_kept(s)) cycle
+      call lose_master(fields%slaves(s))
+      fields%slaves(s)%origin_facet = 0
     end do
     call renew_areas(contact, model, x, fields%slaves)
   end subroutine begin_contact_increment
@@ -444,8 +463,8 @@ contains
     real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) [force]
     logical, intent(in) :: is_frozen               !< .true.: keep every status
     type(fields_type), intent(inout) :: fields
-    real(DP), allocatable :: x(:, :)
-    integer :: s
+    real(DP), allocatable :: x(:, :), total(:, :)
+    integer :: s, level
     fields%contact_force = 0.0_DP
     contact%n_opened = 0
     contact%n_closed = 0
@@ -455,39 +474,60 @@ contains
     contact%worst_slave = 0
     if (size(fields%slaves) == 0) return
     allocate (x, source=model%mesh%coordinates + fields%u)
-    do s = 1, size(fields%slaves)
-      call evaluate_slave(contact, model, old%slaves(s), old%u, x, row_imbalance(contact, fields%slaves(s), imbalance), &
-        is_frozen, s, fields)
-    end do
-    do s = 1, size(fields%slaves)
-      call add_contact_force(contact, fields%slaves(s), fields%contact_force)
+    allocate (total, source=imbalance)
+    do level = 1, contact%overlaps%n_levels
+      do s = 1, size(fields%slaves)
+        if (contact%overlaps%level(s) /= level) cycle
+        contact%carried(:, s) = row_imbalance(contact, fields%slaves(s), total)
+        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen, s, fields)
+      end do
+      do s = 1, size(fields%slaves)
+        if (contact%overlaps%level(s) == level) call add_contact_force(contact, fields%slaves(s), fields%contact_force)
+      end do
+      if (level < contact%overlaps%n_levels) call pass_on(contact, fields%contact_force, imbalance, total)
     end do
   end subroutine evaluate_contact
 
 
+  !> The imbalance with the contact forces that are known by now, condensed onto the free unknowns.
+  subroutine pass_on(contact, contact_force, imbalance, total)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: contact_force(:, :)    !< (3, n_nodes) [force]
+    real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat [force]
+    real(DP), intent(out) :: total(:, :)           !< (3, n_nodes) [force]
+    real(DP) :: condensed(size(total))
+    call multiply(contact%passing, reshape(contact_force, shape(condensed)), condensed)
+    total = imbalance + reshape(condensed, shape(total))
+  end subroutine pass_on
+
+
   !> One slave node: where it is, its status by the trial traction, its force.
-  subroutine evaluate_slave(contact, model, old, u_old, x, imbalance, is_frozen, s, fields)
+  subroutine evaluate_slave(contact, model, old, u_old, x, is_frozen, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: old
     real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    real(DP), intent(in) :: imbalance(3)           !< Rhat of the node [force]
     logical, intent(in) :: is_frozen
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields
     type(trial_type) :: trial
-    real(DP) :: free_normal(3), share, mu, most, d(3), N, gap
+    real(DP) :: free_normal(3), share, mu, most, d(3), N, gap, imbalance(3), free(3, 3)
     integer :: status, before
     associate (slave => fields%slaves(s), view => contact%view)
       before = slave%status
       if (slave%facet == 0) call find_again(contact, x, s, slave)
       call locate_slave(contact, x, slave)
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
-        call press_slave(contact, model, old, u_old, imbalance, s, fields)
+        call press_slave(contact, model, old, u_old, contact%carried(:, s), s, fields)
         return
       end if
-      free_normal = contact%mask(:, s) * slave%normal
+      free = free_directions(contact%overlaps, fields%slaves, s, contact%mask(:, s))
+      contact%free(:, :, s) = free
+      contact%friction(s) = contact%laws(slave%pair)%friction
+      if (is_friction_taken(contact%overlaps, fields%slaves, s, free, contact%laws%friction)) contact%friction(s) = 0.0_DP
+      imbalance = matmul(free, contact%carried(:, s))
+      free_normal = matmul(free, slave%normal)
       share = norm2(free_normal)
       if (slave%facet == 0 .or. share < SUPPORTED) then
         if (before /= STATUS_OPEN) contact%n_left = contact%n_left + 1
@@ -498,17 +538,17 @@ contains
         return
       end if
       free_normal = free_normal / share
-      mu = contact%laws(slave%pair)%friction / share
+      mu = contact%friction(s) / share
       most = contact%laws(slave%pair)%shear_limit * slave%area
       d = 0.0_DP
-      if (slave%origin_facet > 0) d = contact%mask(:, s) * contact_slip_vector(contact, model, fields%u, slave)
+      if (slave%origin_facet > 0) d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))
       gap = slave%gap                              ! an open node that grazes its master stays open: it would only chatter
       if (before == STATUS_OPEN) gap = gap + GRAZE * contact%edge(slave%pair)
       call trial_traction(imbalance, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
       status = merge(before, trial%status, is_frozen)
       if (status /= STATUS_OPEN .and. slave%origin_facet == 0) then
         call close_slave(contact, model, u_old, fields%u, slave)
-        d = contact%mask(:, s) * contact_slip_vector(contact, model, fields%u, slave)
+        d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))
       end if
       if (status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       slave%status = status
@@ -517,11 +557,21 @@ contains
       slave%slip_increment = d - dot_product(free_normal, d) * free_normal
       if (status == STATUS_OPEN) slave%slip_increment = 0.0_DP
       call set_force(slave, imbalance, N / share, min(mu * N, most) * trial%direction)
+      if (status == STATUS_STICK .and. is_cornered(contact, s)) slave%shear = -imbalance - N * free_normal
       call set_view(view, s, status, imbalance + N * free_normal, N, slave%slip_increment)
       view%position(:, s) = d
       call count_changes(contact, before, s, slave)
     end associate
   end subroutine evaluate_slave
+
+
+  !> Whether other pairs hold directions of a slave that supports leave free.
+  pure logical function is_cornered(contact, s)
+    type(contact_type), intent(in) :: contact
+    integer, intent(in) :: s
+    integer :: k
+    is_cornered = any([(abs(contact%free(k, k, s) - contact%mask(k, s)) > 0.0_DP, k=1, 3)])
+  end function is_cornered
 
 
   !> A slave node under a compliant law: its force is the law's, whatever the imbalance; open beyond the law's reach.

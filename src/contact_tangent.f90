@@ -12,12 +12,13 @@ module amontons_contact_tangent
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, row_type, add_row, ROW_CONFLICT
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, from_triplets
+  use amontons_sparse, only: sparse_type, from_triplets, multiply, product_of, sum_of
   use amontons_gap, only: gap_derivative, gap_derivative_type
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
   use amontons_compliance, only: law_pressure
   use amontons_rows, only: contact_row_type
-  use amontons_contact, only: contact_type, touching_row, origin_row, row_imbalance, contact_slip_vector, elastic_trial, shear_most
+  use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector, elastic_trial, &
+    shear_most, is_cornered
   implicit none
   private
   public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices, contact_springs
@@ -33,6 +34,7 @@ module amontons_contact_tangent
   type :: link_type
     integer :: slave = 0                           !< index of the slave
     integer :: node = 0                            !< its node
+    integer :: level = 1                           !< it carries what slaves of lower levels bring
     integer :: n_weights = 0                       !< nodes of the row: the first of nodes(:), the slave before all others
     integer, allocatable :: nodes(:)               !< nodes on which lambda and xi depend
     real(DP), allocatable :: weights(:)            !< (n_weights) w_k [-]
@@ -51,10 +53,9 @@ module amontons_contact_tangent
 contains
 
   !> The links of all closed nodes at the configuration of the last evaluation.
-  subroutine linearise_contact(contact, model, imbalance, old, fields, links)
+  subroutine linearise_contact(contact, model, old, fields, links)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
-    real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat, condensed [force]
     type(fields_type), intent(in) :: old           !< committed
     type(fields_type), intent(in) :: fields
     type(link_type), allocatable, intent(out) :: links(:)   !< one for each closed slave node, in their order
@@ -69,13 +70,14 @@ contains
       n = n + 1
       links(n)%slave = s
       links(n)%node = fields%slaves(s)%node
+      links(n)%level = contact%overlaps%level(s)
       links(n)%force = fields%slaves(s)%force + fields%slaves(s)%shear
       if (is_compliant(contact%laws(fields%slaves(s)%pair))) then
         call link_spring(contact, model, x, old%slaves(s), fields, links(n))
       else if (fields%slaves(s)%status == STATUS_STICK) then
         call link_stick(contact, fields%slaves(s), s, links(n))
       else
-        call link_slip(contact, model, x, row_imbalance(contact, fields%slaves(s), imbalance), fields, links(n))
+        call link_slip(contact, model, x, contact%carried(:, s), fields, links(n))
       end if
     end do
   end subroutine linearise_contact
@@ -88,14 +90,17 @@ contains
     integer, intent(in) :: s
     type(link_type), intent(inout) :: link
     type(contact_row_type) :: row
-    integer :: k
+    real(DP) :: n_f(3), share
     call origin_row(contact, slave, row)
     call fill_weights(row, link)
     allocate (link%force_nodes(3, 3, link%n_weights), link%xi_nodes(2, 3, link%n_weights), source=0.0_DP)
     allocate (link%gap_nodes(3, link%n_weights), source=0.0_DP)
-    do k = 1, 3
-      link%force_imbalance(k, k) = -contact%mask(k, s)
-    end do
+    link%force_imbalance = -contact%free(:, :, s)
+    if (.not. is_cornered(contact, s)) return
+    n_f = matmul(contact%free(:, :, s), slave%normal)   ! lambda = N n/|n_f| and what is left in the free directions
+    share = norm2(n_f)
+    n_f = n_f / share
+    link%force_imbalance = link%force_imbalance + outer(n_f - slave%normal / share, n_f)
   end subroutine link_stick
 
 
@@ -283,21 +288,17 @@ contains
     real(DP) :: m(3, 3), n_f(3), share, mu, N, w(3), tau(3), q(3), unit(3, 3), p(3, 3), h(3, 3), turn(3, 3), a(3)
     real(DP) :: length, most, limit, d_limit
     logical :: is_capped
-    integer :: k
     unit = unit_matrix()
-    m = 0.0_DP
-    do k = 1, 3
-      m(k, k) = contact%mask(k, link%slave)
-    end do
+    m = contact%free(:, :, link%slave)
     associate (slave => fields%slaves(link%slave))
       n_f = matmul(m, slave%normal)
       share = norm2(n_f)
       n_f = n_f / share
       N = -dot_product(n_f, imbalance)
-      mu = contact%laws(slave%pair)%friction
+      mu = contact%friction(link%slave)
       most = contact%laws(slave%pair)%shear_limit * slave%area
       is_capped = mu / share * N > most
-      w = -imbalance - slave%stiffness * matmul(m, contact_slip_vector(contact, model, fields%u, slave))
+      w = -matmul(m, imbalance) - slave%stiffness * matmul(m, contact_slip_vector(contact, model, fields%u, slave))
       p = unit - outer(n_f, n_f)
       h = matmul(p, m) / share                     ! d n_f = h d n
       tau = matmul(p, w)
@@ -340,8 +341,8 @@ contains
     type(constraints_type), intent(inout) :: constraints
     integer, intent(out) :: n_conflicts            !< rows dropped for stronger constraints
     type(row_type) :: row
-    real(DP) :: d(3), tolerance
-    integer :: i, k, verdict
+    real(DP) :: d(3), tolerance, direction(3, 3)
+    integer :: i, k, n, verdict
     n_conflicts = 0
     do i = 1, size(links)
       associate (link => links(i), slave => fields%slaves(links(i)%slave))
@@ -354,15 +355,46 @@ contains
           cycle
         end if
         d = contact_slip_vector(contact, model, fields%u, slave)
-        do k = 1, 3
-          if (contact%mask(k, link%slave) == 0.0_DP) cycle
-          call tie_row(link, k, d(k), row)
-          call add_row(constraints, row, 1, tolerance, verdict)
+        call stick_directions(contact, slave, link%slave, n, direction)
+        do k = 1, n
+          call tie_row(link, direction(:, k), d, row)
+          call add_row(constraints, row, count(abs(direction(:, k)) > 0.0_DP), tolerance, verdict)
           if (verdict == ROW_CONFLICT) n_conflicts = n_conflicts + 1
         end do
       end associate
     end do
   end subroutine add_contact_rows
+
+
+  !> In which directions a sticking node is tied: the axes that supports leave free; where other pairs hold it too, the
+  !! normal and what is left beside it.
+  pure subroutine stick_directions(contact, slave, s, n, direction)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    integer, intent(in) :: s
+    integer, intent(out) :: n                      !< directions
+    real(DP), intent(out) :: direction(3, 3)       !< in columns
+    real(DP) :: rest(3, 3), n_f(3)
+    integer :: k
+    n = 0
+    direction = 0.0_DP
+    if (.not. is_cornered(contact, s)) then
+      do k = 1, 3
+        if (contact%mask(k, s) == 0.0_DP) cycle
+        n = n + 1
+        direction(k, n) = 1.0_DP
+      end do
+      return
+    end if
+    n = 1
+    direction(:, 1) = slave%normal
+    n_f = matmul(contact%free(:, :, s), slave%normal)
+    rest = contact%free(:, :, s) - outer(n_f, n_f) / dot_product(n_f, n_f)
+    k = maxloc(norm2(rest, dim=1), dim=1)          ! one direction at most: the other pair takes one, the normal another
+    if (norm2(rest(:, k)) < 0.1_DP) return
+    n = 2
+    direction(:, 2) = rest(:, k) / norm2(rest(:, k))
+  end subroutine stick_directions
 
 
   !> d g = -g over the nodes of the row, the slave first.
@@ -377,53 +409,97 @@ contains
   end subroutine gap_row
 
 
-  !> Component k of sum w_i du_i = -d.
-  pure subroutine tie_row(link, k, distance, row)
+  !> Component along a direction of sum w_i du_i = -d.
+  pure subroutine tie_row(link, direction, distance, row)
     type(link_type), intent(in) :: link
-    integer, intent(in) :: k
-    real(DP), intent(in) :: distance
+    real(DP), intent(in) :: direction(3)
+    real(DP), intent(in) :: distance(3)            !< d [length]
     type(row_type), intent(out) :: row
-    row%unknown = 3 * (link%nodes(:link%n_weights) - 1) + k
-    row%coefficient = link%weights
-    row%rhs = -distance
+    integer, allocatable :: axes(:)
+    integer :: j, k
+    axes = pack([1, 2, 3], abs(direction) > 0.0_DP)
+    row%unknown = [((3 * (link%nodes(j) - 1) + axes(k), k=1, size(axes)), j=1, link%n_weights)]
+    row%coefficient = [((link%weights(j) * direction(axes(k)), k=1, size(axes)), j=1, link%n_weights)]
+    row%rhs = -dot_product(direction, distance)
   end subroutine tie_row
 
 
   !> Change of the contact forces for a change of displacement and of the imbalance that comes with it.
-  subroutine apply_contact_tangent(links, du, d_imbalance, d_force)
+  subroutine apply_contact_tangent(links, passing, du, d_imbalance, d_force)
     type(link_type), intent(in) :: links(:)
+    type(sparse_type), intent(in) :: passing       !< E of `contact`; looked at only if there are levels
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     real(DP), intent(in) :: d_imbalance(:, :)      !< (3, n_nodes) change of Rhat, condensed [force]
     real(DP), intent(out) :: d_force(:, :)         !< (3, n_nodes) [force]
-    real(DP) :: d_lambda(3), d_xi(2)
-    integer :: i, j
+    real(DP), allocatable :: total(:, :), passed(:)
+    integer :: i, level, n_levels
     d_force = 0.0_DP
-    do i = 1, size(links)
-      associate (link => links(i))
-        d_lambda = 0.0_DP
-        do j = 1, size(link%own)
-          d_lambda = d_lambda + link%shares(j) * matmul(link%force_imbalance, d_imbalance(:, link%own(j)))
-        end do
-        d_xi = 0.0_DP
-        do j = 1, size(link%nodes)
-          d_lambda = d_lambda + matmul(link%force_nodes(:, :, j), du(:, link%nodes(j)))
-          d_xi = d_xi + matmul(link%xi_nodes(:, :, j), du(:, link%nodes(j)))
-        end do
-        do j = 1, link%n_weights
-          d_force(:, link%nodes(j)) = d_force(:, link%nodes(j)) + link%weights(j) * d_lambda &
-            + dot_product(link%d_weights(:, j), d_xi) * link%force
-        end do
-      end associate
+    n_levels = maxval([1, links%level])
+    allocate (total, source=d_imbalance)
+    do level = 1, n_levels
+      do i = 1, size(links)
+        if (links(i)%level == level) call add_change(links(i), du, total, d_force)
+      end do
+      if (level == n_levels) exit
+      if (.not. allocated(passed)) allocate (passed(size(total)))
+      call multiply(passing, reshape(d_force, shape(passed)), passed)
+      total = d_imbalance + reshape(passed, shape(total))
     end do
   end subroutine apply_contact_tangent
 
 
+  !> The change of one link's force, added at the nodes of its row.
+  pure subroutine add_change(link, du, d_imbalance, d_force)
+    type(link_type), intent(in) :: link
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
+    real(DP), intent(in) :: d_imbalance(:, :)      !< (3, n_nodes) [force]
+    real(DP), intent(inout) :: d_force(:, :)       !< (3, n_nodes) [force]
+    real(DP) :: d_lambda(3), d_xi(2)
+    integer :: j
+    d_lambda = 0.0_DP
+    do j = 1, size(link%own)
+      d_lambda = d_lambda + link%shares(j) * matmul(link%force_imbalance, d_imbalance(:, link%own(j)))
+    end do
+    d_xi = 0.0_DP
+    do j = 1, size(link%nodes)
+      d_lambda = d_lambda + matmul(link%force_nodes(:, :, j), du(:, link%nodes(j)))
+      d_xi = d_xi + matmul(link%xi_nodes(:, :, j), du(:, link%nodes(j)))
+    end do
+    do j = 1, link%n_weights
+      d_force(:, link%nodes(j)) = d_force(:, link%nodes(j)) + link%weights(j) * d_lambda &
+        + dot_product(link%d_weights(:, j), d_xi) * link%force
+    end do
+  end subroutine add_change
+
+
   !> The same change as two matrices over all unknowns: dF_c = D_R dRhat + D_u du. For solvers that need the tangent whole.
-  subroutine contact_matrices(links, n_unknowns, by_imbalance, by_displacement, error)
+  !!
+  !! Each level adds A (dRhat + E dF_c) + B du, with dF_c of the levels below it.
+  subroutine contact_matrices(links, passing, n_unknowns, by_imbalance, by_displacement, error)
     type(link_type), intent(in) :: links(:)
+    type(sparse_type), intent(in) :: passing       !< E of `contact`; looked at only if there are levels
     integer, intent(in) :: n_unknowns
     type(sparse_type), intent(out) :: by_imbalance       !< D_R [-]
     type(sparse_type), intent(out) :: by_displacement    !< D_u [force/length]
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: a, b
+    integer :: level
+    call level_matrices(pack(links, links%level == 1), n_unknowns, by_imbalance, by_displacement, error)
+    do level = 2, maxval([1, links%level])
+      if (allocated(error)) return
+      call level_matrices(pack(links, links%level == level), n_unknowns, a, b, error)
+      if (allocated(error)) return
+      by_displacement = sum_of(sum_of(by_displacement, 1.0_DP, b), 1.0_DP, product_of(a, product_of(passing, by_displacement)))
+      by_imbalance = sum_of(sum_of(by_imbalance, 1.0_DP, a), 1.0_DP, product_of(a, product_of(passing, by_imbalance)))
+    end do
+  end subroutine contact_matrices
+
+
+  !> The matrices of links that carry nothing of each other.
+  subroutine level_matrices(links, n_unknowns, by_imbalance, by_displacement, error)
+    type(link_type), intent(in) :: links(:)
+    integer, intent(in) :: n_unknowns
+    type(sparse_type), intent(out) :: by_imbalance, by_displacement
     type(error_type), allocatable, intent(out) :: error
     type(triplets_type) :: r, u
     integer :: i, j
@@ -442,7 +518,7 @@ contains
     call from_triplets(n_unknowns, n_unknowns, r%row(:r%n), r%column(:r%n), r%value(:r%n), by_imbalance, error)
     if (allocated(error)) return
     call from_triplets(n_unknowns, n_unknowns, u%row(:u%n), u%column(:u%n), u%value(:u%n), by_displacement, error)
-  end subroutine contact_matrices
+  end subroutine level_matrices
 
 
   !> The upper triangle of the springs of the compliant laws, for the preconditioner: symmetric and positive.

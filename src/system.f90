@@ -174,7 +174,7 @@ contains
     call prescribe(system, model, step, state%old, error)
     if (allocated(error)) return
     call begin_contact_step(system%contact, model, step)
-    call set_supports(system%contact, state%old%slaves, system%base)
+    call set_supports(system%contact, state%old%slaves, system%base, error)
   end subroutine begin_step
 
 
@@ -402,7 +402,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     call prescribe(system, model, step, fields, error)
     if (allocated(error)) return
-    call linearise_contact(system%contact, model, system%imbalance, old, fields, system%links)
+    call linearise_contact(system%contact, model, old, fields, system%links)
     system%whole = system%base
     call add_contact_rows(system%contact, model, fields, system%links, system%whole, system%n_conflicts)
     call finish_constraints(system%whole)
@@ -488,7 +488,7 @@ contains
     integer :: attempt
     system%is_condensed = .false.
     if (size(state%new%slaves) == 0 .or. .not. system%is_dense_wanted) return
-    call contact_matrices(system%links, system%whole%n_unknowns, by_imbalance, by_displacement, error)
+    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement, error)
     if (allocated(error)) return
     do attempt = 1, 2
       call provide_bulk(system, model, step, state, error)
@@ -775,7 +775,7 @@ contains
     K = with_follower(full_of(system%assembly%stiffness), system%assembly%follower)
     call condensation(system%base, E, error)
     if (allocated(error)) return
-    call contact_matrices(system%links, system%whole%n_unknowns, by_imbalance, by_displacement, error)
+    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement, error)
     if (allocated(error)) return
     K = sum_of(K, 1.0_DP, product_of(by_imbalance, product_of(E, K)))
     K = sum_of(K, -1.0_DP, by_displacement)
@@ -808,7 +808,7 @@ contains
     allocate (d_imbalance(3, size(flat) / 3), d_force(3, size(flat) / 3))
     du = reshape(flat, [3, size(flat) / 3])
     call condense_forces(system%base, reshape(-w, shape(du)), d_imbalance)
-    call apply_contact_tangent(system%links, du, d_imbalance, d_force)
+    call apply_contact_tangent(system%links, system%contact%passing, du, d_imbalance, d_force)
     w = w - reshape(d_force, shape(w))
   end subroutine change_forces
 

@@ -6,12 +6,14 @@ program test_contact_tangent
   use amontons_topology, only: KIND_C3D8, KIND_CPE4_FULL, KIND_CAX8
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_model, only: model_type
-  use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
+  use amontons_surfaces, only: interaction_type, surface_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
+    BEHAVIOR_TIED
   use amontons_steps, only: step_type
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
   use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, linearise, change_forces, &
     tangent_matrix, find_direction
+  use amontons_contact, only: is_cornered
   use amontons_contact_tangent, only: linearise_contact
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use check, only: suite_type
@@ -24,6 +26,7 @@ program test_contact_tangent
   call check_tangent('small displacements', 0.1_DP, 0.5_DP, .false., .true.)
   call check_laws()
   call check_planes()
+  call check_shared()
   call suite%finish()
 
 contains
@@ -62,14 +65,25 @@ contains
   end subroutine check_planes
 
 
+  !> The same where pairs share nodes: a symmetric pair, some of whose slaves carry the reactions of others; and a node that
+  !! touches in two pairs.
+  subroutine check_shared()
+    call check_tangent('symmetric pair, friction', 0.0_DP, 0.4_DP, .true., .false., plane=KIND_CPE4_FULL, shared=1)
+    call check_tangent('symmetric pair, curved', 0.15_DP, 0.4_DP, .true., .false., plane=KIND_CPE4_FULL, shared=1)
+    call check_tangent('symmetric pair, quadratic', 0.0_DP, 0.4_DP, .false., .true., plane=KIND_CAX8, shared=1)
+    call check_tangent('corner, small displacements', 0.15_DP, 0.4_DP, .false., .true., plane=KIND_CPE4_FULL, shared=2)
+  end subroutine check_shared
+
+
   !> -(K - dF_c) du against the difference of the condensed residual, statuses frozen, for several random directions.
-  subroutine check_tangent(name, sag, friction, is_nlgeom, is_small, law, plane)
+  subroutine check_tangent(name, sag, friction, is_nlgeom, is_small, law, plane, shared)
     character(*), intent(in) :: name
     real(DP), intent(in) :: sag                    !< height of the master's waves [length]
     real(DP), intent(in) :: friction
     logical, intent(in) :: is_nlgeom, is_small
     type(interaction_type), intent(in), optional :: law   !< with its behaviour; hard without it
     integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
+    integer, intent(in), optional :: shared        !< 1: with the pair the other way round first; 2: with a second master
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
     type(step_type) :: step
@@ -83,6 +97,7 @@ contains
     else
       call two_blocks(model, sag, friction, is_nlgeom, is_small)
     end if
+    if (present(shared)) call share_nodes(model, shared)
     if (present(law)) model%interactions(1) = law
     model%interactions(1)%friction = friction
     step = model%steps(1)
@@ -109,12 +124,17 @@ contains
     state%new%u = u
     call evaluate(system, model, step, .true., state, trouble)
     call suite%that(name // ': evaluated', trouble == 0)
-    call suite%that(name // ': sticking nodes', count(state%new%slaves%status == STATUS_STICK) > 1)
+    if (present(shared)) then
+      if (shared == 1) call suite%that(name // ': there are levels', system%contact%overlaps%n_levels > 1)
+      if (shared == 2) call suite%that(name // ': a node touches twice', any([(is_cornered(system%contact, s), &
+        s=1, size(state%new%slaves))]))
+    end if
+    call suite%that(name // ': sticking nodes', count(state%new%slaves%status == STATUS_STICK) > merge(0, 1, present(shared)))
     call suite%that(name // ': slipping nodes', count(state%new%slaves%status == STATUS_SLIP) > 2)
     call linearise(system, model, step, state, trouble, error)
     state%new%slaves%stiffness = 100.0_DP
     call evaluate(system, model, step, .true., state, trouble)
-    call linearise_contact(system%contact, model, system%imbalance, state%old, state%new, system%links)
+    call linearise_contact(system%contact, model, state%old, state%new, system%links)
     if (friction > 0.0_DP) call check_condensed(name, system, model, step, state)   ! without friction the upper block is free
     do i = 1, 4
       call fill(du, i + 1, 1.0_DP)
@@ -150,7 +170,7 @@ contains
     call suite%that(name // ': by the condensed interface', system%is_condensed)
     call suite%that(name // ': which is exact (' // achar(48 + system%n_krylov - before) // ')', system%n_krylov - before <= 2)
     state%new%slaves%stiffness = stiffness
-    call linearise_contact(system%contact, model, system%imbalance, state%old, state%new, system%links)
+    call linearise_contact(system%contact, model, state%old, state%new, system%links)
   end subroutine check_condensed
 
 
@@ -232,6 +252,63 @@ contains
       model%steps(1)%prescribed(i)%dof = 1 + mod(i, 2)
     end do
   end subroutine two_plates
+
+
+  !> Makes pairs of two plates that share nodes.
+  subroutine share_nodes(model, shared)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: shared                  !< 1: the other way round, before it; 2: the upper's left edge against a third body
+    type(surface_type), allocatable :: surfaces(:)
+    allocate (surfaces(4))
+    surfaces(:2) = model%surfaces
+    surfaces(3) = surfaces(1)
+    surfaces(4) = surfaces(2)
+    call move_alloc(surfaces, model%surfaces)
+    model%pairs = [model%pairs(1), model%pairs(1)]
+    if (shared == 1) then
+      model%pairs(1)%slave = 2
+      model%pairs(1)%master = 1
+    else
+      call add_wall(model)
+      model%pairs(2)%slave = 3
+      model%pairs(2)%master = 4
+    end if
+  end subroutine share_nodes
+
+
+  !> A leaning wall of one element at the left of the upper plate, which overlaps it a little.
+  subroutine add_wall(model)
+    type(model_type), intent(inout) :: model
+    integer :: n, first
+    associate (mesh => model%mesh)
+      n = mesh%n_nodes
+      first = mesh%nodes(mesh%first(4))            ! lower left node of the upper plate
+      mesh%coordinates = reshape([mesh%coordinates, 1.0_DP, -0.5_DP, 0.0_DP, 2.2_DP, -0.5_DP, 0.0_DP, 2.3_DP, 1.5_DP, 0.0_DP, &
+        1.0_DP, 1.5_DP, 0.0_DP], [3, n + 4])
+      mesh%nodes = [mesh%nodes, n + 1, n + 2, n + 3, n + 4]
+      mesh%n_nodes = n + 4
+      mesh%n_elements = mesh%n_elements + 1
+      mesh%node_label = [mesh%node_label, n + 1, n + 2, n + 3, n + 4]
+      mesh%element_label = [mesh%element_label, mesh%n_elements]
+      mesh%kind = [mesh%kind, mesh%kind(1)]
+      mesh%material = [mesh%material, 1]
+      mesh%first = [mesh%first, mesh%first(size(mesh%first)) + 4]
+      deallocate (mesh%section, mesh%directions, mesh%is_abstract)
+      call finish_mesh(mesh)
+      model%surfaces(3)%element = [4]
+      model%surfaces(3)%face = [4]
+      model%surfaces(3)%nodes = mesh%nodes(mesh%first(4) + [0, 3])
+      model%surfaces(4)%element = [mesh%n_elements]
+      model%surfaces(4)%face = [2]
+      model%surfaces(4)%nodes = [n + 2, n + 3]
+    end associate
+    model%steps(1)%prescribed = [model%steps(1)%prescribed, model%steps(1)%prescribed]
+    associate (prescribed => model%steps(1)%prescribed)
+      prescribed(5:6)%node = model%mesh%n_nodes - 3
+      prescribed(7:8)%node = model%mesh%n_nodes
+      prescribed(5:8)%dof = [1, 2, 1, 2]
+    end associate
+  end subroutine add_wall
 
 
   !> One row of m elements; its lattice has three rows of 2 m + 1 nodes, of which 4-node elements leave the middles alone.

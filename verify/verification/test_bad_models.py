@@ -205,17 +205,15 @@ def test_penetration(run_deck: Run, tmp_path: Path) -> None:
     assert re.search(r"\*WARNING: In the contact pair SOLE2 / TOP1 slave node (9|10|11|12) lies 0\.01 inside", said)
 
 
-def test_slave_of_two_pairs(run_deck: Run, tmp_path: Path) -> None:
-    """A surface that is slave twice, and one that is slave and master."""
+def test_pairs_that_share_nodes(run_deck: Run) -> None:
+    """A surface that is slave in one pair and master in another, and a symmetric pair: one side gives way."""
     deck = Deck(steps=[[fixed("FLOOR1", "LID3")]])
     for n in range(3):
         deck.cube((0.1 * n, 0.1 * n, float(n)), 1.0)
     deck.pair("SOLE2", "TOP1", 0.3)
     deck.pair("TOP2", "SOLE3", 0.3)
-    accept(run_deck, deck)
     deck.pair("TOP1", "SOLE2", 0.3)
-    errors = refuse(run_deck, tmp_path, deck, "and on the master of the contact pair TOP1 / SOLE2")
-    assert any("contact pair TOP1 / SOLE2 and on the master of the contact pair SOLE2 / TOP1" in line for line in errors)
+    accept(run_deck, deck)
 
 
 def test_common_nodes(run_deck: Run, tmp_path: Path) -> None:
