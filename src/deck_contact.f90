@@ -6,6 +6,7 @@ module amontons_deck_contact
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, is_card, &
     check_name
+  use amontons_deck_model, only: find_slave_surface
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_steps, only: step_type
@@ -340,7 +341,7 @@ contains
     end if
     pair = common
     pair%name = slave // ' / ' // master
-    pair%slave = reader%surfaces%find(slave)
+    pair%slave = find_slave_surface(reader, slave)
     pair%master = reader%surfaces%find(master)
     if (pair%slave == 0) call complain(reader, row%line, 'There is no surface ''' // slave // '''.')
     if (pair%master == 0) call complain(reader, row%line, 'There is no surface ''' // master // '''.')
@@ -384,7 +385,7 @@ contains
     integer :: p
     pair = 0
     do p = 1, size(model%pairs)
-      if (model%pairs(p)%slave == 0 .or. model%pairs(p)%slave /= reader%surfaces%find(slave)) cycle
+      if (model%pairs(p)%slave == 0 .or. model%pairs(p)%slave /= find_slave_surface(reader, slave)) cycle
       if (model%pairs(p)%master == reader%surfaces%find(master)) pair = p
     end do
     if (pair == 0) call complain(reader, line, 'There is no contact pair of the slave ''' // slave // &

@@ -15,8 +15,10 @@ module amontons_deck_model
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
-  public :: read_heading, read_amplitudes, read_surfaces, read_equations
+  public :: read_heading, read_amplitudes, read_surfaces, read_equations, find_slave_surface
   public :: face_number
+
+  character(*), parameter :: OF_NODES = '\NODES'   !< behind the name of a surface of nodes that shares its name
 
   !> Terms of one equation on their way.
   type :: terms_type
@@ -172,7 +174,8 @@ contains
   end subroutine read_pairs_of_numbers
 
 
-  !> SURFACE: of element faces, or of nodes. Cards with one name give one surface together.
+  !> SURFACE: of element faces, or of nodes. Names are used once; under the calculix dialect a surface of faces and one of
+  !! nodes may share a name: a slave is the one of nodes then, all else the one of faces.
   subroutine read_surfaces(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -180,7 +183,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     type(surface_type) :: surface
     integer, allocatable :: stamp(:)
-    integer :: c, position
+    integer :: c, position, twin
     logical :: is_new
     allocate (model%surfaces(0))
     allocate (stamp(max(6 * model%mesh%n_elements, model%mesh%n_nodes)), source=0)
@@ -191,19 +194,49 @@ contains
       if (surface%name == '') cycle
       call check_name(reader, c, surface%name)
       call reader%surfaces%add(surface%name, position, is_new)
+      surface%is_node_based = parameter_word(parameters, 'TYPE', 'ELEMENT') == 'NODE'
+      if (.not. is_new .and. reader%dialect == DIALECT_CALCULIX) then
+        if (surface%is_node_based .neqv. model%surfaces(position)%is_node_based) call reader%surfaces%add(surface%name // &
+          OF_NODES, twin, is_new)
+      end if
       if (.not. is_new) then
         call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // ''' is defined twice.')
         cycle
       end if
-      surface%is_node_based = parameter_word(parameters, 'TYPE', 'ELEMENT') == 'NODE'
       if (surface%is_node_based) then
         call read_surface_nodes(reader, model%mesh, c, stamp, surface)
       else
         call read_surface_faces(reader, model%mesh, c, stamp, surface)
       end if
       model%surfaces = [model%surfaces, surface]
+      if (position < size(model%surfaces)) call part_twins(model%surfaces, position)
     end do
   end subroutine read_surfaces
+
+
+  !> The surface that a slave's name means; 0 if there is none.
+  pure integer function find_slave_surface(reader, name) result(surface)
+    type(reader_type), intent(in) :: reader
+    character(*), intent(in) :: name
+    surface = reader%surfaces%find(name // OF_NODES)
+    if (surface == 0) surface = reader%surfaces%find(name)
+  end function find_slave_surface
+
+
+  !> Of two surfaces of one name, the last one and another, that of nodes goes to the end and is called so.
+  subroutine part_twins(surfaces, position)
+    type(surface_type), intent(inout) :: surfaces(:)
+    integer, intent(in) :: position                !< of the first one
+    type(surface_type) :: first
+    associate (last => surfaces(size(surfaces)))
+      if (.not. last%is_node_based) then
+        first = surfaces(position)
+        surfaces(position) = last
+        last = first
+      end if
+      last%name = last%name // ' (nodes)'
+    end associate
+  end subroutine part_twins
 
 
   !> A surface of nodes; a second field (area) is passed over.

@@ -95,7 +95,7 @@ contains
     controls%i_l = 10
     controls%i_g = 4
     controls%i_a = 5
-    controls%r_n = 0.005_DP
+    controls%r_n = 0.0005_DP                     ! CalculiX: 0.005 of the mean force, which is far below the largest
     controls%c_n = 0.01_DP
     controls%r_p = 0.02_DP
   end function calculix_controls

@@ -47,6 +47,7 @@ NOT_JUDGED = {
 # What is not there yet, so that these decks run but do not agree (or do not run): told in the table, expected to fail. A deck that
 # begins to agree shows as XPASS and leaves this list.
 UNFINISHED = {
+    "metalforming": "pressures agree; the slip of its almost free nodes (stick slope 0.001) differs by 9e-6, the stroke being 0.01",
     "pret5": "new nodes of the section in the .frd", "pret6": "the same",
     "bolt": "node-based slaves: CalculiX adds the flat faces of its expanded elements to their areas",
 }  # fmt: skip
