@@ -87,7 +87,7 @@ $(B)/amontons_$(1).mod: $(B)/$(1).o ;
 endef
 $(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
 
-.PHONY: report bench study all build ready proven deps run programs test check verify unit debug sanitize format lint doc install hooks clean help
+.PHONY: report bench study all build ready proven deps run programs test check verify unit debug sanitize format lint doc api install place hooks clean help
 
 all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize: into build/debug, ...; WERROR=1)
 	@$(MAKE) build
@@ -183,15 +183,21 @@ study: programs $(VENV)/installed ## Ironing over facets: iterations by friction
 	@$(PY) verify/study/ironing_table.py --program $(BIN)/amontons
 
 # --- the documentation --------------------------------------------------------------------------------------------
-doc: all $(VENV)-doc/installed ## Build the documentation site into build/site
+doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, and the pages of the source into build/site/api
 	$(BIN)/amontons --cards | $(PYTHON) verify/card_reference.py > doc/manual/cards.md
 	$(Q)NO_MKDOCS_2_WARNING=1 $(VENV)-doc/bin/mkdocs build
+	@$(MAKE) api
 	@echo "The site is build/site/index.html."
 
+api: $(VENV)-api/installed ## Build the pages of the source (FORD) into build/site/api
+	$(Q)$(VENV)-api/bin/ford -q doc/api.md -o $(CURDIR)/build/site/api
+
 $(VENV)-doc/installed: doc/requirements.txt
-	@echo "installing the Python packages of $< into $(VENV)-doc"
-	$(Q)$(PYTHON) -m venv --clear $(VENV)-doc
-	$(Q)$(VENV)-doc/bin/python -m pip install --quiet --disable-pip-version-check --no-input -r $<
+$(VENV)-api/installed: doc/requirements-api.txt
+$(VENV)-doc/installed $(VENV)-api/installed:
+	@echo "installing the Python packages of $< into $(@D)"
+	$(Q)$(PYTHON) -m venv --clear $(@D)
+	$(Q)$(@D)/bin/python -m pip install --quiet --disable-pip-version-check --no-input -r $<
 	@touch $@
 
 # --- the look of the source ---------------------------------------------------------------------------------------
@@ -212,12 +218,26 @@ hooks: ## Let git run `make lint` before each commit
 	@chmod +x "$$(git rev-parse --git-path hooks/pre-commit)"
 
 # --- the rest -----------------------------------------------------------------------------------------------------
-install: all ## Install program, libraries, header and modules below PREFIX (default /usr/local)
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include
+install: all ## Install program, library, header, modules, man page and completions below PREFIX (default /usr/local)
+	@$(MAKE) place
+
+VERSION = $(shell sed -n "s/.*VERSION = '\(.*\)'.*/\1/p" src/version.f90)
+SHARE = $(DESTDIR)$(PREFIX)/share
+fill = sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' $(1) > $(2)
+
+# What is built already goes to its places.
+place:
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/lib/cmake/amontons
+	install -d $(DESTDIR)$(PREFIX)/include/amontons $(SHARE)/man/man1 $(SHARE)/bash-completion/completions $(SHARE)/zsh/site-functions
 	install $(BIN)/amontons $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(LIB)/libamontons.a $(LIB)/libamontons.so $(DESTDIR)$(PREFIX)/lib
 	install -m 644 src/amontons.h $(DESTDIR)$(PREFIX)/include
-	install -d $(DESTDIR)$(PREFIX)/include/amontons && install -m 644 $(B)/amontons_*.mod $(DESTDIR)$(PREFIX)/include/amontons
+	install -m 644 $(B)/amontons_*.mod $(DESTDIR)$(PREFIX)/include/amontons
+	$(call fill,share/amontons.pc.in,$(DESTDIR)$(PREFIX)/lib/pkgconfig/amontons.pc)
+	$(call fill,share/amontonsConfig.cmake.in,$(DESTDIR)$(PREFIX)/lib/cmake/amontons/amontonsConfig.cmake)
+	$(call fill,share/amontons.1,$(SHARE)/man/man1/amontons.1)
+	install -m 644 share/amontons.bash $(SHARE)/bash-completion/completions/amontons
+	install -m 644 share/_amontons $(SHARE)/zsh/site-functions/_amontons
 
 clean: ## Remove all that make built, but not .venv
 	rm -rf build bin lib results

@@ -1,0 +1,102 @@
+"""The installed tree: programs of others find it by pkg-config and CMake, in C and in Fortran; man page and completions.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import Run
+
+HERE = Path(__file__).resolve().parent
+
+
+def do(command: list[str | Path], folder: Path, **more: str) -> str:
+    """Runs a command that has to end well."""
+    done = subprocess.run([str(w) for w in command], cwd=folder, env=os.environ | more, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def prefix(root: Path, program: Path, library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where `make install` has put everything."""
+    folder = tmp_path_factory.mktemp("prefix")
+    build = (root / os.environ.get("AMONTONS_UNITS", "build/unit")).parent
+    environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
+    done = subprocess.run(["make", "place", f"PREFIX={folder}", f"B={build}", f"BIN={program.parent}", f"LIB={library.parent}"],
+                          cwd=root, env=environment, capture_output=True, text=True, check=False)  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+def flags(prefix: Path, *what: str) -> list[str]:
+    """What pkg-config says."""
+    return do(["pkg-config", *what, "amontons"], prefix, PKG_CONFIG_PATH=str(prefix / "lib" / "pkgconfig")).split()
+
+
+@pytest.mark.skipif(not shutil.which("pkg-config"), reason="there is no pkg-config")
+def test_pkg_config(prefix: Path, root: Path, run: Run, tmp_path: Path) -> None:
+    """A C and a Fortran program, built with nothing but its flags, run."""
+    rpath = f"-Wl,-rpath,{prefix / 'lib'}"
+    do(["gcc", "-std=c11", HERE / "coupled_jobs.c", "-o", "coupled", *flags(prefix, "--cflags", "--libs"), rpath, "-lm"], tmp_path)
+    assert "both done: 1" in do([tmp_path / "coupled"], tmp_path)
+    do(["gfortran", *flags(prefix, "--cflags"), HERE / "press_and_look.f90", "-o", "look", *flags(prefix, "--libs"), rpath], tmp_path)
+    told = do([tmp_path / "look", root / "input" / "three_cubes.inp"], tmp_path)
+    assert "friction over normal force:  0.300000" in told
+    assert flags(prefix, "--modversion")[0] in run(["--version"]).stdout
+
+
+@pytest.mark.skipif(not shutil.which("cmake"), reason="there is no CMake")
+def test_cmake(prefix: Path, tmp_path: Path) -> None:
+    """find_package finds it."""
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.16)\nproject(user C)\nfind_package(amontons REQUIRED)\n"
+        f"add_executable(coupled {HERE / 'coupled_jobs.c'})\ntarget_link_libraries(coupled amontons::amontons m)\n")  # fmt: skip
+    do(["cmake", "-S", ".", "-B", "out", f"-DCMAKE_PREFIX_PATH={prefix}"], tmp_path)
+    do(["cmake", "--build", "out"], tmp_path)
+    assert "both done: 1" in do([tmp_path / "out" / "coupled"], tmp_path)
+
+
+def options_of(run: Run) -> set[str]:
+    """The options that --help tells."""
+    return set(re.findall(r"^  (--[a-z-]+)", run(["--help"]).stdout, re.MULTILINE))
+
+
+@pytest.mark.parametrize("place", ["share/man/man1/amontons.1", "share/bash-completion/completions/amontons",
+                                   "share/zsh/site-functions/_amontons"])  # fmt: skip
+def test_every_option_is_told(prefix: Path, run: Run, place: str) -> None:
+    """Man page and completions know every option of --help, and no other; nothing is left to fill in."""
+    text = (prefix / place).read_text().replace("\\-", "-")
+    assert "@" not in re.sub(r"@\(", "", text)
+    assert set(re.findall(r"(?<![-\w])--[a-z]+(?:-[a-z]+)*", text)) == options_of(run)
+
+
+@pytest.mark.skipif(not shutil.which("man"), reason="there is no man")
+def test_man_page_is_well_formed(prefix: Path) -> None:
+    """groff has nothing to complain of."""
+    done = subprocess.run(["man", "--warnings", "-l", str(prefix / "share/man/man1/amontons.1")], capture_output=True, text=True,
+                          env=os.environ | {"MANPAGER": "cat", "MANWIDTH": "100", "LC_ALL": "C.UTF-8"}, check=False)  # fmt: skip
+    if "No manual entry" in done.stderr or "minimized" in done.stdout:
+        pytest.skip("manual pages are not installed on this system")
+    assert done.returncode == 0
+    assert "mandoc" in done.stderr or done.stderr.strip() == ""
+    assert "EXIT STATUS" in done.stdout
+
+
+@pytest.mark.skipif(not shutil.which("bash"), reason="there is no bash")
+def test_bash_completes(prefix: Path, tmp_path: Path) -> None:
+    """Options, their values, and decks."""
+    (tmp_path / "plate.inp").write_text("")
+    (tmp_path / "plate.dat").write_text("")
+    script = f"source {prefix / 'share/bash-completion/completions/amontons'}\n" + """
+try() { COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=(); _amontons; echo "${COMPREPLY[*]}"; }
+try amontons --res; try amontons --dialect = ca; try amontons --progress p; try amontons pl
+"""
+    assert do(["bash", "-c", script], tmp_path).splitlines() == ["--resume", "calculix", "plain", "plate.inp"]
