@@ -34,7 +34,8 @@ module amontons_restart
     real(DP) :: best_entries = 0                   !< system%best_entries
     integer, allocatable :: node_order(:)          !< system%node_order
     real(DP), allocatable :: u_start(:, :)         !< system%u_start [length]
-    integer, allocatable :: interface(:)           !< (n_nodes) > 0: on the interface, system%is_contact
+    integer, allocatable :: interface(:)           !< (n_nodes) bits: the node is on the interface, its unknowns 1, 2, 3 are held,
+                                                   !< NLGEOM (system%is_contact, is_held, is_bulk_nlgeom)
     real(DP), allocatable :: bulk_u(:, :)          !< system%bulk_u: the factor of the bulk is made again from it [length]
   end type snapshot_type
 
@@ -85,8 +86,12 @@ contains
     integer :: i
     if (allocated(snapshot%interface)) deallocate (snapshot%interface)
     if (allocated(snapshot%bulk_u)) deallocate (snapshot%bulk_u)
-    if (.not. allocated(system%is_contact)) return
-    snapshot%interface = [(merge(1, 0, system%is_contact(3 * i)), i=1, size(system%is_contact) / 3)]
+    if (.not. allocated(system%is_contact) .or. .not. allocated(system%is_held)) return
+    allocate (snapshot%interface(size(system%is_contact) / 3))
+    do i = 1, size(snapshot%interface)
+      snapshot%interface(i) = merge(1, 0, system%is_contact(3 * i)) + &
+        dot_product([2, 4, 8], merge(1, 0, system%is_held(3 * i - 2:3 * i))) + merge(16, 0, system%is_bulk_nlgeom)
+    end do
     if (allocated(system%bulk_u)) snapshot%bulk_u = system%bulk_u
   end subroutine note_bulk
 
@@ -128,7 +133,9 @@ contains
     if (allocated(system%bulk_u)) deallocate (system%bulk_u)
     if (allocated(system%is_contact)) deallocate (system%is_contact)
     if (.not. allocated(snapshot%interface)) return
-    system%is_contact = [(snapshot%interface((i + 2) / 3) > 0, i=1, 3 * size(snapshot%interface))]
+    system%is_contact = [(btest(snapshot%interface((i + 2) / 3), 0), i=1, 3 * size(snapshot%interface))]
+    system%is_held = [(btest(snapshot%interface((i + 2) / 3), 1 + mod(i - 1, 3)), i=1, 3 * size(snapshot%interface))]
+    system%is_bulk_nlgeom = any(btest(snapshot%interface, 4))
     if (allocated(snapshot%bulk_u)) system%bulk_u = snapshot%bulk_u
   end subroutine put_bulk_back
 

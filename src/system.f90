@@ -47,6 +47,7 @@ module amontons_system
   integer, parameter :: TROUBLE_NOT_FINITE = 3     !< a number is not finite
 
   real(DP), parameter :: KRYLOV_TOLERANCE = 1.0e-9_DP    !< of a direction, relative to the right-hand side [-]
+  real(DP), parameter :: KRYLOV_SHARE = 1.0e-3_DP        !< of the residual that Newton allows: what a direction may leave [-]
   integer, parameter :: KRYLOV_MOST = 200                !< Krylov iterations of one direction
   integer, parameter :: MOST_OLD = 8                     !< Krylov iterations after which an old factor of the bulk is given up
   integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
@@ -73,6 +74,8 @@ module amontons_system
     logical :: is_dense_wanted = .true.            !< the interface has not been found too large yet
     real(DP), allocatable :: bulk_u(:, :)          !< (3, n_nodes) where the bulk's factor was made [length]; not there: no factor
     logical, allocatable :: is_contact(:)          !< (n_unknowns) on the interface
+    logical, allocatable :: is_held(:)             !< (n_unknowns) by the base constraints, where the bulk was analysed
+    logical :: is_bulk_nlgeom = .false.            !< the factor of the bulk is one of a step with NLGEOM
     integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while it serves
     real(DP) :: best_entries = 0                   !< entries of the factor when that order was made
     logical, allocatable :: is_lone(:)             !< (3 n_nodes) of a node without elements
@@ -84,6 +87,8 @@ module amontons_system
     real(DP) :: largest_force = 0                  !< largest internal, applied or contact force on a node [force]
     real(DP) :: merit = 0                          !< norm of residual, gaps and stick violations scaled to forces [force]
     logical :: is_nlgeom = .false.
+    logical :: is_constant = .false.               !< the stiffness of this step depends on nothing
+    logical :: is_assembled = .false.              !< and is there already
     integer :: n_conflicts = 0                     !< contact rows dropped for stronger constraints
     integer :: trouble_item = 0
     integer :: n_factorisations = 0                !< since the last reset by the stepper
@@ -171,6 +176,8 @@ contains
     type(error_type), allocatable, intent(out) :: error
     system%u_start = state%old%u
     system%is_nlgeom = step%is_nlgeom
+    system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain)
+    system%is_assembled = .false.
     call prescribe(system, model, step, state%old, error)
     if (allocated(error)) return
     call begin_contact_step(system%contact, model, step)
@@ -284,7 +291,7 @@ contains
     call stop_clock(clock, system%seconds(PHASE_FACTOR))
     system%n_before = system%n_factorisations
     system%is_settled = .false.
-    call solve_direction(system, du, trouble, error)
+    call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, du, trouble, error)
     call stop_clock(clock, system%seconds(PHASE_KRYLOV))
   end subroutine find_direction
 
@@ -329,7 +336,7 @@ contains
     call factorise_condensed(system, model, step, state, error)
     if (allocated(error) .or. .not. system%is_condensed) return
     call stop_clock(clock, system%seconds(PHASE_FACTOR))
-    call solve_direction(system, du, trouble, error)
+    call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, du, trouble, error)
     call stop_clock(clock, system%seconds(PHASE_KRYLOV))
   end subroutine correct_direction
 
@@ -363,13 +370,17 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: failed
     integer(I64) :: clock
+    trouble = TROUBLE_NONE
     call start_clock(clock)
-    call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
-    trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
-    if (failed /= 0) return
-    call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
-    call finish_follower(system%assembly%follower, 3 * model%mesh%n_nodes, error)
-    if (allocated(error)) return
+    if (.not. system%is_assembled) then
+      call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
+      trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
+      if (failed /= 0) return
+      call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
+      call finish_follower(system%assembly%follower, 3 * model%mesh%n_nodes, error)
+      if (allocated(error)) return
+      system%is_assembled = system%is_constant
+    end if
     if (step%is_nlgeom .and. n_bonds(model) > 0) call add_curvatures(system%base, system%assembly, model, state%new)
     call scale_slaves(system, state%new)
     call stop_clock(clock, system%seconds(PHASE_ASSEMBLY))
@@ -420,12 +431,15 @@ contains
     logical, allocatable :: is_contact(:)
     logical :: is_kept
     if (size(state%new%slaves) == 0) return
-    is_kept = all(model%materials%is_plain) .and. system%base%n_rows == 0 .and. .not. is_step_start .and. &
+    is_kept = all(model%materials%is_plain) .and. system%base%n_rows == 0 .and. &
       (.not. step%is_nlgeom .or. size(step%distributed) == 0)
+    if (is_kept .and. is_step_start) is_kept = is_same_bulk(system)
     is_contact = interface_unknowns(system, model, state%new, .not. step%is_nlgeom)
     if (is_kept .and. allocated(system%is_contact)) is_kept = .not. any(is_contact .and. .not. system%is_contact)
     if (is_kept .and. allocated(system%is_contact)) return
     call forget_bulk(system)
+    if (allocated(system%base%owner)) system%is_held = system%base%owner /= 0   ! not there in the audit before the first step
+    system%is_bulk_nlgeom = system%is_nlgeom
     if (allocated(system%is_contact)) then
       if (.not. is_step_start .and. all(is_contact .eqv. system%is_contact)) return   ! a step may have other supports
     end if
@@ -433,6 +447,14 @@ contains
     system%is_dense_wanted = .true.
     call move_alloc(is_contact, system%is_contact)
   end subroutine drop_bulk
+
+
+  !> Whether the bulk of a new step is that of the last one: the same unknowns are held, and NLGEOM is as it was.
+  pure logical function is_same_bulk(system) result(is_same)
+    type(system_type), intent(in) :: system
+    is_same = allocated(system%is_held) .and. (system%is_bulk_nlgeom .eqv. system%is_nlgeom)
+    if (is_same) is_same = all(system%is_held .eqv. system%base%owner /= 0)
+  end function is_same_bulk
 
 
   !> The factor of the bulk is not to be used any more.
@@ -711,8 +733,9 @@ contains
 
 
   !> Solves J dv = C' (R - (K - dF_c) c) and gives du = C dv + c.
-  subroutine solve_direction(system, du, trouble, error)
+  subroutine solve_direction(system, floor, du, trouble, error)
     type(system_type), intent(inout), target :: system
+    real(DP), intent(in) :: floor                  !< residual that is small enough [force]
     real(DP), intent(out) :: du(:, :)
     integer, intent(out) :: trouble
     type(error_type), allocatable, intent(out) :: error
@@ -730,6 +753,7 @@ contains
       tangent%system => system
       preconditioner%system => system
       options%tolerance = KRYLOV_TOLERANCE
+      options%floor = floor
       options%max_iterations = KRYLOV_MOST
       call gmres(tangent, preconditioner, b, v, options, report, error)
       if (allocated(error)) return
