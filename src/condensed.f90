@@ -17,15 +17,18 @@ module amontons_condensed
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, reduction_type, from_triplets, transpose_of, analyse_reduction, reduce_matrix
-  use amontons_dense, only: factorise_dense, solve_dense, triangle_times, square_of_triangle, DENSE_OK
+  use amontons_dense, only: factorise_dense, solve_dense, triangle_times, square_of_triangle, invert_positive, &
+    symmetric_times, transposed_times, DENSE_OK
   use amontons_partition, only: order_unknowns
   use amontons_factor, only: factor_type, analyse, factorise, elimination_order, trailing_block, solve_forward, &
     solve_backward, FACTOR_OK
   use amontons_constraints, only: constraints_type
   implicit none
   private
-  public :: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, apply_condensed, is_interface_worth
+  public :: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, apply_condensed, &
+    is_interface_worth
 
+  real(DP), parameter :: WELL_HELD = 1.0e-9_DP     !< least pivot of S over its diagonal of which an inverse is made [-]
   real(DP), parameter :: SMALL = 3.0e7_DP          !< operations that are not worth a thought [-]
 
   !> The bulk's factor and the interface's.
@@ -41,7 +44,13 @@ module amontons_condensed
     type(sparse_type), private :: matrix           !< the same with the interface's block full
     integer, allocatable, private :: target(:)     !< entry of matrix for each entry of bulk
     real(DP), allocatable, private :: triangle(:, :)   !< L_cc
-    real(DP), allocatable, private :: stiffness(:, :)  !< S
+    real(DP), allocatable, private :: shift(:)     !< (n_contact) D [force/length]
+    real(DP), allocatable, private :: stiffness(:, :)  !< S, or its inverse
+    logical, private :: is_inverse = .false.       !< stiffness holds the inverse of S
+    logical :: is_invertible = .true.              !< S has one
+    logical, private :: is_by_springs = .false.    !< factorise_springs came last
+    type(sparse_type), private :: spread           !< B on the interface (n_contact x n_springs)
+    real(DP), allocatable, private :: response(:, :)   !< (A inv(S))' (n_contact x n_springs)
     type(sparse_type), private :: relation         !< C_c (n_contact x n_reduced)
     type(sparse_type), private :: by_imbalance     !< D_R on the interface (n_contact x n_contact)
     integer, allocatable, private :: base_of(:)    !< (n free) base unknown of each free unknown
@@ -180,18 +189,29 @@ contains
     shift = merge(abs(self%bulk%value(self%bulk%first(:n))), 0.0_DP, self%contact_of > 0)
     call factorise(self%factor, self%matrix, status, shift, error)
     if (allocated(error) .or. status /= FACTOR_OK) return
-    if (allocated(self%triangle)) deallocate (self%triangle, self%stiffness)
-    allocate (self%triangle(self%n_contact, self%n_contact), self%stiffness(self%n_contact, self%n_contact))
+    if (allocated(self%triangle)) deallocate (self%triangle, self%stiffness, self%shift)
+    allocate (self%triangle(self%n_contact, self%n_contact), self%stiffness(self%n_contact, self%n_contact), &
+      self%shift(self%n_contact))
     call trailing_block(self%factor, self%triangle)
-    call square_of_triangle(self%triangle, self%stiffness)
     do i = 1, n
-      if (self%contact_of(i) == 0) cycle
-      associate (diagonal => self%stiffness(self%contact_of(i), self%contact_of(i)))
-        diagonal = diagonal - shift(i)
-      end associate
+      if (self%contact_of(i) > 0) self%shift(self%contact_of(i)) = shift(i)
     end do
+    call restore_stiffness(self)
+    self%is_invertible = .true.
     self%is_ready = .true.
   end subroutine factorise_bulk
+
+
+  !> S = L_cc L_cc' - D.
+  subroutine restore_stiffness(self)
+    type(condensed_type), intent(inout) :: self
+    integer :: k
+    call square_of_triangle(self%triangle, self%stiffness)
+    do k = 1, self%n_contact
+      self%stiffness(k, k) = self%stiffness(k, k) - self%shift(k)
+    end do
+    self%is_inverse = .false.
+  end subroutine restore_stiffness
 
 
   !> J_c for the present statuses, weights and friction, factorised.
@@ -209,6 +229,8 @@ contains
     integer :: status
     call relate(self, base, whole, is_complete, error)
     if (allocated(error) .or. .not. is_complete) return
+    if (self%is_inverse) call restore_stiffness(self)
+    self%is_by_springs = .false.
     call restrict(self, base, by_imbalance, self%by_imbalance, error)
     if (allocated(error)) return
     call restrict(self, base, by_displacement, d_u, error)
@@ -219,6 +241,131 @@ contains
     call factorise_dense(self%lu, self%pivots, status)
     is_complete = status == DENSE_OK
   end subroutine factorise_interface
+
+
+  !> The same where all contact is by springs, dF_c = B A du, and S has an inverse:
+  !!
+  !!     inv(S - B A) = inv(S) + inv(S) B inv(T) A inv(S),   T = 1 - A inv(S) B
+  !!
+  !! T has three unknowns a spring, and is factorised by LU in place of J_c. (Sherman, Morrison, Woodbury: Golub and Van Loan, Matrix
+  !! Computations, 4th ed., section 2.1.4.) After: is_complete is .false. too, with is_invertible, if S has no inverse.
+  subroutine factorise_springs(self, base, whole, spread, follow, is_complete, error)
+    type(condensed_type), intent(inout) :: self
+    type(constraints_type), intent(in) :: base     !< without contact rows
+    type(constraints_type), intent(in) :: whole    !< the same
+    type(sparse_type), intent(in) :: spread        !< B (n_unknowns x n_springs) [-]
+    type(sparse_type), intent(in) :: follow        !< A (n_springs x n_unknowns) [force/length]
+    logical, intent(out) :: is_complete
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: spread_t, follow_t
+    integer :: status, j, k, p
+    call relate(self, base, whole, is_complete, error)
+    if (allocated(error) .or. .not. is_complete) return
+    is_complete = self%n_reduced == self%n_contact
+    if (.not. is_complete) return
+    if (.not. self%is_inverse) then
+      call invert_positive(self%stiffness, WELL_HELD, status)
+      self%is_inverse = .true.
+      self%is_invertible = status == DENSE_OK
+      is_complete = self%is_invertible
+      if (.not. is_complete) return
+    end if
+    call take_to_interface(self, base, spread, self%spread, error)
+    if (allocated(error)) return
+    call take_to_interface(self, base, transpose_of(follow), follow_t, error)
+    if (allocated(error)) return
+    follow_t = transpose_of(follow_t)
+    spread_t = transpose_of(self%spread)
+    self%by_imbalance = empty_square(self%n_contact)
+    if (allocated(self%lu)) deallocate (self%lu)
+    if (allocated(self%response)) deallocate (self%response)
+    if (allocated(self%pivots)) deallocate (self%pivots)
+    allocate (self%lu(spread%n_columns, spread%n_columns), self%pivots(spread%n_columns))
+    allocate (self%response(self%n_contact, spread%n_columns))
+    !$omp parallel do schedule(static) private(k, p)
+    do j = 1, follow_t%n_rows
+      self%response(:, j) = 0.0_DP
+      do p = follow_t%first(j), follow_t%first(j + 1) - 1
+        self%response(:, j) = self%response(:, j) + follow_t%value(p) * self%stiffness(:, follow_t%column(p))
+      end do
+      do k = 1, spread_t%n_rows
+        self%lu(j, k) = merge(1.0_DP, 0.0_DP, j == k)
+        do p = spread_t%first(k), spread_t%first(k + 1) - 1
+          self%lu(j, k) = self%lu(j, k) - spread_t%value(p) * self%response(spread_t%column(p), j)
+        end do
+      end do
+    end do
+    !$omp end parallel do
+    call factorise_dense(self%lu, self%pivots, status)
+    is_complete = status == DENSE_OK
+    self%is_by_springs = .true.
+  end subroutine factorise_springs
+
+
+  !> A matrix without entries.
+  pure function empty_square(n) result(matrix)
+    integer, intent(in) :: n
+    type(sparse_type) :: matrix
+    integer :: i
+    matrix%n_rows = n
+    matrix%n_columns = n
+    matrix%first = [(1, i=1, n + 1)]
+    allocate (matrix%column(0), matrix%value(0))
+  end function empty_square
+
+
+  !> C_b' M, and of it the rows of the interface.
+  subroutine take_to_interface(self, base, matrix, taken, error)
+    type(condensed_type), intent(in) :: self
+    type(constraints_type), intent(in) :: base
+    type(sparse_type), intent(in) :: matrix        !< (n_unknowns x n)
+    type(sparse_type), intent(out) :: taken        !< (n_contact x n)
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+    integer :: i, a, p, n, pass
+    do pass = 1, 2
+      n = 0
+      do i = 1, matrix%n_rows
+        if (matrix%first(i) == matrix%first(i + 1)) cycle
+        do a = base%map%first(i), base%map%first(i + 1) - 1
+          if (self%contact_of(base%map%column(a)) == 0) cycle
+          do p = matrix%first(i), matrix%first(i + 1) - 1
+            n = n + 1
+            if (pass == 1) cycle
+            row(n) = self%contact_of(base%map%column(a))
+            column(n) = matrix%column(p)
+            value(n) = base%map%value(a) * matrix%value(p)
+          end do
+        end do
+      end do
+      if (pass == 1) allocate (row(n), column(n), value(n))
+    end do
+    call from_triplets(self%n_contact, matrix%n_columns, row, column, value, taken, error)
+  end subroutine take_to_interface
+
+
+  !> r = inv(S - B A) r for a right-hand side on the free unknowns of the interface.
+  subroutine solve_springs(self, r)
+    type(condensed_type), intent(in) :: self
+    real(DP), intent(inout) :: r(:)                !< (n_contact) in the order of the free unknowns
+    real(DP) :: t(self%n_contact), y(size(self%lu, 1))
+    integer :: k, p
+    do k = 1, self%n_contact                       ! C_c only sorts here
+      t(k) = r(self%relation%column(self%relation%first(k)))
+    end do
+    call transposed_times(self%response, t, y)
+    call solve_dense(self%lu, self%pivots, y)
+    do k = 1, self%n_contact
+      do p = self%spread%first(k), self%spread%first(k + 1) - 1
+        t(k) = t(k) + self%spread%value(p) * y(self%spread%column(p))
+      end do
+    end do
+    call symmetric_times(self%stiffness, t)
+    do k = 1, self%n_contact
+      r(self%relation%column(self%relation%first(k))) = t(k)
+    end do
+  end subroutine solve_springs
 
 
   !> C_c, and the places of the free unknowns in bulk and interface.
@@ -383,7 +530,11 @@ contains
         r_c(self%relation%column(p)) = r_c(self%relation%column(p)) + self%relation%value(p) * g(k)
       end do
     end do
-    call solve_dense(self%lu, self%pivots, r_c)
+    if (self%is_by_springs) then
+      call solve_springs(self, r_c)
+    else
+      call solve_dense(self%lu, self%pivots, r_c)
+    end if
     do k = 1, self%n_contact
       h(k) = 0.0_DP
       do p = self%relation%first(k), self%relation%first(k + 1) - 1

@@ -21,7 +21,8 @@ module amontons_contact_tangent
     shear_most, is_cornered
   implicit none
   private
-  public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices, contact_springs
+  public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices, contact_springs, &
+    spring_factors
 
   !> Entries of a matrix as they come.
   type :: triplets_type
@@ -519,6 +520,34 @@ contains
     if (allocated(error)) return
     call from_triplets(n_unknowns, n_unknowns, u%row(:u%n), u%column(:u%n), u%value(:u%n), by_displacement, error)
   end subroutine level_matrices
+
+
+  !> The change of the forces of springs as a product, dF_c = B A du, where no weight moves: B spreads a change of lambda over the
+  !! nodes of its row, A du is that change.
+  subroutine spring_factors(links, n_unknowns, spread, follow, error)
+    type(link_type), intent(in) :: links(:)
+    integer, intent(in) :: n_unknowns
+    type(sparse_type), intent(out) :: spread       !< B (n_unknowns x 3 links) [-]
+    type(sparse_type), intent(out) :: follow       !< A (3 links x n_unknowns) [force/length]
+    type(error_type), allocatable, intent(out) :: error
+    type(triplets_type) :: b, a
+    integer :: i, j
+    call reserve(b, 9 * sum([(links(i)%n_weights, i=1, size(links))]))
+    call reserve(a, 9 * sum([(size(links(i)%nodes), i=1, size(links))]))
+    do i = 1, size(links)
+      associate (link => links(i))
+        do j = 1, link%n_weights
+          call put_block(link%nodes(j), i, link%weights(j) * unit_matrix(), b)
+        end do
+        do j = 1, size(link%nodes)
+          call put_block(i, link%nodes(j), link%force_nodes(:, :, j), a)
+        end do
+      end associate
+    end do
+    call from_triplets(n_unknowns, 3 * size(links), b%row(:b%n), b%column(:b%n), b%value(:b%n), spread, error)
+    if (allocated(error)) return
+    call from_triplets(3 * size(links), n_unknowns, a%row(:a%n), a%column(:a%n), a%value(:a%n), follow, error)
+  end subroutine spring_factors
 
 
   !> The upper triangle of the springs of the compliant laws, for the preconditioner: symmetric and positive.

@@ -10,7 +10,7 @@ module amontons_dense
   implicit none
   private
   public :: solve_small, symmetric_eigen, singular_values, rank_of, null_space, least_squares
-  public :: factorise_dense, solve_dense, triangle_times, square_of_triangle
+  public :: factorise_dense, solve_dense, triangle_times, square_of_triangle, invert_positive, symmetric_times, transposed_times
   public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
 
   integer, parameter :: DENSE_OK = 0
@@ -61,6 +61,38 @@ module amontons_dense
       real(DP), intent(in) :: alpha, beta, a(lda, *)
       real(DP), intent(inout) :: c(ldc, *)
     end subroutine dsyrk
+
+    subroutine dpotrf(uplo, n, a, lda, info)
+      import :: DP
+      character(1), intent(in) :: uplo
+      integer, intent(in) :: n, lda
+      real(DP), intent(inout) :: a(lda, *)
+      integer, intent(out) :: info
+    end subroutine dpotrf
+
+    subroutine dpotri(uplo, n, a, lda, info)
+      import :: DP
+      character(1), intent(in) :: uplo
+      integer, intent(in) :: n, lda
+      real(DP), intent(inout) :: a(lda, *)
+      integer, intent(out) :: info
+    end subroutine dpotri
+
+    subroutine dsymv(uplo, n, alpha, a, lda, x, incx, beta, y, incy)
+      import :: DP
+      character(1), intent(in) :: uplo
+      integer, intent(in) :: n, lda, incx, incy
+      real(DP), intent(in) :: alpha, beta, a(lda, *), x(*)
+      real(DP), intent(inout) :: y(*)
+    end subroutine dsymv
+
+    subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
+      import :: DP
+      character(1), intent(in) :: trans
+      integer, intent(in) :: m, n, lda, incx, incy
+      real(DP), intent(in) :: alpha, beta, a(lda, *), x(*)
+      real(DP), intent(inout) :: y(*)
+    end subroutine dgemv
 
     subroutine dgecon(norm, n, a, lda, anorm, rcond, work, iwork, info)
       import :: DP
@@ -336,5 +368,53 @@ contains
       s(:i - 1, i) = s(i, :i - 1)
     end do
   end subroutine square_of_triangle
+
+
+  !> The inverse of a symmetric matrix in its place, if it is well and truly positive: no pivot of Cholesky less than `least` times
+  !! its diagonal entry. Cost: n^3.
+  subroutine invert_positive(a, least, status)
+    real(DP), intent(inout) :: a(:, :)         !< (n, n) in: A; out: its inverse, or nothing to be used
+    real(DP), intent(in) :: least              !< [-]
+    integer, intent(out) :: status             !< DENSE_OK or DENSE_SINGULAR
+    real(DP) :: diagonal(size(a, 1))
+    integer :: n, i, info
+    n = size(a, 1)
+    status = DENSE_OK
+    if (n == 0) return
+    diagonal = [(a(i, i), i=1, n)]
+    call dpotrf('L', n, a, n, info)
+    if (info == 0) then
+      do i = 1, n
+        if (.not. a(i, i)**2 > least * diagonal(i)) info = i
+      end do
+    end if
+    if (info == 0) call dpotri('L', n, a, n, info)
+    if (info /= 0) status = DENSE_SINGULAR
+    do i = 2, n
+      a(:i - 1, i) = a(i, :i - 1)
+    end do
+  end subroutine invert_positive
+
+
+  !> x = S x for a symmetric matrix.
+  subroutine symmetric_times(s, x)
+    real(DP), intent(in) :: s(:, :)            !< (n, n)
+    real(DP), intent(inout) :: x(:)            !< (n)
+    real(DP) :: y(size(x))
+    if (size(x) == 0) return
+    y = 0
+    call dsymv('L', size(x), 1.0_DP, s, size(x), x, 1, 0.0_DP, y, 1)
+    x = y
+  end subroutine symmetric_times
+
+
+  !> y = A' x.
+  subroutine transposed_times(a, x, y)
+    real(DP), intent(in) :: a(:, :)            !< (m, n)
+    real(DP), intent(in) :: x(:)               !< (m)
+    real(DP), intent(out) :: y(:)              !< (n)
+    y = 0
+    if (size(a) > 0) call dgemv('T', size(a, 1), size(a, 2), 1.0_DP, a, size(a, 1), x, 1, 0.0_DP, y, 1)
+  end subroutine transposed_times
 
 end module amontons_dense

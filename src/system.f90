@@ -22,8 +22,8 @@ module amontons_system
     multiply_symmetric, product_of, transpose_of, full_of, sum_of
   use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, lu_factorise, lu_solve, FACTOR_OK
   use amontons_partition, only: order_unknowns
-  use amontons_condensed, only: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, apply_condensed, &
-    is_interface_worth
+  use amontons_condensed, only: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
+    apply_condensed, is_interface_worth
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, KRYLOV_CONVERGED
   use amontons_constraints, only: constraints_type, finish_constraints, condense_forces, condensation
   use amontons_bonds, only: add_curvatures, keep_supports, curved_nodes
@@ -33,7 +33,7 @@ module amontons_system
   use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
     begin_contact_increment
   use amontons_contact_tangent, only: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, &
-    contact_matrices, contact_springs
+    contact_matrices, contact_springs, spring_factors
   implicit none
   private
   public :: system_type, create_system, begin_step, begin_increment, evaluate, linearise, find_direction, change_forces, &
@@ -505,17 +505,14 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< not changed
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: by_imbalance, by_displacement
     logical :: is_complete
     integer :: attempt
     system%is_condensed = .false.
     if (size(state%new%slaves) == 0 .or. .not. system%is_dense_wanted) return
-    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement, error)
-    if (allocated(error)) return
     do attempt = 1, 2
       call provide_bulk(system, model, step, state, error)
       if (allocated(error) .or. .not. system%condensed%is_ready) return
-      call factorise_interface(system%condensed, system%base, system%whole, by_imbalance, by_displacement, is_complete, error)
+      call factorise_contact(system, is_complete, error)
       if (allocated(error)) return
       system%is_condensed = is_complete
       if (is_complete) return
@@ -524,6 +521,26 @@ contains
       call forget_bulk(system)
     end do
   end subroutine factorise_condensed
+
+
+  !> The interface for the present contact: by its springs where all contact is compliant and the bodies are held without it.
+  subroutine factorise_contact(system, is_complete, error)
+    type(system_type), intent(inout) :: system
+    logical, intent(out) :: is_complete            !< .false.: contact reaches beyond the interface
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: by_imbalance, by_displacement, spread, follow
+    if (all(system%links%is_spring) .and. size(system%links) > 0 .and. system%condensed%is_invertible) then
+      call spring_factors(system%links, system%whole%n_unknowns, spread, follow, error)
+      if (allocated(error)) return
+      if (spread%n_columns < system%condensed%n_contact) then
+        call factorise_springs(system%condensed, system%base, system%whole, spread, follow, is_complete, error)
+        if (allocated(error) .or. is_complete .or. system%condensed%is_invertible) return
+      end if
+    end if
+    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement, error)
+    if (allocated(error)) return
+    call factorise_interface(system%condensed, system%base, system%whole, by_imbalance, by_displacement, is_complete, error)
+  end subroutine factorise_contact
 
 
   !> The factor of the bulk: the one at hand, else that of bulk_u (of a job that was resumed), else a new one.

@@ -3,7 +3,8 @@
 program test_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
-  use amontons_dense, only: solve_small, symmetric_eigen, singular_values, rank_of, null_space, least_squares, &
+  use amontons_dense, only: solve_small, symmetric_eigen, singular_values, rank_of, null_space, least_squares, invert_positive, &
+    symmetric_times, transposed_times, &
     DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
   use check, only: suite_type
   implicit none
@@ -22,6 +23,7 @@ program test_dense
   call test_not_finite()
   call test_null_space()
   call test_least_squares()
+  call test_positive()
   call suite%finish()
 
 contains
@@ -202,5 +204,36 @@ contains
     call least_squares(a(:2, :), b(:2), 1.0e-12_DP, x, rank, status)
     call suite%near('least squares: wide matrix solved', maxval(abs(matmul(a(:2, :), x) - b(:2))), 0.0_DP, 1.0e-13_DP)
   end subroutine test_least_squares
+
+
+  !> The inverse of a positive matrix is one, symmetric to the last bit; one that is singular, or nearly, is found. Products with
+  !! symmetric and transposed matrices are those of matmul.
+  subroutine test_positive()
+    real(DP) :: left(9, 9), a(9, 9), inverse(9, 9), x(9), y(9), z(5), wide(9, 5)
+    integer :: status
+    call random_number(left)
+    call random_number(x)
+    call random_number(wide)
+    a = matmul(left, transpose(left)) + unit(9)
+    inverse = a
+    call invert_positive(inverse, 1.0e-9_DP, status)
+    call suite%that('positive: status', status == DENSE_OK)
+    call suite%near('positive: inverse', norm_1(matmul(a, inverse) - unit(9)), 0.0_DP, 1.0e-12_DP)
+    call suite%that('positive: symmetric', all(abs(inverse - transpose(inverse)) <= 0))
+    y = x
+    call symmetric_times(inverse, y)
+    call suite%near('positive: product', maxval(abs(y - matmul(inverse, x))), 0.0_DP, 1.0e-14_DP)
+    call transposed_times(wide, x, z)
+    call suite%near('transposed product', maxval(abs(z - matmul(x, wide))), 0.0_DP, 1.0e-14_DP)
+    a = a - unit(9)
+    a(:, 9) = a(:, 8)
+    a(9, :) = a(8, :)
+    a(9, 9) = a(9, 9) * (1 + 1.0e-12_DP)
+    call invert_positive(a, 1.0e-9_DP, status)
+    call suite%that('positive: nearly singular', status == DENSE_SINGULAR)
+    a = -unit(9)
+    call invert_positive(a, 1.0e-9_DP, status)
+    call suite%that('positive: negative', status == DENSE_SINGULAR)
+  end subroutine test_positive
 
 end program test_dense
