@@ -8,7 +8,7 @@
 module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: element_kind, kind_type, KIND_MASS, FAMILY_SOLID, MAX_NODES, MAX_FACE_NODES
+  use amontons_topology, only: element_kind, kind_type, KIND_C3D8, KIND_MASS, FAMILY_SOLID, MAX_NODES, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, element_nodes
   use amontons_materials, only: MAX_HISTORY
   use amontons_model, only: model_type, direction_of
@@ -18,6 +18,7 @@ module amontons_assembly
   use amontons_sparse, only: sparse_type
   use amontons_follower, only: follower_type, begin_follower, add_follower
   use amontons_partition, only: partition_mesh
+  use amontons_batch, only: batch_type, rule_type, make_rule, is_batched, load_lane, batch_forces, batch_tangent, WIDTH, N_PAIRS
   use amontons_element, only: element_forces, element_tangent, element_body_force, facet_pressure, edge_pressure, &
     points_type, ELEMENT_OK
   use amontons_spin, only: centrifugal_forces
@@ -26,6 +27,7 @@ module amontons_assembly
   private
   public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads, add_coupling
 
+  integer, parameter :: FEW = 3                       !< elements of which a batch is not worth its empty lanes
   integer, parameter :: ELEMENTS_PER_PART = 400       !< enough work for a thread, small enough for the cache
 
   !> The pattern of the stiffness and the order in which elements are added.
@@ -40,6 +42,7 @@ module amontons_assembly
     integer, allocatable :: element_order(:)          !< elements, group by group
     integer :: n_parts = 0                            !< groups 1 to n_parts run side by side, one thread a group
     integer :: n_groups = 0                           !< groups after that are colours: their elements run side by side
+    type(rule_type) :: rule                           !< of the batches
   end type assembly_type
 
 contains
@@ -52,6 +55,7 @@ contains
     integer, intent(in), optional :: coupled_first(:)   !< (n + 1) start of each group of nodes coupled as by an element
     integer, intent(in), optional :: coupled_nodes(:)
     type(mesh_type) :: coupled                        ! with these groups in place of elements, for the graph
+    assembly%rule = make_rule()
     call order_elements(assembly, mesh, error)
     if (allocated(error)) return
     if (present(coupled_first)) then
@@ -355,20 +359,163 @@ contains
     state%new%internal_force = 0.0_DP
     !$omp parallel do schedule(dynamic) private(i) reduction(min: failed) if (assembly%n_parts > 1)
     do g = 1, assembly%n_parts
-      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
-        call add_element_forces(model, assembly%element_order(i), is_nlgeom, state, failed)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
+        call add_forces_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
       end do
     end do
     !$omp end parallel do
     do g = assembly%n_parts + 1, assembly%n_groups
       !$omp parallel do schedule(static) reduction(min: failed) if (is_worth_threads(assembly, g))
-      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
-        call add_element_forces(model, assembly%element_order(i), is_nlgeom, state, failed)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
+        call add_forces_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
       end do
       !$omp end parallel do
     end do
     failed_element = merge(0, failed, failed == huge(failed))
   end subroutine assemble_forces
+
+
+  !> The elements of a group from one of its places on, as many as a batch takes.
+  pure function span(assembly, g, i) result(elements)
+    type(assembly_type), intent(in) :: assembly
+    integer, intent(in) :: g                       !< group
+    integer, intent(in) :: i                       !< place in the order of the elements
+    integer, allocatable :: elements(:)
+    elements = assembly%element_order(i:min(i + WIDTH, assembly%group_first(g + 1)) - 1)
+  end function span
+
+
+  !> Those of some elements that one batch can hold, of the kind of the first of them; the rest go one by one.
+  pure subroutine choose_batch(model, elements, is_nlgeom, chosen)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: elements(:)             !< at most WIDTH
+    logical, intent(in) :: is_nlgeom
+    logical, intent(out) :: chosen(:)              !< of the elements
+    integer :: k, first
+    first = 0
+    chosen = .false.
+    do k = 1, size(elements)
+      associate (e => elements(k))
+        if (.not. is_batched(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), is_nlgeom)) cycle
+        if (first == 0) first = e
+        chosen(k) = model%mesh%kind(e) == model%mesh%kind(first)
+      end associate
+    end do
+    if (count(chosen) < FEW) chosen = .false.
+  end subroutine choose_batch
+
+
+  !> Puts the chosen elements into the lanes of a batch; lanes past them repeat the last one.
+  pure subroutine load_batch(model, list, u, batch)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: list(:)                 !< elements, at least one
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    type(batch_type), intent(inout) :: batch
+    integer :: lane, first
+    do lane = 1, WIDTH
+      associate (e => list(min(lane, size(list))))
+        first = model%mesh%first(e)
+        associate (nodes => model%mesh%nodes(first:first + 7))
+          call load_lane(batch, lane, model%materials(material_of(model%mesh, e)), model%mesh%coordinates(:, nodes), u(:, nodes))
+        end associate
+      end associate
+    end do
+  end subroutine load_batch
+
+
+  !> Forces and point results of some elements: in a batch those that can, one by one the others, and all if one is not sound.
+  subroutine add_forces_of(assembly, model, elements, is_nlgeom, state, failed)
+    type(assembly_type), intent(in) :: assembly
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: elements(:)             !< at most WIDTH, all of one group
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(inout) :: state
+    integer, intent(inout) :: failed
+    type(batch_type) :: batch
+    integer, allocatable :: list(:)
+    logical :: chosen(size(elements))
+    integer :: k, lane, a, p, first
+    call choose_batch(model, elements, is_nlgeom, chosen)
+    list = pack(elements, chosen)
+    if (size(list) > 0) then
+      call load_batch(model, list, state%new%u, batch)
+      call batch_forces(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+      if (.not. batch%is_sound) chosen = .false.
+    end if
+    do k = 1, size(elements)
+      if (.not. chosen(k)) call add_element_forces(model, elements(k), is_nlgeom, state, failed)
+    end do
+    if (.not. any(chosen)) return
+    associate (mesh => model%mesh, fields => state%new)
+      do lane = 1, size(list)
+        first = mesh%first(list(lane)) - 1
+        do a = 1, 8
+          associate (node => mesh%nodes(first + a))
+            fields%internal_force(:, node) = fields%internal_force(:, node) + batch%force(lane, :, a)
+          end associate
+        end do
+        p = mesh%point_first(list(lane))
+        fields%stress(:, p:p + 7) = batch%stress(lane, :, :)
+        fields%strain(:, p:p + 7) = batch%strain(lane, :, :)
+        fields%energy(p:p + 7) = batch%energy(lane, :)
+        fields%volume(p:p + 7) = batch%volume(lane, :)
+      end do
+    end associate
+  end subroutine add_forces_of
+
+
+  !> The stiffness of some elements into the matrix, likewise.
+  subroutine add_tangent_of(assembly, model, elements, is_nlgeom, state, failed)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: elements(:)             !< at most WIDTH, all of one group
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(in) :: state
+    integer, intent(inout) :: failed
+    type(batch_type) :: batch
+    integer, allocatable :: list(:)
+    logical :: chosen(size(elements))
+    integer :: k, lane
+    call choose_batch(model, elements, is_nlgeom, chosen)
+    list = pack(elements, chosen)
+    if (size(list) > 0) then
+      call load_batch(model, list, state%new%u, batch)
+      call batch_tangent(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+      if (.not. batch%is_sound) chosen = .false.
+    end if
+    do k = 1, size(elements)
+      if (.not. chosen(k)) call add_element_tangent(assembly, model, elements(k), is_nlgeom, state, failed)
+    end do
+    if (.not. any(chosen)) return
+    do lane = 1, size(list)
+      call scatter_lane(assembly, model%mesh, list(lane), batch%stiffness, lane)
+    end do
+  end subroutine add_tangent_of
+
+
+  !> The blocks of one lane into the matrix.
+  pure subroutine scatter_lane(assembly, mesh, e, stiffness, lane)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    real(DP), intent(in) :: stiffness(WIDTH, 3, 3, N_PAIRS)
+    integer, intent(in) :: lane
+    integer :: nodes(8), a, b, k, pair
+    nodes = mesh%nodes(mesh%first(e):mesh%first(e) + 7)
+    pair = 0
+    k = assembly%pair_first(e)
+    do b = 1, 8
+      do a = 1, b
+        pair = pair + 1
+        if (nodes(a) <= nodes(b)) then
+          call add_block(assembly%stiffness, nodes(a), assembly%pair_offset(k), stiffness(lane, :, :, pair))
+        else
+          call add_block(assembly%stiffness, nodes(b), assembly%pair_offset(k), transpose(stiffness(lane, :, :, pair)))
+        end if
+        k = k + 1
+      end do
+    end do
+  end subroutine scatter_lane
 
 
   !> Starting threads for a handful of elements costs more than it saves.
@@ -472,15 +619,15 @@ contains
     assembly%stiffness%value = 0.0_DP
     !$omp parallel do schedule(dynamic) private(i) reduction(min: failed) if (assembly%n_parts > 1)
     do g = 1, assembly%n_parts
-      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
-        call add_element_tangent(assembly, model, assembly%element_order(i), is_nlgeom, state, failed)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
+        call add_tangent_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
       end do
     end do
     !$omp end parallel do
     do g = assembly%n_parts + 1, assembly%n_groups
       !$omp parallel do schedule(static) reduction(min: failed) if (is_worth_threads(assembly, g))
-      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
-        call add_element_tangent(assembly, model, assembly%element_order(i), is_nlgeom, state, failed)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
+        call add_tangent_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
       end do
       !$omp end parallel do
     end do
