@@ -291,7 +291,8 @@ contains
     call stop_clock(clock, system%seconds(PHASE_FACTOR))
     system%n_before = system%n_factorisations
     system%is_settled = .false.
-    call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, du, trouble, error)
+    call solve_direction(system, merge(KRYLOV_SHARE * step%controls%r_n * system%largest_force, 0.0_DP, system%is_condensed), du, &
+      trouble, error)
     call stop_clock(clock, system%seconds(PHASE_KRYLOV))
   end subroutine find_direction
 
