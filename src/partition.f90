@@ -10,7 +10,7 @@ module amontons_partition
   use amontons_sparse, only: sparse_type
   implicit none
   private
-  public :: partition_mesh, order_nodes, order_unknowns
+  public :: partition_mesh, order_nodes, order_unknowns, order_of_nodes, order_by_node
 
   integer, parameter :: METIS_OK = 1             !< of metis.h
   integer, parameter :: METIS_NO_MEMORY = -3     !< of metis.h
@@ -268,6 +268,53 @@ contains
       if (pass == 1) allocate (graph%column(n))
     end do
   end subroutine group_graph
+
+
+  !> The nodes in the order in which they first appear; those that do not appear come last.
+  pure function order_of_nodes(sequence, n_nodes) result(order)
+    integer, intent(in) :: sequence(:)             !< nodes of the unknowns, in the order of the unknowns
+    integer, intent(in) :: n_nodes
+    integer :: order(n_nodes)
+    logical :: is_met(n_nodes)
+    integer :: i, n
+    is_met = .false.
+    n = 0
+    do i = 1, size(sequence)
+      if (is_met(sequence(i))) cycle
+      is_met(sequence(i)) = .true.
+      n = n + 1
+      order(n) = sequence(i)
+    end do
+    do i = 1, n_nodes
+      if (is_met(i)) cycle
+      n = n + 1
+      order(n) = i
+    end do
+  end function order_of_nodes
+
+
+  !> The unknowns in the order of their nodes. Before: the unknowns of a node stand side by side.
+  pure function order_by_node(node_order, node) result(order)
+    integer, intent(in) :: node_order(:)           !< (n_nodes)
+    integer, intent(in) :: node(:)                 !< (n_free) node of each unknown, ascending
+    integer :: order(size(node))
+    integer :: first(size(node_order) + 1), i, k, n
+    first = 0
+    do i = 1, size(node)
+      first(node(i) + 1) = first(node(i) + 1) + 1
+    end do
+    first(1) = 1
+    do i = 1, size(node_order)
+      first(i + 1) = first(i) + first(i + 1)
+    end do
+    n = 0
+    do k = 1, size(node_order)
+      do i = first(node_order(k)), first(node_order(k) + 1) - 1
+        n = n + 1
+        order(n) = i
+      end do
+    end do
+  end function order_by_node
 
 
   !> The error behind a status of METIS.

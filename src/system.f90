@@ -21,7 +21,7 @@ module amontons_system
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, multiply, multiply_transpose, &
     multiply_symmetric, product_of, transpose_of, full_of, sum_of
   use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, lu_factorise, lu_solve, FACTOR_OK
-  use amontons_partition, only: order_unknowns
+  use amontons_partition, only: order_unknowns, order_by_node, order_of_nodes
   use amontons_condensed, only: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
     apply_condensed, is_interface_worth
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, KRYLOV_CONVERGED
@@ -671,53 +671,6 @@ contains
     system%best_entries = system%factor%n_entries
     system%node_order = order_of_nodes(node(order), n_nodes)
   end subroutine analyse_factor
-
-
-  !> The nodes in the order in which they first appear; those that do not appear come last.
-  pure function order_of_nodes(sequence, n_nodes) result(order)
-    integer, intent(in) :: sequence(:)             !< nodes of the unknowns, in the order of the unknowns
-    integer, intent(in) :: n_nodes
-    integer :: order(n_nodes)
-    logical :: is_met(n_nodes)
-    integer :: i, n
-    is_met = .false.
-    n = 0
-    do i = 1, size(sequence)
-      if (is_met(sequence(i))) cycle
-      is_met(sequence(i)) = .true.
-      n = n + 1
-      order(n) = sequence(i)
-    end do
-    do i = 1, n_nodes
-      if (is_met(i)) cycle
-      n = n + 1
-      order(n) = i
-    end do
-  end function order_of_nodes
-
-
-  !> The unknowns in the order of their nodes. Before: the unknowns of a node stand side by side.
-  pure function order_by_node(node_order, node) result(order)
-    integer, intent(in) :: node_order(:)           !< (n_nodes)
-    integer, intent(in) :: node(:)                 !< (n_free) node of each unknown, ascending
-    integer :: order(size(node))
-    integer :: first(size(node_order) + 1), i, k, n
-    first = 0
-    do i = 1, size(node)
-      first(node(i) + 1) = first(node(i) + 1) + 1
-    end do
-    first(1) = 1
-    do i = 1, size(node_order)
-      first(i + 1) = first(i) + first(i + 1)
-    end do
-    n = 0
-    do k = 1, size(node_order)
-      do i = first(node_order(k)), first(node_order(k) + 1) - 1
-        n = n + 1
-        order(n) = i
-      end do
-    end do
-  end function order_by_node
 
 
   !> A is singular or indefinite: its diagonal grows by a share of itself. Only the preconditioner changes, not the answer.
