@@ -10,11 +10,16 @@ from __future__ import annotations
 import re
 import sys
 from dataclasses import dataclass, field
+from pathlib import Path
+
+MANUAL = Path(__file__).resolve().parent.parent / "doc" / "manual"
+MOST_LINES = 7  #: of an example
 
 HEAD = """# Cards
 
 Written by `make doc` from `amontons --cards`, which comes from the table by which decks are read. A parameter that is *refused*
-ends the job before it starts, with the sentence shown; one *without effect* is accepted, and a note says so.
+ends the job before it starts, with the sentence shown; one *without effect* is accepted, and a note says so. The examples are cut from
+decks that the tests run.
 
 """
 
@@ -63,7 +68,8 @@ def _add_line(card: Card, line: str) -> None:
 def page_of(cards: list[Card]) -> str:
     """The page: a list of all cards, then each of them."""
     links = ", ".join(f"[`{c.name}`](#{anchor(c.name)})" for c in cards)
-    return HEAD + links + "\n\n" + "\n".join(section(card) for card in cards)
+    examples = find_examples()
+    return HEAD + links + "\n\n" + "\n".join(section(card, examples) for card in cards)
 
 
 def anchor(name: str) -> str:
@@ -76,7 +82,40 @@ def plain(text: str) -> str:
     return text.replace("*", "\\*").replace("|", "/")
 
 
-def section(card: Card) -> str:
+def example_files() -> list[Path]:
+    """The decks from which examples are cut, and the page on user routines, which has two cards more."""
+    return [*sorted((MANUAL / "examples").glob("*.inp")), *sorted((MANUAL / "examples").glob("*.mesh")), MANUAL / "user_routines.md"]
+
+
+def find_examples() -> dict[str, tuple[Path, list[str]]]:
+    """Card to the file where it stands first, and its lines there."""
+    found: dict[str, tuple[Path, list[str]]] = {}
+    for path in example_files():
+        name = ""
+        for line in path.read_text().splitlines():
+            match = re.match(r"\*([A-Z][A-Z -]*[A-Z])(?=,|$)", line)
+            if match or line.startswith(("**", "```")):
+                name = f"*{match.group(1)}" if match else ""
+                if not match or name in found:
+                    name = ""
+                    continue
+                found[name] = (path, [line])
+            elif name:
+                found[name][1].append(line)
+    return found
+
+
+def example_of(card: Card, examples: dict[str, tuple[Path, list[str]]]) -> list[str]:
+    """The example of a card, if there is one."""
+    if card.name not in examples:
+        return []
+    path, lines = examples[card.name]
+    shown = [line for line in lines if line] if card.name != "*SPRING" else lines
+    shown = shown if len(shown) <= MOST_LINES else [*shown[: MOST_LINES - 1], "..."]
+    return [f"From [{path.name}]({path.relative_to(MANUAL)}):", "", "```", *shown, "```", ""]
+
+
+def section(card: Card, examples: dict[str, tuple[Path, list[str]]]) -> str:
     """One card."""
     lines = [f"## {plain(card.name)}", "", f"{plain(card.sentence)} *({plain(card.place)})*", ""]
     if card.taken:
@@ -88,7 +127,7 @@ def section(card: Card) -> str:
         if groups:
             told = [f"`{'`, `'.join(names)}`" + (f" ({plain(why.rstrip('.'))})" if why else "") for why, names in groups.items()]
             lines += [f"{title}: " + "; ".join(told) + ".", ""]
-    return "\n".join(lines)
+    return "\n".join(lines + example_of(card, examples))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 
 import pytest
-from card_reference import page_of, read_cards
+from card_reference import MANUAL, find_examples, page_of, read_cards
 from conftest import ROOT, Run
 
 PAGES = sorted((ROOT / "doc").rglob("*.md"))
@@ -39,6 +39,22 @@ def test_links_lead_somewhere(page: Path) -> None:
         place = (page.parent / target).resolve()
         is_written = place in WRITTEN or place.parent == ROOT / "doc" / "verification"
         assert place.exists() or is_written, f"{page.name} links to {target}, which is not there"
+
+
+EXAMPLES = sorted((MANUAL / "examples").glob("*.inp"))
+
+
+@pytest.mark.parametrize("deck", EXAMPLES, ids=lambda deck: deck.stem)
+def test_examples_run(run: Run, tmp_path: Path, deck: Path) -> None:
+    """The decks of which the card reference shows parts."""
+    done = run(["--outdir", tmp_path, deck])
+    assert done.returncode == 0, done.stdout
+
+
+def test_each_card_has_an_example(run: Run) -> None:
+    """Cut from one of these decks."""
+    cards = {card.name for card in read_cards(run(["--cards"]).stdout)}
+    assert cards - set(find_examples()) == set()
 
 
 def test_card_reference_is_whole(run: Run) -> None:
