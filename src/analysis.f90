@@ -638,6 +638,7 @@ contains
       record%external_work = new%external_work
       record%friction_work = new%friction_work
       record%strain_energy = sum(new%energy * new%volume)
+      record%contact_energy = sum(new%slaves%energy)
     end associate
   end subroutine close_ledger
 

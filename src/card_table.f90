@@ -421,7 +421,10 @@ contains
     call table%card('CONTACT PRINT', IN_STEP, 'Prints values of slave nodes to the .dat file.', &
       data='variables: CDIS, CSTR, SCEN')
     call describe_print(table)
-    call table%option('NSET|SLAVE|MASTER|SET', VALUE_NAME, 'All slave nodes are printed.', status=STATUS_NOTED)
+    call table%option('NSET', VALUE_NAME, 'Only these slave nodes; else all.')
+    call table%option('SLAVE', VALUE_NAME, 'Only pairs with this slave surface.')
+    call table%option('MASTER', VALUE_NAME, 'Only pairs with this master surface.')
+    call table%option('SET', VALUE_NAME, 'All slave nodes are printed.', status=STATUS_NOTED)
     call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
 
     call table%card('SECTION PRINT', IN_STEP, 'Prints the force and the moment that the stress carries through a ' // &

@@ -72,7 +72,7 @@ module amontons_columns
     column_type('stiffness', 1, '[force/length]', 'Scale of the trial traction.')]
   integer, parameter :: N_CONTACT_INTEGERS = 3, N_CONTACT_REALS = 17
 
-  type(column_type), parameter :: HISTORY_COLUMNS(25) = [ &
+  type(column_type), parameter :: HISTORY_COLUMNS(26) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1; 0 is the state before the first.', .true.), &
     column_type('increment', 1, '[-]', 'Increment in the step, counted from 1.', .true.), &
     column_type('attempt', 1, '[-]', 'Attempt at the increment, counted from 1.', .true.), &
@@ -99,8 +99,9 @@ module amontons_columns
     column_type('slave_force', 3, '[force]', 'Sum of the contact forces on the slave nodes.'), &
     column_type('external_work', 1, '[energy]', 'Of loads and prescribed displacements since the start of the job.'), &
     column_type('friction_work', 1, '[energy]', 'Dissipated by friction since the start of the job.'), &
-    column_type('strain_energy', 1, '[energy]', 'Stored in the elements.')]
-  integer, parameter :: N_HISTORY_INTEGERS = 16, N_HISTORY_REALS = 21 + N_PHASES
+    column_type('strain_energy', 1, '[energy]', 'Stored in the elements.'), &
+    column_type('contact_energy', 1, '[energy]', 'Stored by compliant laws of contact.')]
+  integer, parameter :: N_HISTORY_INTEGERS = 16, N_HISTORY_REALS = 22 + N_PHASES
 
   type(column_type), parameter :: ITERATION_COLUMNS(16) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1.', .true.), &

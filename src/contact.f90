@@ -333,6 +333,7 @@ contains
     integer, intent(in) :: s
     type(slave_type), intent(inout) :: slave
     if (contact%is_small(slave%pair) .or. contact%is_removed(slave%pair)) return
+    if (.not. contact%overlaps%is_kept(s)) return
     call refresh_facet(contact, x, s, SEARCH_REACH * contact%edge(slave%pair), slave)
   end subroutine find_again
 

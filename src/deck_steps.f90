@@ -439,6 +439,8 @@ contains
       name = parameter_text(parameters, 'ELSET')
       request%set = reader%element_sets%find(name)
       request%is_local = parameter_word(parameters, 'GLOBAL', 'NO') == 'NO'
+    else
+      call read_contact_choice(reader, c, parameters, request)
     end if
     if (kind /= PRINT_CONTACT .and. request%set == 0) then
       if (name /= '') then
@@ -454,6 +456,33 @@ contains
     call read_variables(reader, row, known, request%variables)
     if (size(request%variables) > 0) progress%step%prints = [progress%step%prints, request]
   end subroutine read_print
+
+
+  !> Which slave nodes a CONTACT PRINT is of: NSET, SLAVE, MASTER.
+  subroutine read_contact_choice(reader, c, parameters, request)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(print_request_type), intent(inout) :: request
+    request%set = reader%node_sets%find(parameter_text(parameters, 'NSET'))
+    request%slave = reader%surfaces%find(parameter_text(parameters, 'SLAVE'))
+    request%master = reader%surfaces%find(parameter_text(parameters, 'MASTER'))
+    call tell_unknown('NSET', 'node set', request%set)
+    call tell_unknown('SLAVE', 'surface', request%slave)
+    call tell_unknown('MASTER', 'surface', request%master)
+
+  contains
+
+    !> An error if the parameter names what is not there.
+    subroutine tell_unknown(parameter, what, found)
+      character(*), intent(in) :: parameter, what
+      integer, intent(in) :: found
+      if (found > 0 .or. .not. has_parameter(parameters, parameter)) return
+      call complain(reader, reader%cards%cards(c)%line, 'There is no ' // what // ' ''' // &
+        parameter_text(parameters, parameter) // '''.')
+    end subroutine tell_unknown
+
+  end subroutine read_contact_choice
 
 
   !> The first PRINT card of a kind in a step wipes those of earlier steps.

@@ -303,7 +303,7 @@ contains
       case (PRINT_ELEMENT)
         call print_element_variable(unit, model%mesh, fields, request, request%variables(i), is_nlgeom)
       case (PRINT_CONTACT)
-        call print_contact_variable(unit, model, fields, request%variables(i))
+        call print_contact_variable(unit, model, fields, request, request%variables(i))
       end select
     end do
   end subroutine print_request
@@ -529,42 +529,71 @@ contains
   !!
   !! As in CalculiX pressure is positive, a gap negative is penetration, and the tangential components are slip and the
   !! shear stress that goes with it (that on the master, in the direction of slip of the slave).
-  subroutine print_contact_variable(unit, model, fields, variable)
+  subroutine print_contact_variable(unit, model, fields, request, variable)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
+    type(print_request_type), intent(in) :: request
     character(*), intent(in) :: variable
+    type(slave_type), allocatable :: slaves(:)
     integer :: i
+    slaves = chosen_slaves(model, fields%slaves, request)
     select case (variable)
     case ('CDIS')
       call print_contact_head(unit, 'relative contact displacement (slave node,normal,tang1,tang2)', fields%total_time)
-      call print_slave_rows(unit, model%mesh, fields%slaves, is_stress=.false.)
+      call print_slave_rows(unit, model%mesh, slaves, is_stress=.false.)
     case ('CSTR')
       call print_contact_head(unit, 'contact stress (slave node,press,tang1,tang2)', fields%total_time)
-      call print_slave_rows(unit, model%mesh, fields%slaves, is_stress=.true.)
+      call print_slave_rows(unit, model%mesh, slaves, is_stress=.true.)
     case ('SCEN')
       call print_contact_head(unit, 'slip scenario (slave node,status,scenario)', fields%total_time)
-      do i = 1, size(fields%slaves)
-        associate (slave => fields%slaves(i))
+      do i = 1, size(slaves)
+        associate (slave => slaves(i))
           if (slave%status == STATUS_OPEN .and. slave%scenario == 0) cycle
           write (unit, '(i10,2(1x,i10))') model%mesh%node_label(slave%node), slave%status, slave%scenario
         end associate
       end do
     case ('CELS')
       call print_contact_head(unit, 'contact spring energy (slave node,energy)', fields%total_time)
-      do i = 1, size(fields%slaves)
-        if (fields%slaves(i)%status /= STATUS_OPEN) write (unit, NODE_FORM) &
-          model%mesh%node_label(fields%slaves(i)%node), fields%slaves(i)%energy
+      do i = 1, size(slaves)
+        if (slaves(i)%status /= STATUS_OPEN) write (unit, NODE_FORM) &
+          model%mesh%node_label(slaves(i)%node), slaves(i)%energy
       end do
     case ('CNUM')
       write (unit, '(/a,e14.7/)') ' total number of contact elements for time ', fields%total_time
-      write (unit, '(6x,1x,i10)') count(fields%slaves%status /= STATUS_OPEN)
+      write (unit, '(6x,1x,i10)') count(slaves%status /= STATUS_OPEN)
     case ('CF', 'CFN', 'CFS')
       do i = 1, size(model%pairs)
-        call print_statistics(unit, model, fields, i, variable)
+        if (.not. is_chosen_pair(model, request, i)) cycle
+        call print_statistics(unit, model, fields, pack(slaves, slaves%pair == i), i, variable)
       end do
     end select
   end subroutine print_contact_variable
+
+
+  !> Whether a CONTACT PRINT is of a pair.
+  pure logical function is_chosen_pair(model, request, pair) result(is_chosen)
+    type(model_type), intent(in) :: model
+    type(print_request_type), intent(in) :: request
+    integer, intent(in) :: pair
+    is_chosen = (request%slave == 0 .or. request%slave == model%pairs(pair)%slave) .and. &
+      (request%master == 0 .or. request%master == model%pairs(pair)%master)
+  end function is_chosen_pair
+
+
+  !> The slave nodes that a CONTACT PRINT is of.
+  pure function chosen_slaves(model, slaves, request) result(chosen)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)
+    type(print_request_type), intent(in) :: request
+    type(slave_type), allocatable :: chosen(:)
+    logical, allocatable :: is_wanted(:)           ! (n_nodes)
+    integer :: s
+    allocate (is_wanted(model%mesh%n_nodes), source=request%set == 0)
+    if (request%set > 0) is_wanted(model%mesh%node_sets(request%set)%members) = .true.
+    chosen = pack(slaves, [(is_chosen_pair(model, request, slaves(s)%pair) .and. is_wanted(slaves(s)%node), &
+      s=1, size(slaves))])
+  end function chosen_slaves
 
 
   !> Rows of the closed slave nodes: gap and slip, or pressure and shear stress, in the axes of contact_axes.
@@ -610,16 +639,17 @@ contains
 
 
   !> Force, moment, area and mean normal of the slave side of one pair.
-  subroutine print_statistics(unit, model, fields, i_pair, variable)
+  subroutine print_statistics(unit, model, fields, slaves, i_pair, variable)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
+    type(slave_type), intent(in) :: slaves(:)      !< of the pair
     integer, intent(in) :: i_pair
     character(*), intent(in) :: variable           !< CF all forces, CFN the normal ones, CFS the tangential ones
     character(:), allocatable :: part
     type(section_type) :: s
     real(DP) :: normal_force
-    call sum_contact(model%mesh, fields, i_pair, variable, s%force, s%moment, s%center, s%normal, s%area)
+    call sum_contact(model%mesh%coordinates, fields%u, slaves, variable, s)
     part = ''
     if (variable == 'CFN') part = 'normal '
     if (variable == 'CFS') part = 'shear '
@@ -671,39 +701,34 @@ contains
 
 
   !> Sums over the closed slave nodes of one pair; the normal points out of the slave.
-  pure subroutine sum_contact(mesh, fields, i_pair, variable, force, moment, center, normal, area)
-    type(mesh_type), intent(in) :: mesh
-    type(fields_type), intent(in) :: fields
-    integer, intent(in) :: i_pair
-    character(*), intent(in) :: variable
-    real(DP), intent(out) :: force(3)              !< on the slave [force]
-    real(DP), intent(out) :: moment(3)             !< about the origin [force length]
-    real(DP), intent(out) :: center(3)             !< of the area in contact [length]
-    real(DP), intent(out) :: normal(3)             !< mean, as long as the areas make it
-    real(DP), intent(out) :: area                  !< in contact [length^2]
+  pure subroutine sum_contact(coordinates, u, slaves, variable, s)
+    real(DP), intent(in) :: coordinates(:, :), u(:, :)   !< (3, n_nodes) [length]
+    type(slave_type), intent(in) :: slaves(:)
+    character(*), intent(in) :: variable           !< CF all forces, CFN the normal ones, CFS the tangential ones
+    type(section_type), intent(out) :: s           !< force on the slave, moment about the origin, area in contact
     real(DP) :: f(3), x(3)
     integer :: i
-    force = 0
-    moment = 0
-    center = 0
-    normal = 0
-    area = 0
-    do i = 1, size(fields%slaves)
-      associate (slave => fields%slaves(i))
-        if (slave%pair /= i_pair .or. slave%status == STATUS_OPEN) cycle
-        x = mesh%coordinates(:, slave%node) + fields%u(:, slave%node)
+    s%force = 0
+    s%moment = 0
+    s%center = 0
+    s%normal = 0
+    s%area = 0
+    do i = 1, size(slaves)
+      associate (slave => slaves(i))
+        if (slave%status == STATUS_OPEN) cycle
+        x = coordinates(:, slave%node) + u(:, slave%node)
         f = 0
         if (variable /= 'CFS') f = f + slave%force
         if (variable /= 'CFN') f = f + slave%shear
-        force = force + f
-        moment = moment + cross_product(x, f)
-        center = center + slave%area * x
-        normal = normal - slave%area * slave%normal
-        area = area + slave%area
+        s%force = s%force + f
+        s%moment = s%moment + cross_product(x, f)
+        s%center = s%center + slave%area * x
+        s%normal = s%normal - slave%area * slave%normal
+        s%area = s%area + slave%area
       end associate
     end do
-    if (area > 0) center = center / area
-    if (area > 0) normal = normal / area
+    if (s%area > 0) s%center = s%center / s%area
+    if (s%area > 0) s%normal = s%normal / s%area
   end subroutine sum_contact
 
 

@@ -47,7 +47,8 @@ module amontons_steps
   !> One PRINT card.
   type :: print_request_type
     integer :: kind = PRINT_NODE           !< PRINT_...
-    integer :: set = 0                     !< index of the node set, element set or surface; 0: all
+    integer :: set = 0                     !< index of the node set, element set or surface; contact: the node set; 0: all
+    integer :: slave = 0, master = 0       !< contact: indices of the surfaces of the pairs; 0 any
     character(4), allocatable :: variables(:)   !< e.g. 'U', 'RF', 'S', 'E', 'CDIS', 'CSTR', 'SCEN'
     logical :: is_totals = .false.         !< TOTALS=YES: rows and their sum
     logical :: is_only_totals = .false.    !< TOTALS=ONLY

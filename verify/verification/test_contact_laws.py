@@ -270,3 +270,49 @@ def test_free_body_is_named(bench: Bench) -> None:
     with pytest.raises(AssertionError, match="FREE BODY|LINEAR SOLVER"):
         bench.solve("", step(pressed(-10.0)))
     assert "** FREE BODY" in (bench.folder / "job.cvg").read_text() or "** LINEAR" in (bench.folder / "job.cvg").read_text()
+
+
+def test_energies(bench: Bench) -> None:
+    """What loads and supports put into a linear system is in the elements and in the springs of the contact."""
+    law = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1.e4\n*FRICTION\n0.1, 500."
+    history = bench.solve(law, step(pressed(-10.0, 0.02), "0.25, 1."), gap=0.001).history
+    contact = 0.5 * 10.0**2 / 1.0e4 + 0.5 * 500 * 0.02**2
+    assert history["contact_energy"][-1] == pytest.approx(contact, rel=1e-6)
+    assert history["strain_energy"][-1] == pytest.approx(0.5 * 10.0**2 / MODULUS, rel=1e-6)
+    assert history["friction_work"][-1] == pytest.approx(0.0, abs=1e-12)
+    stored = history["contact_energy"] + history["strain_energy"]
+    assert history["external_work"] == pytest.approx(stored, rel=1e-6, abs=1e-12)
+
+
+def test_friction_takes_work(bench: Bench) -> None:
+    """A slipping foot: mu p times the slip is lost, the rest is stored."""
+    law = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n2.e4, 3., 1.\n*FRICTION\n0.1, 500."
+    steps = step(pressed(10.0)) + step(pressed(10.0, 0.05), "1., 1.")
+    history = bench.solve(law, steps).history
+    assert history["friction_work"][-1] == pytest.approx(1.0 * (0.05 - 1.0 / 500), rel=1e-5)
+
+
+def test_contact_print_of_some(bench: Bench) -> None:
+    """CONTACT PRINT of a node set and of a pair."""
+    law = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1.e4"
+    back = "*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nMASTER, SLAVE\n*NSET, NSET=TWO\n11, 13"
+    prints = "*CONTACT PRINT, NSET=TWO\nCSTR\n*CONTACT PRINT, SLAVE=MASTER, MASTER=SLAVE\nCSTR, CF\n"
+    bench.solve(law, step(pressed(10.0) + "\n" + prints), model=back)
+    lines = (bench.folder / "job.dat").read_text().splitlines()
+    starts = [i for i, line in enumerate(lines) if "contact stress" in line]
+    assert len(starts) == 2
+    labels = [[int(line.split()[0]) for line in lines[i + 2 : i + 7] if line.strip() and line.split()[0].isdigit()] for i in starts]
+    assert labels[0] == [11, 13]
+    assert labels[1] == [5, 6, 7, 8]
+    heads = [line for line in lines if "statistics for slave set" in line]
+    assert len(heads) == 1 and "slave set MASTER, master set SLAVE" in heads[0]
+    place = next(i for i, line in enumerate(lines) if "total surface force" in line)
+    force = [float(v) for v in lines[place + 2].split()]
+    assert force[:3] == pytest.approx([0.0, 0.0, -5.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("wrong", ["NSET=NONE", "SLAVE=NONE", "MASTER=NONE"])
+def test_contact_print_of_nothing(bench: Bench, wrong: str) -> None:
+    """Names that are not there are told."""
+    with pytest.raises(AssertionError, match="There is no .* 'NONE'"):
+        bench.solve("", step(pressed(10.0) + f"\n*CONTACT PRINT, {wrong}\nCSTR"))

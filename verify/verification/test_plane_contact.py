@@ -14,12 +14,13 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
-from make_decks import Mesh  # noqa: E402
+from make_decks import Mesh, graded  # noqa: E402
 from planes import Plane, flat_deck, flatten  # noqa: E402
 from proof import Case  # noqa: E402
 from sheets import Floats, between, fix, pair, plane_deck, sheet, step  # noqa: E402
 from test_hertz import arc, fitted, slab  # noqa: E402
-from test_partial_slip import MU, NU, RADIUS, YOUNG, cylinders, mindlin  # noqa: E402
+from test_partial_slip import FAR, MU, NU, RADIUS, YOUNG, cylinders, mindlin  # noqa: E402
+from test_sliding import strap_and_drum  # noqa: E402
 
 Proof = Callable[..., Case]
 
@@ -166,6 +167,59 @@ def test_cattaneo_mindlin(proof: Proof) -> None:
     expected = mindlin(x[smooth], a, MU * p0, [Q / (MU * P)])
     why = "the bodies are 6 a wide and 9 a high"
     case.near("shear over mu p0", np.abs(job.last("CSHEAR")[slaves, 0][smooth]), expected, 0.03, why=why, place="where it sticks", scale=MU * p0)
+    case.done()
+
+
+def test_flat_punch(proof: Proof) -> None:
+    """A rigid flat punch with friction, by CPE4: Spence's stick zone."""
+    n, nu, mu, expected = 40, 0.3, 0.3, 0.690
+    case = proof(
+        "spence-plane",
+        title="Flat punch with friction by CPE4: Spence",
+        model=f"The right half of a rigid flat punch, half width a = 1, {n} elements on it, pressed by 0.001 in 5 increments into an elastic block of 1000 a x "
+        f"1000 a (E = 1000, nu = {nu:g}), CPE4, small displacements, mu = {mu:g}. Slave: the block.",
+        formula=f"Stick in |x| < c, c/a = {expected:.3f} independent of the load (boundary elements, with the coupling of shear to pressure).",
+        source="Spence, Proc. R. Soc. A 305 (1968) 55",
+        proves="Friction under a pressing load in the plane, at a sharp corner of the master.",
+    )
+    ground = flatten(sheet("GROUND", graded(FAR, 1 / n, n + 4, 22), -graded(FAR, 1 / n, n // 4, 24)[::-1]))
+    tool = flatten(sheet("TOOL", np.linspace(0, 1, n + 1), [0.0, 1.0]))
+    tool.node_sets["ALL_TOOL"] = np.arange(len(tool.nodes))
+    cards = fix("GROUND_BOTTOM, 1, 2", "GROUND_LEFT, 1", "ALL_TOOL, 1", "ALL_TOOL, 2, 2, -0.001")
+    deck = flat_deck([(ground, (1000.0, nu)), (tool, (1000.0, nu))], "CPE4", pair("GROUND_TOP", "TOOL_BOTTOM", mu) + step(cards, 5))
+    job = case.run(deck, asked=5)
+    slaves = ground.along("GROUND_TOP")
+    x = job.points[slaves, 0]
+    for frame in (1, 3, 5):
+        stuck = x[job.field("CSTATUS")[frame, slaves] == 1]
+        case.near("c/a", stuck.max(), expected, 1.5 / n, why="one element and a half", time=f"{frame}/5", scale=1.0)
+    case.done()
+
+
+@pytest.mark.slow
+def test_capstan(proof: Proof) -> None:
+    """A strap drawn over a quarter of a drum, by CPE4."""
+    case = proof(
+        "capstan-plane",
+        title="Capstan by CPE4",
+        model="A strap (t = 0.5, E = 1000, nu = 0) is shrunk by 0.05 on a quarter of a fixed drum of radius 100, 120 elements along it, CPE4, small "
+        "displacements, mu = 0.3. Its ends are held along it while it settles (1 increment), then one is drawn by 1 (60 increments) while the other gives "
+        "way by 0.9, so that all of it slides.",
+        formula="T2/T1 = exp(mu theta'), theta' = theta/(1 + t/(2 R)).",
+        source="Euler (1769), Eytelwein (1808)",
+        proves="Friction along a curved edge.",
+    )
+    strap, drum = (flatten(part) for part in strap_and_drum(120))
+    for name, side in (("PULLED", "LEFT"), ("GIVEN", "RIGHT")):
+        strap.node_sets[name] = np.setdiff1d(strap.node_sets[f"STRAP_{side}"], strap.node_sets["STRAP_BOTTOM"])
+    supports = fix("DRUM_BOTTOM, 1, 2", "DRUM_TOP, 1, 2", "PULLED, 1", "GIVEN, 2")
+    steps = step(supports, 1) + step(fix("PULLED, 1, 1, -1.", "GIVEN, 2, 2, 0.9"), 60)
+    parts = [(strap, (1000.0, 0.0)), (drum, (1e5, 0.0))]
+    job = case.run(flat_deck(parts, "CPE4", pair("STRAP_BOTTOM", "DRUM_TOP", 0.3) + steps), asked=61)
+    force = job.last("RF")
+    found = force[strap.node_sets["PULLED"], 0].sum() / force[strap.node_sets["GIVEN"], 1].sum()
+    expected = np.exp(0.3 * np.pi / 2 / (1 + 0.5 / 200))
+    case.near("T2/T1", found, expected, 0.01, why="linear elements bend too stiffly; the mesh of solids is off as much")
     case.done()
 
 
