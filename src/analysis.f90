@@ -17,6 +17,7 @@ module amontons_analysis
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, commit_state, restore_state
   use amontons_contact, only: commit_slip
+  use amontons_changes, only: change_model, bear_elements
   use amontons_adjust, only: adjust_slaves
   use amontons_user_job, only: start_routines, heed_routines
   use amontons_fasten, only: fasten_model
@@ -103,6 +104,7 @@ contains
     if (allocated(error)) return
     call adjust(analysis%model, journal, error)
     if (allocated(error)) return
+    call change_model(analysis%model, 0)
     call create_system(analysis%system, analysis%model, analysis%state, error)
     if (allocated(error)) return
     if (.not. options%is_resumed) call audit(analysis, journal, error)
@@ -312,6 +314,8 @@ contains
     if (.not. analysis%is_step_start) return
     if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has begun
     call open_step(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
+    call change_model(analysis%model, analysis%stepper%step)
+    call bear_elements(analysis%model, analysis%stepper%step, analysis%state)
     call begin_step(analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), analysis%state, error)
   end subroutine enter_step
 
@@ -401,6 +405,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     analysis%n_records = analysis%n_committed
     analysis%n_iterations = 0
+    call change_model(analysis%model, analysis%snapshot%stepper%step)
     call put_back(analysis%snapshot, analysis%model, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
       analysis%is_step_start, error)
   end subroutine rollback_analysis

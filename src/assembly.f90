@@ -9,7 +9,7 @@ module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_topology, only: element_kind, kind_type, KIND_C3D8, KIND_MASS, FAMILY_SOLID, MAX_NODES, MAX_FACE_NODES
-  use amontons_mesh, only: mesh_type, element_nodes
+  use amontons_mesh, only: mesh_type, element_nodes, is_out
   use amontons_materials, only: MAX_HISTORY
   use amontons_model, only: model_type, direction_of
   use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
@@ -396,6 +396,7 @@ contains
     chosen = .false.
     do k = 1, size(elements)
       associate (e => elements(k))
+        if (is_out(model%mesh, e)) cycle
         if (.not. is_batched(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), is_nlgeom)) cycle
         if (first == 0) first = e
         chosen(k) = model%mesh%kind(e) == model%mesh%kind(first)
@@ -406,18 +407,17 @@ contains
 
 
   !> Puts the chosen elements into the lanes of a batch; lanes past them repeat the last one.
-  pure subroutine load_batch(model, list, u, batch)
+  pure subroutine load_batch(model, list, fields, batch)
     type(model_type), intent(in) :: model
     integer, intent(in) :: list(:)                 !< elements, at least one
-    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    type(fields_type), intent(in) :: fields
     type(batch_type), intent(inout) :: batch
-    integer :: lane, first
+    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES)
+    integer :: lane
     do lane = 1, WIDTH
       associate (e => list(min(lane, size(list))))
-        first = model%mesh%first(e)
-        associate (nodes => model%mesh%nodes(first:first + 7))
-          call load_lane(batch, lane, model%materials(material_of(model%mesh, e)), model%mesh%coordinates(:, nodes), u(:, nodes))
-        end associate
+        call place_element(model%mesh, e, fields, X, u)
+        call load_lane(batch, lane, model%materials(material_of(model%mesh, e)), X(:, :8), u(:, :8))
       end associate
     end do
   end subroutine load_batch
@@ -438,7 +438,7 @@ contains
     call choose_batch(model, elements, is_nlgeom, chosen)
     list = pack(elements, chosen)
     if (size(list) > 0) then
-      call load_batch(model, list, state%new%u, batch)
+      call load_batch(model, list, state%new, batch)
       call batch_forces(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
       if (.not. batch%is_sound) chosen = .false.
     end if
@@ -479,7 +479,7 @@ contains
     call choose_batch(model, elements, is_nlgeom, chosen)
     list = pack(elements, chosen)
     if (size(list) > 0) then
-      call load_batch(model, list, state%new%u, batch)
+      call load_batch(model, list, state%new, batch)
       call batch_tangent(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
       if (.not. batch%is_sound) chosen = .false.
     end if
@@ -534,14 +534,18 @@ contains
     type(state_type), intent(inout) :: state
     integer, intent(inout) :: failed
     type(points_type) :: points
-    real(DP) :: force(3, MAX_NODES)
+    real(DP) :: force(3, MAX_NODES), X(3, MAX_NODES), u(3, MAX_NODES)
     integer :: n, status, a, nodes(MAX_NODES)
     call element_nodes(model%mesh, e, n, nodes)
+    if (is_out(model%mesh, e)) then
+      call empty_points(model%mesh, e, state%new)
+      return
+    end if
     associate (material => model%materials(material_of(model%mesh, e)), fields => state%new)
       call bring_along(model, state, e, points)
       if (material%is_user) call bring_user(model, state, e, is_nlgeom, points)
-      call element_forces(model%mesh%kind(e), material, model%mesh%coordinates(:, nodes(:n)), fields%u(:, nodes(:n)), &
-        is_nlgeom, force, points, status)
+      call place_element(model%mesh, e, fields, X, u)
+      call element_forces(model%mesh%kind(e), material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
       if (status /= ELEMENT_OK) then
         failed = min(failed, e)
         return
@@ -553,6 +557,38 @@ contains
       end do
     end associate
   end subroutine add_element_forces
+
+
+  !> An element that is taken out has no stress.
+  pure subroutine empty_points(mesh, e, fields)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    type(fields_type), intent(inout) :: fields
+    associate (first => mesh%point_first(e), last => mesh%point_first(e + 1) - 1)
+      fields%stress(:, first:last) = 0
+      fields%strain(:, first:last) = 0
+      fields%energy(first:last) = 0
+      fields%volume(first:last) = 0
+    end associate
+  end subroutine empty_points
+
+
+  !> Where an element starts from and how it has moved since: from the mesh, or from where it was put back.
+  pure subroutine place_element(mesh, e, fields, X, u)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(out) :: X(3, MAX_NODES), u(3, MAX_NODES)   !< [length]
+    integer :: n, nodes(MAX_NODES)
+    call element_nodes(mesh, e, n, nodes)
+    X(:, :n) = mesh%coordinates(:, nodes(:n))
+    u(:, :n) = fields%u(:, nodes(:n))
+    if (.not. allocated(fields%birth)) return
+    associate (birth => fields%birth(:, mesh%first(e):mesh%first(e + 1) - 1))
+      X(:, :n) = X(:, :n) + birth
+      u(:, :n) = u(:, :n) - birth
+    end associate
+  end subroutine place_element
 
 
   !> The material of an element. Springs and masses have none: the first stands in, which they do not look at.
@@ -645,12 +681,15 @@ contains
     integer, intent(inout) :: failed
     type(points_type) :: points
     real(DP) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES)
     integer :: n, a, b, k, status, nodes(MAX_NODES)
+    if (is_out(model%mesh, e)) return
     call element_nodes(model%mesh, e, n, nodes)
     call bring_along(model, state, e, points)
     if (model%materials(material_of(model%mesh, e))%is_user) call bring_user(model, state, e, is_nlgeom, points)
+    call place_element(model%mesh, e, state%new, X, u)
     call element_tangent(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), &
-      model%mesh%coordinates(:, nodes(:n)), state%new%u(:, nodes(:n)), is_nlgeom, stiffness, points, status)
+      X(:, :n), u(:, :n), is_nlgeom, stiffness, points, status)
     if (status /= ELEMENT_OK) then
       failed = min(failed, e)
       return
@@ -712,7 +751,7 @@ contains
     do i = 1, size(step%distributed)
       associate (load => step%distributed(i))
         magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
-        if (magnitude == 0.0_DP) cycle
+        if (magnitude == 0.0_DP .or. is_out(model%mesh, load%element)) cycle
         select case (load%kind)
         case (DISTRIBUTED_PRESSURE)
           call add_pressure(assembly, model%mesh, load%element, load%face, magnitude, fields, is_nlgeom, is_with_stiffness)

@@ -118,6 +118,11 @@ contains
     if (none%n > 0) call complain(report, 'No material is given for ' // plural(none%n, 'element') // ' (' // &
       label_list(none%trimmed()) // '). Add a *SOLID SECTION for them.')
     do i = 1, size(model%steps)
+      if (allocated(model%steps(i)%material)) then
+        associate (later => pack(model%steps(i)%material, model%steps(i)%material > 0))
+          is_used(later) = .true.
+        end associate
+      end if
       do k = 1, size(model%steps(i)%distributed)
         associate (load => model%steps(i)%distributed(k))
           m = model%mesh%material(load%element)

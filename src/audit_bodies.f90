@@ -4,6 +4,7 @@ module amontons_audit_bodies
   use amontons_kinds, only: DP
   use amontons_text, only: text_of, plural
   use amontons_element, only: element_volume
+  use amontons_mesh, only: is_out
   use amontons_model, only: model_type
   use amontons_topology, only: KIND_MASS
   implicit none
@@ -43,6 +44,7 @@ contains
     associate (mesh => model%mesh)
       allocate (parent(mesh%n_nodes), source=0)
       do e = 1, mesh%n_elements
+        if (is_out(mesh, e)) cycle
         do k = mesh%first(e), mesh%first(e + 1) - 1
           if (parent(mesh%nodes(k)) == 0) parent(mesh%nodes(k)) = mesh%nodes(k)
           call unite(parent, mesh%nodes(mesh%first(e)), mesh%nodes(k))
@@ -50,6 +52,7 @@ contains
       end do
       allocate (bodies%of_node(mesh%n_nodes), bodies%of_element(mesh%n_elements), source=0)
       do e = 1, mesh%n_elements
+        if (is_out(mesh, e)) cycle
         call number_body(bodies, find_root(parent, mesh%nodes(mesh%first(e))))
       end do
       do i = 1, mesh%n_nodes
@@ -61,6 +64,7 @@ contains
         end do
       end do
       bodies%of_element = bodies%of_node(mesh%nodes(mesh%first(:mesh%n_elements)))
+      if (allocated(mesh%is_absent)) where (mesh%is_absent) bodies%of_element = 0
     end associate
     call measure_bodies(model, bodies)
     call name_bodies(model, bodies)
@@ -116,6 +120,7 @@ contains
       end associate
     end do
     do e = 1, model%mesh%n_elements
+      if (bodies%of_element(e) == 0) cycle
       associate (body => bodies%list(bodies%of_element(e)), mesh => model%mesh)
         if (body%n_elements == 0) body%element = e
         body%n_elements = body%n_elements + 1
@@ -149,6 +154,7 @@ contains
       associate (set => model%mesh%element_sets(i))
         if (size(set%members) == 0) cycle
         b = bodies%of_element(set%members(1))
+        if (b == 0) cycle
         if (size(set%members) /= bodies%list(b)%n_elements) cycle
         if (all(bodies%of_element(set%members) == b)) bodies%list(b)%set = set%name
       end associate

@@ -203,7 +203,7 @@ contains
     integer :: i, k, b, n
     is_thin = .false.
     do i = 1, model%mesh%n_elements
-      if (model%mesh%kind(i) >= KIND_T3D2) is_thin(bodies%of_element(i)) = .true.
+      if (model%mesh%kind(i) >= KIND_T3D2 .and. bodies%of_element(i) > 0) is_thin(bodies%of_element(i)) = .true.
     end do
     if (.not. any(is_thin)) return
     allocate (moved(6, 6, bodies%n), source=0.0_DP)

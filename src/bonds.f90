@@ -72,18 +72,19 @@ contains
   end subroutine add_bonds
 
 
-  !> Displacements of nodes without elements that no row speaks of stay at zero: nothing else holds them.
-  subroutine hold_lone(base, is_lone, u)
+  !> Displacements of nodes without elements that no row speaks of stay as they are: nothing else holds them.
+  subroutine hold_lone(base, is_lone, u, u_start)
     type(constraints_type), intent(inout) :: base
     logical, intent(in) :: is_lone(:)              !< (3 n_nodes) of a node without elements
     real(DP), intent(in) :: u(:, :)
+    real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
     logical, allocatable :: is_loose(:)
     integer :: i
     if (.not. any(is_lone)) return
     is_loose = is_lone .and. .not. is_named(base)
     do i = 1, size(is_loose)
       if (is_loose(i) .and. base%owner(i) == 0) call fix_unknown(base, i, &
-        -u(mod(i - 1, 3) + 1, (i + 2) / 3))
+        u_start(mod(i - 1, 3) + 1, (i + 2) / 3) - u(mod(i - 1, 3) + 1, (i + 2) / 3))
     end do
   end subroutine hold_lone
 

@@ -57,6 +57,20 @@ contains
       'this one first.')
     call table%option('INPUT', VALUE_TEXT, 'Path of the file.', default='required')
 
+    call table%card('PART', IN_MODEL, 'Starts a part: nodes, elements, sets, surfaces and sections, written once for each of ' // &
+      'its instances before the deck is read.')
+    call table%option('NAME', VALUE_NAME, 'Name of the part.', default='required')
+    call table%card('END PART', IN_MODEL, 'Ends the part.')
+    call table%card('ASSEMBLY', IN_MODEL, 'Starts the assembly: instances, and sets and surfaces over them.')
+    call table%option('NAME', VALUE_NAME, 'A name.', status=STATUS_NOTED)
+    call table%card('END ASSEMBLY', IN_MODEL, 'Ends the assembly.')
+    call table%card('INSTANCE', IN_MODEL, 'Puts a part into the assembly; its sets are called INSTANCE.SET from then on, its ' // &
+      'nodes INSTANCE.NUMBER.', data='translation of three numbers; second line two points of an axis and an angle in degrees')
+    call table%option('NAME', VALUE_NAME, 'Name of the instance.', default='required')
+    call table%option('PART', VALUE_NAME, 'Name of the part.', default='required')
+    call table%option('LIBRARY|INSTANCE', VALUE_TEXT, 'Write the part itself.', status=STATUS_REFUSED)
+    call table%card('END INSTANCE', IN_MODEL, 'Ends the instance.')
+
     call table%card('NODE', IN_MODEL, 'Defines nodes.', data='number, x, y, z')
     call table%option('NSET', VALUE_NAME, 'Puts the nodes into this node set as well.')
     call table%option('SYSTEM', VALUE_WORD, 'Coordinate system.', allowed='R', default='R')
@@ -77,19 +91,18 @@ contains
     call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of node numbers.')
     call table%option('ELSET', VALUE_NAME, 'Takes the nodes of the elements of this element set.')
     call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
-    call table%option('INSTANCE', VALUE_NAME, 'Write the deck flat, without parts and instances.', &
-      status=STATUS_REFUSED)
+    call table%option('INSTANCE', VALUE_NAME, 'In an assembly: numbers and names are those of this instance.')
 
     call table%card('ELSET', IN_BOTH, 'Defines an element set or extends it.', &
       data='element numbers and names of element sets; with GENERATE first, last, step')
     call table%option('ELSET', VALUE_NAME, 'Name of the set.', default='required')
     call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of element numbers.')
     call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
-    call table%option('INSTANCE', VALUE_NAME, 'Write the deck flat, without parts and instances.', &
-      status=STATUS_REFUSED)
+    call table%option('INSTANCE', VALUE_NAME, 'In an assembly: numbers and names are those of this instance.')
 
     call table%card('SURFACE', IN_MODEL, 'Defines a surface of element faces or of nodes.', &
-      data='element or element set, face S1 to S6; with TYPE=NODE node or node set')
+      data='element or element set, face S1 to S6 or nothing: all free faces, or the faces ' // &
+      'under plane elements that a mesh generator wrote with the solids; with TYPE=NODE node or node set')
     call table%option('NAME', VALUE_NAME, 'Name of the surface.', default='required')
     call table%option('TYPE', VALUE_WORD, 'Faces or nodes; a surface of nodes can only be a slave.', allowed= &
       'ELEMENT|NODE', default='ELEMENT')
@@ -169,11 +182,16 @@ contains
     call table%card('CHANGE SURFACE BEHAVIOR', IN_STEP, 'Changes the law of pressure from this step on; SURFACE ' // &
       'BEHAVIOR follows.')
     call table%option('INTERACTION', VALUE_NAME, 'The surface interaction.', default='required')
-    call table%card('MODEL CHANGE', IN_STEP, 'Takes contact pairs out of the model or puts them back, from this step ' // &
-      'on.', data='slave surface, master surface')
-    call table%option('TYPE', VALUE_WORD, 'What is changed.', allowed='CONTACT PAIR', default='required')
-    call table%refuse_words('ELEMENT', 'Elements are the same in all steps.')
-    call table%option('ADD|REMOVE', VALUE_NONE, 'Puts back or takes out.')
+    call table%card('MODEL CHANGE', IN_STEP, 'Takes elements or contact pairs out of the model or puts them back, from ' // &
+      'this step on.', data='slave surface, master surface; or elements and element sets')
+    call table%option('TYPE', VALUE_WORD, 'What is changed.', allowed='CONTACT PAIR|ELEMENT', default='required')
+    call table%option('ADD', VALUE_OPTIONAL_WORD, 'Puts back; elements start free of strain where their nodes are then, or ' // &
+      'with the strain since the start of the job.', allowed='STRAIN FREE|WITH STRAIN', default='STRAIN FREE')
+    call table%option('REMOVE', VALUE_NONE, 'Takes out; nodes without elements then stay where they are.')
+    call table%card('CHANGE SOLID SECTION', IN_STEP, 'Gives the elements of a set another material from this step on.')
+    call table%option('ELSET', VALUE_NAME, 'The elements.', default='required')
+    call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
+    call table%option('ORIENTATION', VALUE_NAME, 'The axes stay those of *SOLID SECTION.', status=STATUS_REFUSED)
     call table%card('CONTACT INTERFERENCE', IN_STEP, 'An overclosure that is allowed at the start of the step and goes ' // &
       'to zero over it.', data='slave surface, master surface, overclosure; with SHRINK no overclosure')
     call table%option('SHRINK', VALUE_NONE, 'Each node is allowed the overclosure that it has at the start of the step.')
@@ -184,19 +202,23 @@ contains
   !> Amplitudes and equations.
   subroutine describe_amplitude_and_equation(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('AMPLITUDE', IN_BOTH, 'A table of factors over time, linear in between and constant outside.', &
-      data='time, factor, time, factor, ...; any number of pairs in a line')
+    call table%card('AMPLITUDE', IN_BOTH, 'Factors over time: a table, linear in between and constant outside, or a formula.', &
+      data='time, factor, time, factor, ...; EQUALLY SPACED: factors; PERIODIC: n, omega, t0, A0, then n pairs A, B; ' // &
+      'MODULATED: A0, A, t0, omega 1, omega 2; DECAY: A0, A, t0, td')
     call table%option('NAME', VALUE_NAME, 'Name of the amplitude.', default='required')
     call table%option('TIME', VALUE_WORD, 'Time since the start of the step or of the job.', allowed= &
       'STEP TIME|TOTAL TIME', default='STEP TIME')
-    call table%option('VALUE', VALUE_WORD, 'Factors are relative.', allowed='RELATIVE', default='RELATIVE')
-    call table%refuse_words('ABSOLUTE', 'Give the load as a magnitude and the amplitude as a factor.')
-    call table%option('DEFINITION', VALUE_WORD, 'Kind of amplitude.', allowed='TABULAR', default='TABULAR')
-    call table%refuse_words('EQUALLY SPACED|PERIODIC|MODULATED|DECAY|SMOOTH STEP|SOLUTION DEPENDENT|USER|ACTUATOR|' // &
-      'SPECTRUM', 'Give a table of time and factor.')
+    call table%option('VALUE', VALUE_WORD, 'The values multiply that of the load, or are the load themselves.', &
+      allowed='RELATIVE|ABSOLUTE', default='RELATIVE')
+    call table%option('DEFINITION', VALUE_WORD, 'A table; factors at equal distances; a table with smooth steps; Fourier ' // &
+      'series; product of two sines; exponential decay.', allowed= &
+      'TABULAR|EQUALLY SPACED|SMOOTH STEP|PERIODIC|MODULATED|DECAY', default='TABULAR')
+    call table%refuse_words('SOLUTION DEPENDENT|USER|ACTUATOR|SPECTRUM|BUBBLE', 'Give a table of time and factor.')
+    call table%option('FIXED INTERVAL', VALUE_REAL, 'EQUALLY SPACED: the distance of the times.')
+    call table%option('BEGIN', VALUE_REAL, 'EQUALLY SPACED: the first time.', default='0')
     call table%option('SHIFTX|SHIFTY', VALUE_REAL, 'Added to all times, to all factors.', default='0')
-    call table%option('SMOOTH|FIXED INTERVAL|BEGIN|VARIABLES|USER', VALUE_TEXT, &
-      'Write the shifted or smoothed table itself.', status=STATUS_REFUSED)
+    call table%option('SMOOTH', VALUE_TEXT, 'It rounds the corners of rates, which do not count here.', status=STATUS_NOTED)
+    call table%option('VARIABLES|USER|PROPERTIES', VALUE_TEXT, 'Give a table of time and factor.', status=STATUS_REFUSED)
 
     call table%card('TIME POINTS', IN_BOTH, 'Times at which results are wanted; increments end there. PRINT, FILE and ' // &
       'OUTPUT cards name them.', data='times in ascending order, any number in a line; with GENERATE first, last, distance')
@@ -526,8 +548,8 @@ contains
       'PIEZOELECTRIC|COUPLED THERMAL-ELECTRICAL|STEADY STATE TRANSPORT|MATRIX GENERATE|MATRIX ASSEMBLE|COMPLEX ' // &
       'EIGENVALUE EXTRACTION|NO ANALYSIS|REFINE MESH|STEADY STATE DETECTION', 'Use *STATIC; to read and check a ' // &
       'deck without solving it, run amontons --check.')
-    call table%cards_with(STATUS_REFUSED, 'CHANGE MATERIAL|CHANGE PLASTIC|CHANGE ' // &
-      'SOLID SECTION|CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
+    call table%cards_with(STATUS_REFUSED, 'CHANGE MATERIAL|CHANGE PLASTIC|' // &
+      'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
       'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS|CONTACT INITIALIZATION ASSIGNMENT|CONTACT ' // &
       'INITIALIZATION DATA', 'The model is the same in all steps.')
     call table%cards_with(STATUS_REFUSED, 'BASE MOTION|CORRELATION LENGTH|CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|' // &
@@ -551,8 +573,6 @@ contains
       'DASHPOT|GAP|ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
       'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'All bodies are meshed with solid elements and *SOLID SECTION.')
-    call table%cards_with(STATUS_REFUSED, 'PART|END PART|ASSEMBLY|END ASSEMBLY|INSTANCE|END INSTANCE', &
-      'Write the deck flat; in Abaqus/CAE: Model, Edit Attributes, Do not use parts and assemblies in input files.')
     call table%cards_with(STATUS_REFUSED, 'NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|PARAMETER|PARAMETER DEPENDENCE|' // &
       'PARAMETER TABLE', 'Write the nodes, elements and numbers themselves.')
     call table%cards_with(STATUS_REFUSED, 'CONTACT|CONTACT INCLUSIONS|CONTACT EXCLUSIONS|CONTACT PROPERTY ' // &

@@ -11,7 +11,7 @@ module amontons_cards
   private
   public :: cards_type, card_type, parameter_type, row_type, remarks_type
   public :: open_cards, open_cards_text, publish_remarks, keyword_text, line_text, read_parameters
-  public :: start_rows, next_row, field_text, field_integer, field_real, is_empty_field
+  public :: start_text, append_line, find_cards, start_rows, next_row, field_text, field_integer, field_real, is_empty_field
 
   integer, parameter :: MAX_DEPTH = 32          !< includes within includes
   integer, parameter :: MAX_LISTED = 200        !< errors listed one by one
@@ -370,7 +370,7 @@ contains
     integer(I64), intent(in) :: n_more
     character(:), allocatable :: larger
     if (cards%n_text + n_more <= len(cards%text, I64)) return
-    allocate (character(2 * (cards%n_text + n_more)) :: larger)
+    allocate (character(2*(cards%n_text + n_more)) :: larger)
     larger(:cards%n_text) = cards%text(:cards%n_text)
     call move_alloc(larger, cards%text)
   end subroutine reserve_text

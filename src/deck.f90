@@ -14,6 +14,7 @@ module amontons_deck
   use amontons_deck_model, only: read_heading, read_amplitudes, read_surfaces, read_equations
   use amontons_deck_contact, only: read_interactions, read_pairs, read_clearances
   use amontons_deck_bonds, only: read_transforms, read_bonds
+  use amontons_deck_parts, only: flatten_parts
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
   use amontons_deck_sets, only: read_sets
   use amontons_deck_times, only: read_time_points
@@ -68,7 +69,15 @@ contains
     type(complaints_type), intent(inout) :: complaints
     type(error_type), allocatable, intent(out) :: error
     type(draft_type) :: draft
+    logical :: is_flat
     call make_card_table(reader%table)
+    model%deck_text = reader%cards%text(:reader%cards%n_text)
+    call flatten_parts(reader%cards, reader%remarks, is_flat)
+    if (.not. is_flat) then
+      call publish_remarks(reader%cards, reader%remarks, complaints)
+      call set_error(error, EXIT_DECK, plural(reader%remarks%n_errors, 'error') // ' in the deck.')
+      return
+    end if
     call choose_dialect(reader, options)
     model%dialect = reader%dialect
     call check_cards(reader)
@@ -95,7 +104,6 @@ contains
     call finish_materials(model)
     call read_restart(reader, model)
     call publish_remarks(reader%cards, reader%remarks, complaints)
-    model%deck_text = reader%cards%text(:reader%cards%n_text)
     if (reader%remarks%n_errors > 0) call set_error(error, EXIT_DECK, plural(reader%remarks%n_errors, 'error') // &
       ' in the deck.')
   end subroutine read_model

@@ -245,7 +245,7 @@ contains
     if (kind > 0 .and. draft%nodes%n - start /= n_wanted) then
       is_ok = .false.
       call complain(reader, line, 'The element ' // text_of(label) // ' has ' // plural(draft%nodes%n - start, 'node') &
-        // '; its kind has ' // text_of(n_wanted) // '. The rest of this card is not read.')
+        //'; its kind has ' // text_of(n_wanted) // '. The rest of this card is not read.')
       draft%nodes%n = start
       return
     end if
@@ -320,7 +320,7 @@ contains
       material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
       associate (line => reader%cards%cards(c)%line)
         if (set == 0) call complain(reader, line, 'There is no element set ''' // parameter_text(parameters, 'ELSET') &
-          // '''.')
+          //'''.')
         if (material == 0) call complain(reader, line, 'There is no material ''' // &
           parameter_text(parameters, 'MATERIAL') // '''.')
         thickness = 1
@@ -443,7 +443,7 @@ contains
     call need_real(reader, row, 1, 'constant', constant, is_ok)
     if (.not. is_ok) return
     if (next_row(reader%cards, row)) call complain(reader, row%line, 'One constant is all that can stand here; it does ' &
-      // 'not depend on temperature or elongation.')
+      //'not depend on temperature or elongation.')
     draft%section(members) = constant
     draft%directions(:, members) = spread(directions, 2, size(members))
   end subroutine read_constant
@@ -662,7 +662,7 @@ contains
     if (begins(type, 'C3D6')) advice = 'Use C3D6.'
     if (begins(type, 'C3D15')) advice = 'Use C3D15.'
     if (begins(type, 'CPS') .or. begins(type, 'CPE') .or. begins(type, 'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
-      // '8 or 8R nodes: CPE4, CPE8R and so on.'
+      //'8 or 8R nodes: CPE4, CPE8R and so on.'
     if (begins(type, 'T2D')) advice = 'Use T3D2 or T3D3 and hold the third displacement.'
     if (is_structural(type)) advice = 'Shells, beams and membranes are not there yet: mesh the body with solids (C3D8I ' // &
       'or C3D20R bend well).'
@@ -715,16 +715,43 @@ contains
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(inout) :: mesh
     type(draft_type), intent(in) :: draft
-    integer :: s, n
+    integer :: s, n, i
     allocate (reader%has_leftovers(size(mesh%element_sets)), source=.false.)
+    allocate (reader%left_of_set(size(mesh%element_sets)))
+    call note_left(reader, draft)
     do s = 1, size(mesh%element_sets)
       associate (set => mesh%element_sets(s))
         n = size(set%members)
+        do i = 1, n
+          if (draft%kept(set%members(i)) == 0) call reader%left_of_set(s)%add(reader%left_of_draft(set%members(i)))
+        end do
         set%members = draft%kept(set%members)
         set%members = pack(set%members, set%members > 0)
         reader%has_leftovers(s) = size(set%members) < n
       end associate
     end do
   end subroutine keep_set_members
+
+
+  !> Keeps the nodes of the elements that were left out: surfaces may name them.
+  subroutine note_left(reader, draft)
+    type(reader_type), intent(inout) :: reader
+    type(draft_type), intent(in) :: draft
+    type(integer_list_type) :: nodes
+    integer :: e, i, n
+    allocate (reader%left_of_draft(draft%n), source=0)
+    allocate (reader%left_first(count(draft%kept == 0) + 1), source=1)
+    n = 0
+    do e = 1, draft%n
+      if (draft%kept(e) > 0) cycle
+      n = n + 1
+      reader%left_of_draft(e) = n
+      do i = draft%first(e), draft%first(e + 1) - 1
+        if (draft%nodes%items(i) > 0) call nodes%add(draft%nodes%items(i))
+      end do
+      reader%left_first(n + 1) = nodes%n + 1
+    end do
+    reader%left_nodes = nodes%trimmed()
+  end subroutine note_left
 
 end module amontons_deck_mesh

@@ -2,11 +2,13 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_model
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text, line_text
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer, line_text
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     need_no_data, nodes_of_field, elements_of_field, is_card, check_name
-  use amontons_loads, only: amplitude_type, equation_type
+  use amontons_deck_faces, only: faces_type, find_free_faces, find_left_faces
+  use amontons_loads, only: amplitude_type, equation_type, COURSE_TABLE, COURSE_SMOOTH, COURSE_PERIODIC, COURSE_MODULATED, &
+    COURSE_DECAY
   use amontons_lookup, only: integer_list_type, sort_integers
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, direction_of, DIALECT_ABAQUS, DIALECT_CALCULIX
@@ -79,9 +81,8 @@ contains
       if (amplitude%name == '') cycle
       call check_name(reader, c, amplitude%name)
       amplitude%is_total_time = parameter_word(parameters, 'TIME', 'STEPTIME') == 'TOTALTIME'
-      call read_pairs_of_numbers(reader, row, amplitude)
-      amplitude%time = amplitude%time + parameter_real(parameters, 'SHIFTX')
-      amplitude%factor = amplitude%factor + parameter_real(parameters, 'SHIFTY')
+      amplitude%is_absolute = parameter_word(parameters, 'VALUE', 'RELATIVE') == 'ABSOLUTE'
+      call read_course(reader, c, parameters, row, amplitude)
       call reader%amplitudes%add(amplitude%name, position, is_new)
       if (is_new) then
         model%amplitudes = [model%amplitudes, amplitude]
@@ -94,16 +95,125 @@ contains
   end subroutine read_amplitudes
 
 
-  !> The value of a parameter that is a number; 0 if it is not given, or none (that was told).
-  function parameter_real(parameters, name) result(value)
+  !> The course of an amplitude, by its DEFINITION.
+  subroutine read_course(reader, c, parameters, row, amplitude)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    type(amplitude_type), intent(inout) :: amplitude
+    real(DP), allocatable :: numbers(:)
+    integer :: n
+    character(:), allocatable :: definition
+    definition = parameter_word(parameters, 'DEFINITION', 'TABULAR')
+    amplitude%course = COURSE_TABLE
+    if (allocated(amplitude%numbers)) deallocate (amplitude%numbers)
+    amplitude%time = [0.0_DP]                    ! until there is something better
+    amplitude%factor = [0.0_DP]
+    if (definition /= 'EQUALLYSPACED' .and. (has_parameter(parameters, 'FIXED INTERVAL') .or. &
+      has_parameter(parameters, 'BEGIN'))) call complain(reader, reader%cards%cards(c)%line, &
+      'FIXED INTERVAL and BEGIN belong to DEFINITION=EQUALLY SPACED.')
+    select case (definition)
+    case ('TABULAR', 'SMOOTHSTEP')
+      if (definition == 'SMOOTHSTEP') amplitude%course = COURSE_SMOOTH
+      call read_pairs_of_numbers(reader, row, amplitude)
+    case ('EQUALLYSPACED')
+      call read_numbers(reader, row, 1, numbers)
+      call space_equally(reader, c, parameters, numbers, amplitude)
+    case default
+      call read_numbers(reader, row, 4, numbers)
+      n = size(numbers)
+      call order_numbers(definition, numbers, amplitude)
+      if (.not. allocated(amplitude%numbers)) then
+        amplitude%course = COURSE_TABLE
+        if (n > 0) call complain(reader, reader%cards%cards(c)%line, 'PERIODIC needs the number n of terms, omega, t0, A0 and ' // &
+          'below them n pairs A, B; MODULATED needs A0, A, t0, omega 1, omega 2; DECAY needs A0, A, t0 and a positive td.')
+      end if
+    end select
+    amplitude%time = amplitude%time + parameter_real(parameters, 'SHIFTX', 0.0_DP)
+    amplitude%factor = amplitude%factor + parameter_real(parameters, 'SHIFTY', 0.0_DP)
+    if (amplitude%course >= COURSE_PERIODIC .and. (has_parameter(parameters, 'SHIFTX') .or. &
+      has_parameter(parameters, 'SHIFTY'))) call complain(reader, reader%cards%cards(c)%line, &
+      'SHIFTX and SHIFTY shift tables; write the shifted numbers.')
+  end subroutine read_course
+
+
+  !> The numbers of a formula as amplitude_type has them; not allocated if they are not as they should be.
+  pure subroutine order_numbers(definition, numbers, amplitude)
+    character(*), intent(in) :: definition       !< PERIODIC, MODULATED or DECAY
+    real(DP), intent(in) :: numbers(:)
+    type(amplitude_type), intent(inout) :: amplitude
+    integer :: n
+    n = size(numbers)
+    select case (definition)
+    case ('PERIODIC')
+      amplitude%course = COURSE_PERIODIC
+      if (n < 4) return
+      if (nint(numbers(1)) >= 1 .and. n == 4 + 2 * nint(min(numbers(1), 1.0e6_DP))) amplitude%numbers = numbers(2:)
+    case ('MODULATED')
+      amplitude%course = COURSE_MODULATED
+      if (n == 5) amplitude%numbers = numbers
+    case default
+      amplitude%course = COURSE_DECAY
+      if (n /= 4) return
+      if (numbers(4) > 0) amplitude%numbers = numbers
+    end select
+  end subroutine order_numbers
+
+
+  !> EQUALLY SPACED: factors at times BEGIN + i FIXED INTERVAL.
+  subroutine space_equally(reader, c, parameters, numbers, amplitude)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    real(DP), intent(in) :: numbers(:)
+    type(amplitude_type), intent(inout) :: amplitude
+    real(DP) :: interval
+    integer :: i
+    interval = parameter_real(parameters, 'FIXED INTERVAL', 0.0_DP)
+    if (.not. interval > 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'DEFINITION=EQUALLY SPACED needs a positive FIXED INTERVAL.')
+    else if (size(numbers) > 0) then
+      amplitude%time = [(parameter_real(parameters, 'BEGIN', 0.0_DP) + real(i, DP) * interval, i=0, size(numbers) - 1)]
+      amplitude%factor = numbers
+    end if
+  end subroutine space_equally
+
+
+  !> All numbers in the rows of a card; tells it if there are fewer than wanted.
+  subroutine read_numbers(reader, row, n_least, numbers)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    integer, intent(in) :: n_least
+    real(DP), allocatable, intent(out) :: numbers(:)   !< none on trouble
+    real(DP) :: value
+    integer :: i
+    logical :: is_ok
+    allocate (numbers(0))
+    is_ok = .true.
+    do while (next_row(reader%cards, row))
+      do i = 1, row%n
+        call need_real(reader, row, i, 'number', value, is_ok, 0.0_DP)
+        numbers = [numbers, value]
+      end do
+    end do
+    if (is_ok .and. size(numbers) < n_least) call complain(reader, row%line, 'This amplitude needs at least ' // &
+      plural(n_least, 'number') // '.')
+    if (.not. is_ok .or. size(numbers) < n_least) numbers = [real(DP) ::]
+  end subroutine read_numbers
+
+
+  !> The value of a parameter that is a number; the default if it is not given, or none (that was told).
+  function parameter_real(parameters, name, default) result(value)
     type(parameter_type), intent(in) :: parameters(:)
     character(*), intent(in) :: name
+    real(DP), intent(in) :: default
     real(DP) :: value
     integer :: status
-    value = 0
+    value = default
     if (.not. has_parameter(parameters, name)) return
     call parse_real(parameter_text(parameters, name), value, status)
-    if (status /= NUMBER_OK) value = 0
+    if (status /= NUMBER_OK) value = default
   end function parameter_real
 
 
@@ -127,8 +237,10 @@ contains
           'TIME DELAY needs an AMPLITUDE that it delays.')
         cycle
       end if
+      if (model%amplitudes(found)%course >= COURSE_PERIODIC) call complain(reader, reader%cards%cards(c)%line, &
+        'TIME DELAY delays tables; give the formula of the amplitude ''' // model%amplitudes(found)%name // ''' a later t0.')
       amplitude = model%amplitudes(found)
-      amplitude%time = amplitude%time + parameter_real(parameters, 'TIME DELAY')
+      amplitude%time = amplitude%time + parameter_real(parameters, 'TIME DELAY', 0.0_DP)
       model%amplitudes = [model%amplitudes, amplitude]
       reader%delayed_amplitude(c) = size(model%amplitudes)
     end do
@@ -182,6 +294,7 @@ contains
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(surface_type) :: surface
+    type(faces_type) :: index
     integer, allocatable :: stamp(:)
     integer :: c, position, twin
     logical :: is_new
@@ -206,7 +319,7 @@ contains
       if (surface%is_node_based) then
         call read_surface_nodes(reader, model%mesh, c, stamp, surface)
       else
-        call read_surface_faces(reader, model%mesh, c, stamp, surface)
+        call read_surface_faces(reader, model%mesh, c, stamp, index, surface)
       end if
       model%surfaces = [model%surfaces, surface]
       if (position < size(model%surfaces)) call part_twins(model%surfaces, position)
@@ -273,11 +386,12 @@ contains
 
 
   !> A surface of element faces; its nodes follow from them.
-  subroutine read_surface_faces(reader, mesh, c, stamp, surface)
+  subroutine read_surface_faces(reader, mesh, c, stamp, index, surface)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: c
     integer, intent(inout) :: stamp(:)           !< last card that took a face; free to use
+    type(faces_type), intent(inout) :: index     !< of faces, made when it is needed
     type(surface_type), intent(inout) :: surface
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
@@ -289,10 +403,14 @@ contains
     is_ok = .true.
     do while (next_row(reader%cards, row))
       call need_at_most(reader, row, 2)
+      if (field_text(reader%cards, row, 2) == '') then
+        call take_whole(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
+        cycle
+      end if
       call elements_of_field(reader, mesh, row, 1, found, is_ok)
       face = face_number(field_text(reader%cards, row, 2), 'S')
       if (face == 0) then
-        call complain(reader, row%line, 'The second field must be a face S1 to S6; it is ''' // &
+        call complain(reader, row%line, 'The second field must be a face S1 to S6, or nothing for all free faces; it is ''' // &
           field_text(reader%cards, row, 2) // '''.')
         is_ok = .false.
         cycle
@@ -315,6 +433,59 @@ contains
     surface%face = faces%trimmed()
     call fill_surface_nodes(mesh, surface)
   end subroutine read_surface_faces
+
+
+  !> A row without a face: of solids their free faces, of faces that a mesh generator wrote the element faces under them.
+  subroutine take_whole(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(row_type), intent(in) :: row
+    type(faces_type), intent(inout) :: index
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(inout) :: stamp(:)
+    type(integer_list_type), intent(inout) :: elements, faces
+    logical, intent(inout) :: is_ok
+    integer, allocatable :: left(:), members(:), element(:), face(:)
+    integer :: i, n_without
+    n_without = 0
+    call left_of_field(reader, row, left)
+    if (size(left) > 0) then
+      call find_left_faces(reader, index, mesh, left, element, face, n_without)
+    else
+      call elements_of_field(reader, mesh, row, 1, members, is_ok)
+      call find_free_faces(index, mesh, members, element, face)
+      if (is_ok .and. size(element) == 0) call complain(reader, row%line, 'The elements ''' // &
+        field_text(reader%cards, row, 1) // ''' have no free face; name the faces S1 to S6.')
+      if (size(element) == 0) is_ok = .false.
+    end if
+    if (n_without > 0) call complain(reader, row%line, plural(n_without, 'element') // ' here lie on no face of a solid.')
+    if (n_without > 0) is_ok = .false.
+    do i = 1, size(element)
+      if (stamp(6 * element(i) - 6 + face(i)) == -c) cycle
+      stamp(6 * element(i) - 6 + face(i)) = -c
+      call elements%add(element(i))
+      call faces%add(face(i))
+    end do
+  end subroutine take_whole
+
+
+  !> The elements left out that a field names; none if it names solids, or nothing.
+  subroutine left_of_field(reader, row, left)
+    type(reader_type), intent(in) :: reader
+    type(row_type), intent(in) :: row
+    integer, allocatable, intent(out) :: left(:)
+    integer :: label, status, found
+    allocate (left(0))
+    call field_integer(reader%cards, row, 1, label, status)
+    if (status == NUMBER_OK) then
+      found = reader%draft_labels%find(label)
+      if (found == 0) return
+      if (reader%left_of_draft(found) > 0) left = [reader%left_of_draft(found)]
+    else
+      found = reader%element_sets%find(field_text(reader%cards, row, 1))
+      if (found > 0) left = reader%left_of_set(found)%trimmed()
+    end if
+  end subroutine left_of_field
 
 
   !> The number of faces of an element.

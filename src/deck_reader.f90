@@ -5,7 +5,7 @@ module amontons_deck_reader
   use amontons_cards, only: cards_type, row_type, parameter_type, remarks_type, read_parameters, field_integer, &
     field_real, field_text, start_rows
   use amontons_card_form, only: card_table_type, match_parameters, parameter_text
-  use amontons_lookup, only: name_table_type, label_table_type
+  use amontons_lookup, only: name_table_type, label_table_type, integer_list_type
   use amontons_mesh, only: mesh_type
   use amontons_model, only: DIALECT_ABAQUS
   use amontons_text, only: text_of, squeezed, plural, NUMBER_OK, NUMBER_EMPTY, NUMBER_NOT_FINITE
@@ -33,6 +33,10 @@ module amontons_deck_reader
     type(label_table_type) :: node_labels, element_labels
     type(label_table_type) :: draft_labels       !< all elements of the deck, also those that are no solids
     logical, allocatable :: has_leftovers(:)     !< (element sets) it holds elements that are no solids and were dropped
+    integer, allocatable :: left_first(:)        !< (n + 1) start of each element that was left out, in left_nodes
+    integer, allocatable :: left_nodes(:)
+    integer, allocatable :: left_of_draft(:)     !< (elements of the deck) number among those left out, 0
+    type(integer_list_type), allocatable :: left_of_set(:)   !< (element sets) those of its members that were left out
     logical :: has_refused_kinds = .false.       !< elements of kinds that we do not have were told; what needs them is not
   end type reader_type
 
@@ -245,8 +249,12 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     character(*), intent(in) :: name
-    if (len(squeezed(name)) > NAME_LENGTH) call complain(reader, reader%cards%cards(c)%line, 'The name ''' // name // &
-      ''' has more than ' // text_of(NAME_LENGTH) // ' characters.')
+    character(:), allocatable :: key
+    integer :: dot
+    key = squeezed(name)
+    dot = index(key, '.')                        ! INSTANCE.NAME of a deck with parts: both may be so long
+    if (max(dot - 1, len(key) - dot) > NAME_LENGTH) call complain(reader, reader%cards%cards(c)%line, 'The name ''' // name &
+      //''' has more than ' // text_of(NAME_LENGTH) // ' characters.')
   end subroutine check_name
 
 end module amontons_deck_reader

@@ -10,6 +10,7 @@ module amontons_deck_steps
     hand_over_temperatures
   use amontons_deck_loads, only: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, &
     hand_over_loads
+  use amontons_deck_changes, only: is_element_change, read_element_change, read_section_change
   use amontons_deck_contact, only: read_contact_change
   use amontons_deck_times, only: find_time_points, times_in_step
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
@@ -118,6 +119,7 @@ contains
         reader%cards%cards(c)%line, 'INC must be at least 1.')
     end if
     progress%step%is_direct = .false.
+    if (allocated(progress%step%is_born)) deallocate (progress%step%is_born)
     if (allocated(progress%step%interference)) deallocate (progress%step%interference, progress%step%is_shrink)
     progress%interaction = 0
     progress%step%dt_initial = 1
@@ -183,8 +185,14 @@ contains
         call read_temperature(reader, model, c, progress%thermal)
       case ('DLOAD', 'DSLOAD')
         call read_dload(reader, model, c, progress%standing)
+      case ('CHANGESOLIDSECTION')
+        call read_section_change(reader, model, c, progress%step)
       case ('CHANGEFRICTION', 'CHANGESURFACEBEHAVIOR', 'FRICTION', 'SURFACEBEHAVIOR', 'MODELCHANGE', &
         'CONTACTINTERFERENCE')
+        if (is_element_change(reader, c)) then
+          call read_element_change(reader, model, c, progress%step)
+          return
+        end if
         call read_contact_change(reader, model, c, progress%interaction, progress%step)
       case ('NODEPRINT')
         call read_print(reader, c, PRINT_NODE, NODE_VARIABLES, progress)
@@ -612,7 +620,7 @@ contains
       end do
     end do
     if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'The result file always holds the same fields; ' &
-      // unknown // ' is not among them.')
+      //unknown // ' is not among them.')
   end subroutine read_file_request
 
 

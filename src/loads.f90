@@ -8,6 +8,7 @@ module amontons_loads
   private
   public :: amplitude_type, load_type, prescribed_type, concentrated_type, distributed_type, temperature_type, &
     equation_type
+  public :: COURSE_TABLE, COURSE_SMOOTH, COURSE_PERIODIC, COURSE_MODULATED, COURSE_DECAY
   public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, amplitude_value, load_value
 
   integer, parameter :: DISTRIBUTED_PRESSURE = 1   !< pressure on an element face, positive pushing into the element
@@ -15,10 +16,20 @@ module amontons_loads
   integer, parameter :: DISTRIBUTED_SPIN = 3       !< square of the angular velocity of an element about an axis
   integer, parameter :: DISTRIBUTED_BODY = 4       !< force per reference volume of an element
 
-  !> A table of factors over time, linear in between and constant outside.
+  integer, parameter :: COURSE_TABLE = 0           !< linear between the times, constant outside
+  integer, parameter :: COURSE_SMOOTH = 1          !< the same with a polynomial whose slope and curvature are 0 at the times
+  integer, parameter :: COURSE_PERIODIC = 2        !< Fourier series from a time on
+  integer, parameter :: COURSE_MODULATED = 3       !< product of two sines from a time on
+  integer, parameter :: COURSE_DECAY = 4           !< exponential decay from a time on
+
+  !> Factors over time.
   type :: amplitude_type
     character(:), allocatable :: name
     logical :: is_total_time = .false.           !< TIME=TOTAL TIME
+    logical :: is_absolute = .false.             !< VALUE=ABSOLUTE: the factors are magnitudes, whatever the load says
+    integer :: course = COURSE_TABLE
+    real(DP), allocatable :: numbers(:)          !< PERIODIC: omega, t0, A0, A1, B1, ...; MODULATED: A0, A, t0, omega 1, omega 2;
+    !< DECAY: A0, A, t0, td
     real(DP), allocatable :: time(:)             !< ascending [time]
     real(DP), allocatable :: factor(:)           !< [-]
   end type amplitude_type
@@ -77,6 +88,10 @@ contains
     real(DP), intent(in) :: time                 !< step time, or total time if it is_total_time [time]
     real(DP) :: factor, s
     integer :: i, n
+    if (amplitude%course >= COURSE_PERIODIC) then
+      factor = course_value(amplitude, time)
+      return
+    end if
     n = size(amplitude%time)
     if (time <= amplitude%time(1)) then
       factor = amplitude%factor(1)
@@ -88,9 +103,37 @@ contains
         i = i + 1
       end do
       s = (time - amplitude%time(i)) / (amplitude%time(i + 1) - amplitude%time(i))
+      if (amplitude%course == COURSE_SMOOTH) s = s**3 * (10 + s * (6 * s - 15))
       factor = amplitude%factor(i) + s * (amplitude%factor(i + 1) - amplitude%factor(i))
     end if
   end function amplitude_value
+
+
+  !> The factor of an amplitude that is a formula.
+  pure real(DP) function course_value(amplitude, time) result(factor)
+    type(amplitude_type), intent(in) :: amplitude
+    real(DP), intent(in) :: time                 !< [time]
+    real(DP) :: since, angle
+    integer :: k
+    associate (a => amplitude%numbers)
+      select case (amplitude%course)
+      case (COURSE_PERIODIC)
+        since = time - a(2)
+        factor = a(3)
+        if (since < 0) return
+        do k = 1, (size(a) - 3) / 2
+          angle = real(k, DP) * a(1) * since
+          factor = factor + a(2 * k + 2) * cos(angle) + a(2 * k + 3) * sin(angle)
+        end do
+      case (COURSE_MODULATED)
+        since = max(0.0_DP, time - a(3))
+        factor = a(1) + a(2) * sin(a(4) * since) * sin(a(5) * since)
+      case default
+        factor = a(1)
+        if (time >= a(3)) factor = a(1) + a(2) * exp(-(time - a(3)) / a(4))
+      end select
+    end associate
+  end function course_value
 
 
   !> The magnitude of a load within its step.
@@ -103,11 +146,12 @@ contains
     real(DP) :: magnitude
     if (load%amplitude == 0) then
       magnitude = load%start + (load%end - load%start) * (step_time / period)
-    else if (amplitudes(load%amplitude)%is_total_time) then
-      magnitude = load%end * amplitude_value(amplitudes(load%amplitude), total_time)
-    else
-      magnitude = load%end * amplitude_value(amplitudes(load%amplitude), step_time)
+      return
     end if
+    associate (amplitude => amplitudes(load%amplitude))
+      magnitude = amplitude_value(amplitude, merge(total_time, step_time, amplitude%is_total_time))
+      if (.not. amplitude%is_absolute) magnitude = load%end * magnitude
+    end associate
   end function load_value
 
 end module amontons_loads

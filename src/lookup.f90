@@ -7,10 +7,12 @@ module amontons_lookup
   private
   public :: name_table_type, label_table_type, integer_list_type, sort_integers
 
+  integer, parameter :: KEY_LENGTH = 2 * NAME_LENGTH + 1   !< the name of an instance, a point, the name of a set
+
   !> Names numbered 1, 2, ... in the order of their arrival; case, blanks and quotation marks do not count.
   type :: name_table_type
     integer :: n = 0                                       !< names known
-    character(NAME_LENGTH), allocatable, private :: keys(:)
+    character(KEY_LENGTH), allocatable, private :: keys(:)
     integer, allocatable, private :: slots(:)              !< open addressing: index of a name, 0 free
   contains
     procedure :: add => add_name
@@ -44,11 +46,11 @@ contains
   !> Adds a name or finds it.
   subroutine add_name(self, name, position, is_new)
     class(name_table_type), intent(inout) :: self
-    character(*), intent(in) :: name             !< at most NAME_LENGTH characters count
+    character(*), intent(in) :: name             !< at most KEY_LENGTH characters count
     integer, intent(out) :: position             !< its number
     logical, intent(out) :: is_new
-    character(NAME_LENGTH), allocatable :: larger(:)
-    character(NAME_LENGTH) :: key
+    character(KEY_LENGTH), allocatable :: larger(:)
+    character(KEY_LENGTH) :: key
     integer :: slot
     if (.not. allocated(self%slots)) then
       allocate (self%slots(64), source=0)
@@ -77,7 +79,7 @@ contains
     class(name_table_type), intent(in) :: self
     character(*), intent(in) :: name
     integer :: position
-    character(NAME_LENGTH) :: key
+    character(KEY_LENGTH) :: key
     position = 0
     if (.not. allocated(self%slots)) return
     key = squeezed(name)
@@ -88,7 +90,7 @@ contains
   !> The slot that holds a key, or the free one where it belongs (FNV-1a hash, linear probing).
   pure function slot_of(self, key) result(slot)
     class(name_table_type), intent(in) :: self
-    character(NAME_LENGTH), intent(in) :: key
+    character(KEY_LENGTH), intent(in) :: key
     integer :: slot, i
     integer(I64) :: hash
     hash = 2166136261_I64

@@ -6,7 +6,7 @@ module amontons_mesh
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS
   implicit none
   private
-  public :: mesh_type, set_type, finish_mesh, element_nodes, append_node
+  public :: mesh_type, set_type, finish_mesh, element_nodes, append_node, is_out
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -28,11 +28,12 @@ module amontons_mesh
     integer, allocatable :: point_first(:)         !< (n_elements + 1) start of an element's integration points
     integer, allocatable :: material(:)            !< (n_elements) index into model%materials; 0: no section
     real(DP), allocatable :: section(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
-                                                   !< constant [force/length] or mass [mass], by the kind; else 1
+    !< constant [force/length] or mass [mass], by the kind; else 1
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
     logical, allocatable :: is_abstract(:)         !< (n_nodes) its displacement is none: a rotation vector, a pre-tension
     logical, allocatable :: has_elements(:)        !< (n_nodes)
     logical, allocatable :: is_idle(:, :)          !< (3, n_nodes) has elements, but none resists this displacement
+    logical, allocatable :: is_absent(:)           !< (n_elements) taken out by the present step; not there: none is
     type(set_type), allocatable :: node_sets(:)
     type(set_type), allocatable :: element_sets(:)
   end type mesh_type
@@ -128,6 +129,15 @@ contains
     mesh%node_label = [mesh%node_label, maxval(mesh%node_label) + 1]
     mesh%n_nodes = node
   end subroutine append_node
+
+
+  !> Whether an element is taken out in the present step.
+  pure logical function is_out(mesh, e)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                       !< element index
+    is_out = .false.
+    if (allocated(mesh%is_absent)) is_out = mesh%is_absent(e)
+  end function is_out
 
 
   !> The node indices of one element; the first n are set.

@@ -3,7 +3,7 @@
 module amontons_nodal
   use amontons_kinds, only: DP
   use amontons_topology, only: element_kind, kind_type, FAMILY_AXISYMMETRIC, MAX_NODES, MAX_POINTS, N_KINDS
-  use amontons_mesh, only: mesh_type, element_nodes
+  use amontons_mesh, only: mesh_type, element_nodes, is_out
   use amontons_shapes, only: extrapolation_matrix, quadrature, shape_functions
   use amontons_element, only: element_point_volumes
   implicit none
@@ -28,6 +28,7 @@ contains
     averages = 0
     n_elements_at = 0
     do e = 1, mesh%n_elements
+      if (is_out(mesh, e)) cycle
       kind = mesh%kind(e)
       if (.not. is_made(kind)) call extrapolation_matrix(kind, matrix(:, :, kind), n, n_points)
       is_made(kind) = .true.

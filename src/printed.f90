@@ -13,7 +13,7 @@ module amontons_printed
   use amontons_text, only: upper_case
   use amontons_tensor, only: cross_product, pack_voigt, unpack_voigt
   use amontons_topology, only: MAX_POINTS
-  use amontons_mesh, only: mesh_type, set_type
+  use amontons_mesh, only: mesh_type, set_type, is_out
   use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, &
     PRINT_SECTION
   use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, USER_STATE
@@ -489,6 +489,7 @@ contains
     integer :: i, p
     do i = 1, size(set%members)
       associate (e => set%members(i))
+        if (is_out(mesh, e)) cycle
         do p = mesh%point_first(e), mesh%point_first(e + 1) - 1
           write (unit, POINT_FORM) mesh%element_label(e), p - mesh%point_first(e) + 1, values(:, p)
         end do
@@ -512,6 +513,7 @@ contains
     if (.not. request%is_only_totals) call print_head(unit, trim(titles(1)), set, time)
     total = 0
     do i = 1, size(set%members)
+      if (is_out(mesh, set%members(i))) cycle
       call point_volumes(mesh, set%members(i), n, volumes)
       integral = sum(volumes(:n))
       first = mesh%point_first(set%members(i))

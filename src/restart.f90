@@ -334,6 +334,7 @@ contains
     call parcel%carry(fields%volume)
     call parcel%carry(fields%history)
     call parcel%carry(fields%temperature)
+    if (allocated(fields%birth)) call parcel%carry(fields%birth)
     call parcel%carry(fields%internal_force)
     call parcel%carry(fields%applied_force)
     call parcel%carry(fields%contact_force)

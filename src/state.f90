@@ -63,6 +63,8 @@ module amontons_state
     real(DP), allocatable :: temperature(:) !< (n_nodes) [temperature]
     real(DP) :: creep_time = 0              !< time spent in steps in which materials creep [time]
     real(DP), allocatable :: frame(:, :, :) !< (3, 3, n_points) local axes in columns, fixed; not there: global
+    real(DP), allocatable :: birth(:, :)    !< (3, nodes of all elements) displacement of an element's node when it was put back;
+    !< not there: no step puts elements back [length]
     type(slave_type), allocatable :: slaves(:)
     real(DP), allocatable :: internal_force(:, :)   !< (3, n_nodes) F_int [force]
     real(DP), allocatable :: applied_force(:, :)    !< (3, n_nodes) F_ext [force]
@@ -104,7 +106,7 @@ contains
   subroutine create_material_state(state, model)
     type(state_type), intent(inout) :: state
     type(model_type), intent(in) :: model
-    integer :: n_history
+    integer :: n_history, i
     n_history = 0
     if (size(model%materials) > 0) n_history = maxval(model%materials%n_history)
     associate (new => state%new)
@@ -119,6 +121,8 @@ contains
         if (size(model%orientations) > 0) call find_frames(model, new%frame)
       end if
       if (allocated(model%initial_stress)) call start_with_stress(model, new)
+      if (any([(allocated(model%steps(i)%is_born), i=1, size(model%steps))])) &
+        allocate (new%birth(3, size(model%mesh%nodes)), source=0.0_DP)
     end associate
     state%old = state%new
   end subroutine create_material_state

@@ -74,6 +74,9 @@ module amontons_steps
     logical :: is_creeping = .false.       !< VISCO: materials creep
     type(print_request_type), allocatable :: prints(:)
     type(interaction_type), allocatable :: interactions(:)  !< those in force if this or an earlier step changes some
+    logical, allocatable :: is_absent(:)   !< (n_elements) elements taken out; not allocated: none
+    logical, allocatable :: is_born(:)     !< (n_elements) elements put back in this step, free of strain; the same
+    integer, allocatable :: material(:)    !< (n_elements) materials from this step on; not allocated: those of the sections
     logical, allocatable :: is_removed(:)  !< (n_pairs) pairs taken out; not allocated: none
     real(DP), allocatable :: interference(:)   !< (n_pairs) overclosure allowed, ramped down over the step [length]
     logical, allocatable :: is_shrink(:)   !< (n_pairs) the same for each node's own overclosure at the start of the step

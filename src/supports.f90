@@ -37,7 +37,7 @@ contains
     call add_bonds(base, model, fields%u, step%is_nlgeom, violation, error)
     if (allocated(error)) return
     call add_followers(base, follower, fields%u)
-    call hold_lone(base, is_lone, fields%u)
+    call hold_lone(base, is_lone, fields%u, u_start)
     call finish_constraints(base)
   end subroutine support_model
 

@@ -18,6 +18,7 @@ module amontons_system
   use amontons_steps, only: step_type
   use amontons_history, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: set_temperatures, state_type, fields_type, STATUS_OPEN
+  use amontons_changes, only: lone_unknowns
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, multiply, multiply_transpose, &
     multiply_symmetric, product_of, transpose_of, full_of, sum_of
   use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, lu_factorise, lu_solve, FACTOR_OK
@@ -145,10 +146,7 @@ contains
     end do
     call create_assembly(system%assembly, model%mesh, error, first, nodes)
     if (allocated(error)) return
-    allocate (system%is_lone(3 * model%mesh%n_nodes), source=.true.)
-    do i = 1, 3
-      system%is_lone(3 * (model%mesh%nodes - 1) + i) = .false.
-    end do
+    system%is_lone = lone_unknowns(model)
   end subroutine prepare_bonds
 
 
@@ -178,6 +176,7 @@ contains
     system%is_nlgeom = step%is_nlgeom
     system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain)
     system%is_assembled = .false.
+    if (allocated(step%is_absent)) system%is_lone = lone_unknowns(model)
     call prescribe(system, model, step, state%old, error)
     if (allocated(error)) return
     call begin_contact_step(system%contact, model, step)
@@ -434,7 +433,8 @@ contains
     if (size(state%new%slaves) == 0) return
     is_kept = all(model%materials%is_plain) .and. system%base%n_rows == 0 .and. &
       (.not. step%is_nlgeom .or. size(step%distributed) == 0)
-    if (is_kept .and. is_step_start) is_kept = is_same_bulk(system)
+    if (is_kept .and. is_step_start) is_kept = is_same_bulk(system) .and. .not. (allocated(step%is_absent) .or. &
+      allocated(step%material))
     is_contact = interface_unknowns(system, model, state%new, .not. step%is_nlgeom)
     if (is_kept .and. allocated(system%is_contact)) is_kept = .not. any(is_contact .and. .not. system%is_contact)
     if (is_kept .and. allocated(system%is_contact)) return

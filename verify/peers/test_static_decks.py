@@ -115,7 +115,8 @@ def read_our_fields(path: Path, wanted: list[Block]) -> list[Block]:
 
 def leave_out_noise(deviations: list[Deviation], stiffness: float = 0.0) -> list[Deviation]:
     """Without blocks that are rounding only, in the reference and here: 1e-7 of the largest of their kind in the deck, and for
-    stresses what a strain of 1e-12 makes with the stiffness.
+    stresses what a strain of 1e-12 makes with the stiffness. One that is rounding in the reference alone is judged by the largest
+    of its kind.
     """
     top: dict[str, float] = {}
     for d in deviations:
@@ -123,6 +124,9 @@ def leave_out_noise(deviations: list[Deviation], stiffness: float = 0.0) -> list
     level = {title: 1e-7 * largest for title, largest in top.items()}
     if "stresses" in level:
         level["stresses"] = max(level["stresses"], 1e-12 * stiffness)
+    for d in deviations:
+        if d.largest <= level[d.title] < d.ours and not d.missing:
+            d.deviation = d.ours / top[d.title] if top[d.title] > 0 else float("inf")
     return [d for d in deviations if not max(d.largest, d.ours) <= level[d.title]]
 
 

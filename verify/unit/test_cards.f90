@@ -243,7 +243,7 @@ contains
     call expect_match(suite, '*NSET, NSET=A, GENERATE=YES', 1, 0)
     call expect_match(suite, '*NSET, NSET=A, GENER', 0, 1)
     call expect_match(suite, '*NSET, NSET=A, UNSORTED', 0, 0)
-    call expect_match(suite, '*NSET, NSET=A, INSTANCE=P', 1, 0)
+    call expect_match(suite, '*ELEMENT, TYPE=C3D8, INPUT=P', 1, 0)
     call expect_match(suite, '*ELASTIC, TYPE=ISO', 0, 0)
     call expect_match(suite, '*ELASTIC, TYPE=ISOTR', 0, 1)
     call expect_match(suite, '*ELASTIC, TYPE=LAMINA', 1, 0)

@@ -1,0 +1,142 @@
+!> Deck faces: element faces by their corner nodes: the free faces of a body, and the faces that a mesh generator wrote.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_faces
+  use amontons_deck_reader, only: reader_type
+  use amontons_lookup, only: integer_list_type
+  use amontons_mesh, only: mesh_type
+  use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
+  implicit none
+  private
+  public :: faces_type, index_faces, find_free_faces, find_left_faces
+
+  !> The elements at each node, for looking up faces.
+  type :: faces_type
+    integer, allocatable :: first(:)             !< (n_nodes + 1) start in elements; not there: not indexed yet
+    integer, allocatable :: elements(:)
+  end type faces_type
+
+contains
+
+  !> Indexes the elements by their nodes, once. Cost: linear.
+  subroutine index_faces(faces, mesh)
+    type(faces_type), intent(inout) :: faces
+    type(mesh_type), intent(in) :: mesh
+    integer, allocatable :: next(:)
+    integer :: e, i, n
+    if (allocated(faces%first)) return
+    allocate (faces%first(mesh%n_nodes + 1), source=0)
+    allocate (faces%elements(size(mesh%nodes)))
+    do i = 1, size(mesh%nodes)
+      faces%first(mesh%nodes(i) + 1) = faces%first(mesh%nodes(i) + 1) + 1
+    end do
+    faces%first(1) = 1
+    do n = 1, mesh%n_nodes
+      faces%first(n + 1) = faces%first(n) + faces%first(n + 1)
+    end do
+    next = faces%first
+    do e = 1, mesh%n_elements
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        faces%elements(next(mesh%nodes(i))) = e
+        next(mesh%nodes(i)) = next(mesh%nodes(i)) + 1
+      end do
+    end do
+  end subroutine index_faces
+
+
+  !> The corner nodes of a face of an element.
+  pure function corners_of(mesh, e, face) result(corners)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e, face
+    integer, allocatable :: corners(:)
+    type(kind_type) :: entry
+    type(facet_kind_type) :: facet
+    entry = element_kind(mesh%kind(e))
+    facet = facet_kind(entry%face_kind(face))
+    corners = mesh%nodes(mesh%first(e) - 1 + entry%face_nodes(:facet%n_corners, face))
+  end function corners_of
+
+
+  !> The faces whose corners are some nodes: how many there are, and the first one.
+  subroutine match_face(faces, mesh, corners, n, element, face)
+    type(faces_type), intent(in) :: faces        !< indexed
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: corners(:)
+    integer, intent(out) :: n, element, face
+    type(kind_type) :: entry
+    integer, allocatable :: found(:)
+    integer :: k, i, j
+    n = 0
+    element = 0
+    face = 0
+    do k = faces%first(corners(1)), faces%first(corners(1) + 1) - 1
+      associate (e => faces%elements(k))
+        entry = element_kind(mesh%kind(e))
+        do i = 1, entry%n_faces
+          found = corners_of(mesh, e, i)
+          if (size(found) /= size(corners)) cycle
+          if (.not. all([(any(found == corners(j)), j=1, size(corners))])) cycle
+          n = n + 1
+          if (element == 0) face = i
+          if (element == 0) element = e
+        end do
+      end associate
+    end do
+  end subroutine match_face
+
+
+  !> The faces of some elements that no other element of the mesh shares.
+  subroutine find_free_faces(faces, mesh, members, element, face)
+    type(faces_type), intent(inout) :: faces
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: members(:)            !< elements
+    integer, allocatable, intent(out) :: element(:), face(:)
+    type(integer_list_type) :: elements, numbers
+    type(kind_type) :: entry
+    integer :: i, k, n, e, f
+    call index_faces(faces, mesh)
+    do i = 1, size(members)
+      entry = element_kind(mesh%kind(members(i)))
+      do k = 1, entry%n_faces
+        call match_face(faces, mesh, corners_of(mesh, members(i), k), n, e, f)
+        if (n /= 1) cycle
+        call elements%add(members(i))
+        call numbers%add(k)
+      end do
+    end do
+    element = elements%trimmed()
+    face = numbers%trimmed()
+  end subroutine find_free_faces
+
+
+  !> The element faces on which elements lie that were left out (faces or edges that a mesh generator wrote with the body).
+  subroutine find_left_faces(reader, faces, mesh, members, element, face, n_without)
+    type(reader_type), intent(in) :: reader
+    type(faces_type), intent(inout) :: faces
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: members(:)            !< indices into reader%left_first
+    integer, allocatable, intent(out) :: element(:), face(:)
+    integer, intent(out) :: n_without            !< of them, that lie on no face
+    type(integer_list_type) :: elements, numbers
+    integer :: i, n, e, f, n_corners
+    call index_faces(faces, mesh)
+    n_without = 0
+    do i = 1, size(members)
+      associate (nodes => reader%left_nodes(reader%left_first(members(i)):reader%left_first(members(i) + 1) - 1))
+        n_corners = size(nodes)
+        if (n_corners == 6 .or. n_corners == 8) n_corners = n_corners / 2
+        call match_face(faces, mesh, nodes(:n_corners), n, e, f)
+        if (e == 0 .and. size(nodes) == 3) call match_face(faces, mesh, nodes(:2), n, e, f)         ! a curved edge with its
+        if (e == 0 .and. size(nodes) == 3) call match_face(faces, mesh, nodes(1:3:2), n, e, f)      ! middle node last or second
+      end associate
+      if (e == 0) then
+        n_without = n_without + 1
+        cycle
+      end if
+      call elements%add(e)
+      call numbers%add(f)
+    end do
+    element = elements%trimmed()
+    face = numbers%trimmed()
+  end subroutine find_left_faces
+
+end module amontons_deck_faces
