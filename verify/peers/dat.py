@@ -189,3 +189,32 @@ def read_frd(path: Path) -> list[Block]:
             values = [float(line[i : i + 12]) for i in range(13, len(line.rstrip()) - 11, 12)]
             blocks[-1].rows[(int(line[3:13]),)] = values
     return [block for block in blocks if block.rows]
+
+
+def read_frd_places(path: Path) -> dict[int, list[float]]:
+    """The coordinates of the nodes of a .frd file in text form."""
+    places: dict[int, list[float]] = {}
+    is_open = False
+    for line in path.read_text(errors="replace").splitlines():
+        if line.startswith("    2C"):
+            is_open = True
+        elif line.startswith(" -3"):
+            is_open = False
+        elif is_open and line.startswith(" -1"):
+            places[int(line[3:13])] = [float(line[i : i + 12]) for i in (13, 25, 37)]
+    return places
+
+
+def expand(ours: Block, reference: Block, places: dict[int, list[float]], points: dict[int, list[float]]) -> Block:
+    """Our block with the numbers of the nodes into which CalculiX expanded a plane mesh.
+
+    An expanded node has the place of its node in the plane. Where several of our nodes are in one place (on both sides of a
+    section) the one whose row is nearest is taken.
+    """
+    rows: dict[Key, list[float]] = {}
+    for key, row in reference.rows.items():
+        near = [label for label, x in points.items() if np.allclose(x[:2], places[key[0]][:2], atol=1e-5) and (label,) in ours.rows]
+        if near:
+            best = min(near, key=lambda label: float(np.abs(np.array(row) - ours.rows[(label,)][: len(row)]).max()))
+            rows[key] = ours.rows[(best,)]
+    return Block(ours.title, ours.set_name, ours.time, rows)
