@@ -136,9 +136,9 @@ contains
       call complain(reader, line, who // 'has both rubber or deformation plasticity and *PLASTIC or *CREEP; give one.')
     if (material%creep_law /= CREEP_NONE .and. allocated(material%kinematic)) call complain(reader, line, who // &
       'has *CREEP with kinematic hardening, which is not supported; use isotropic hardening.')
-    if ((has_yield .or. material%creep_law /= CREEP_NONE) .and. (material%elastic_kind == ELASTIC_ORTHOTROPIC .or. &
-      material%elastic_kind == ELASTIC_ANISOTROPIC)) call complain(reader, line, who // &
-      'has *PLASTIC or *CREEP with anisotropic elasticity, which is not supported; use TYPE=ISOTROPIC.')
+    if ((allocated(material%kinematic) .or. material%creep_law /= CREEP_NONE) .and. (material%elastic_kind == &
+      ELASTIC_ORTHOTROPIC .or. material%elastic_kind == ELASTIC_ANISOTROPIC)) call complain(reader, line, who // &
+      'has *CREEP or kinematic hardening with anisotropic elasticity, which is not supported; isotropic hardening is.')
     if (is_rubber .and. allocated(material%expansion%value)) then
       if (size(material%expansion%value, 1) > 1) call complain(reader, line, who // &
         'is rubber or foam with anisotropic expansion, which is not supported.')

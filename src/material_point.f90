@@ -20,7 +20,8 @@ module amontons_material_point
   use amontons_materials, only: material_type, orientation_type, evaluate_table, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
     HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL
-  use amontons_plastic, only: return_type, return_radially, is_inelastic, deform_ramberg_osgood, RETURN_OK
+  use amontons_plastic, only: return_type, flow_type, return_radially, return_anisotropic, is_inelastic, &
+    deform_ramberg_osgood, RETURN_OK
   use amontons_principal, only: principal_type, find_principal, left_cauchy_green, principal_stress, &
     principal_tangent, exponential_m1, logarithm_1p, divided_coth, NEXT_AXIS
   use amontons_stress, only: hooke, isotropic_tangent, green_strain, gradient_status, STRESS_OK, STRESS_INVERTED, &
@@ -90,7 +91,7 @@ contains
     else if (material%law == LAW_SAINT_VENANT .and. .not. (is_inelastic(material) .or. &
       material%has_deformation_plasticity)) then
       call update_green(material, moduli, point, status)
-    else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material)) then
+    else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material) .and. moduli%is_isotropic) then
       call update_simo(material, moduli, point, status)
     else if (allocated(material%kinematic) .or. material%has_deformation_plasticity .or. &
       .not. (moduli%is_isotropic .and. moduli%is_swelling)) then
@@ -248,6 +249,8 @@ contains
       doubled(4:) = 2 * elastic(4:)
       point%stress = matmul(moduli%C, doubled)
       point%tangent = moduli%C
+      if (is_inelastic(material)) call flow_strains(material, moduli, doubled, point, status)
+      elastic = strain - moduli%thermal - point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
       point%energy = 0.5_DP * double_dot(point%stress, elastic)
     end if
   end subroutine strain_law
@@ -284,6 +287,27 @@ contains
       history(HISTORY_BACK:HISTORY_BACK + 5) = history(HISTORY_BACK:HISTORY_BACK + 5) + (SQRT_2_3 * answer%back) * N
     end associate
   end subroutine return_strains
+
+
+  !> Plastic flow where the elasticity has axes; the reader lets only isotropic hardening come here.
+  pure subroutine flow_strains(material, moduli, elastic, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: elastic(6)             !< trial strain, engineering shears [-]
+    type(point_type), intent(inout) :: point       !< out: stress, tangent, history
+    integer, intent(out) :: status                 !< STRESS_...
+    type(flow_type) :: answer
+    integer :: trouble
+    call return_anisotropic(material, moduli%C, elastic, point%temperature, point%past(HISTORY_PEEQ), answer, trouble)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    point%stress = answer%stress
+    point%tangent = answer%tangent
+    point%history(HISTORY_PEEQ) = point%past(HISTORY_PEEQ) + answer%plastic
+    associate (inelastic => point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
+      inelastic(:3) = inelastic(:3) + answer%plastic * answer%flow(:3)
+      inelastic(4:) = inelastic(4:) + 0.5_DP * answer%plastic * answer%flow(4:)
+    end associate
+  end subroutine flow_strains
 
 
   !> Deformation plasticity: the deviator of the stress follows the strain by Ramberg and Osgood's law, the pressure is

@@ -11,7 +11,8 @@ module amontons_plastic
     HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
   implicit none
   private
-  public :: return_type, return_radially, is_inelastic, RETURN_OK, RETURN_FAILED, deform_ramberg_osgood
+  public :: return_type, flow_type, return_radially, is_inelastic, RETURN_OK, RETURN_FAILED, deform_ramberg_osgood, &
+    return_anisotropic
 
   integer, parameter :: RETURN_OK = 0              !< all is well
   integer, parameter :: RETURN_FAILED = 1          !< no solution: hardening below -3 G, or a creep increment too large
@@ -27,6 +28,15 @@ module amontons_plastic
     real(DP) :: ratio = 1                          !< theta = 1 - 3 G (dp + dc)/q_trial [-]
     real(DP) :: slope = 1                          !< kappa = 1 - 3 G d(dp + dc)/dq_trial [-]
   end type return_type
+
+  !> What flows where the elasticity is not isotropic.
+  type :: flow_type
+    real(DP) :: plastic = 0                        !< dp, equivalent plastic strain of the increment [-]
+    real(DP) :: stress(6) = 0                      !< [stress]
+    real(DP) :: tangent(6, 6) = 0                  !< engineering shears [stress]
+    real(DP) :: flow(6) = 0                        !< dq/dstress: plastic strain over dp, engineering shears [-]
+    real(DP) :: q = 0                              !< von Mises stress [stress]
+  end type flow_type
 
   !> The increment's fixed data, for the scalar equations.
   type :: problem_type
@@ -283,5 +293,116 @@ contains
       slope = 1 / (1 + 3 * G * n * power)
     end associate
   end subroutine deform_ramberg_osgood
+
+
+  !> Von Mises's flow with isotropic hardening and any elasticity C: with the deviatoric projection P and g = 3 dp/(2 y),
+  !!
+  !!     stress = B e,   B = (1 + g C P)^-1 C,   e the elastic trial strain,   q(stress) = y(p + dp)
+  !!
+  !! one equation for dp, f = q - y descending. Its tangent is B less a product of B P stress with itself, symmetric.
+  pure subroutine return_anisotropic(material, C, e, temperature, p_old, answer, status)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: C(6, 6)                !< elasticity, engineering shears [stress]
+    real(DP), intent(in) :: e(6)                   !< elastic trial strain, engineering shears [-]
+    real(DP), intent(in) :: temperature            !< [temperature]
+    real(DP), intent(in) :: p_old                  !< committed equivalent plastic strain [-]
+    type(flow_type), intent(out) :: answer
+    integer, intent(out) :: status                 !< RETURN_...
+    real(DP) :: low, high, step, f, df, scale
+    logical :: is_bracketed
+    integer :: i
+    status = RETURN_OK
+    call flow_at(material, C, e, temperature, p_old, 0.0_DP, answer, f, df)
+    if (f <= EXCESS * (answer%q - f)) then
+      answer%tangent = C
+      return
+    end if
+    scale = norm2(e)                               ! what rounding is measured by
+    low = 0
+    high = scale
+    is_bracketed = .false.
+    status = RETURN_FAILED
+    do i = 1, MOST_ITERATIONS
+      if (.not. df < 0) return
+      if (f > 0) low = answer%plastic
+      if (f <= 0) high = answer%plastic
+      is_bracketed = is_bracketed .or. f <= 0
+      step = -f / df
+      if (is_bracketed .and. .not. (answer%plastic + step >= low .and. answer%plastic + step <= high)) &
+        step = 0.5_DP * (low + high) - answer%plastic
+      call flow_at(material, C, e, temperature, p_old, answer%plastic + step, answer, f, df)
+      if (abs(step) > TOLERANCE * scale) cycle
+      status = RETURN_OK
+      return
+    end do
+  end subroutine return_anisotropic
+
+
+  !> Stress and tangent after a plastic increment, and by how much it misses the yield surface.
+  pure subroutine flow_at(material, C, e, temperature, p_old, p, answer, f, df)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: C(6, 6), e(6), temperature, p_old
+    real(DP), intent(in) :: p                      !< plastic increment [-]
+    type(flow_type), intent(inout) :: answer
+    real(DP), intent(out) :: f, df                 !< q - y and its slope [stress]
+    real(DP) :: yield, slope, g, g_slope, B(6, 6), M(6, 6), Bn(6)
+    integer :: k
+    call evaluate_curves(material%isotropic, temperature, p_old + p, yield, slope)
+    g = 1.5_DP * p / yield
+    g_slope = 1.5_DP * (1 - p * slope / yield) / yield
+    do k = 1, 6
+      M(k, :) = g * deviatoric(C(k, :))            ! C is symmetric: rows of C P
+      M(k, k) = M(k, k) + 1
+    end do
+    B = C
+    call eliminate(M, B)
+    answer%plastic = p
+    answer%stress = matmul(B, e)
+    answer%q = sqrt(1.5_DP * dot_product(answer%stress, deviatoric(answer%stress)))
+    answer%flow = 0
+    Bn = 0
+    if (answer%q > 0) answer%flow = 1.5_DP / answer%q * deviatoric(answer%stress)
+    Bn = matmul(B, answer%flow)
+    f = answer%q - yield
+    df = -g_slope * answer%q / 1.5_DP * dot_product(answer%flow, Bn) - slope
+    do k = 1, 6
+      answer%tangent(:, k) = B(:, k) + (g_slope * answer%q / (1.5_DP * df) * Bn(k)) * Bn
+    end do
+  end subroutine flow_at
+
+
+  !> P: the deviator of a stress with its shears doubled, so that its product with a stress is one of tensors.
+  pure function deviatoric(stress) result(s)
+    real(DP), intent(in) :: stress(6)
+    real(DP) :: s(6)
+    s(:3) = stress(:3) - sum(stress(:3)) / 3
+    s(4:) = 2 * stress(4:)
+  end function deviatoric
+
+
+  !> B becomes M^-1 B, by Gauss's elimination with row exchange; M is lost.
+  pure subroutine eliminate(M, B)
+    real(DP), intent(inout) :: M(6, 6), B(6, 6)
+    real(DP) :: row(6), factor
+    integer :: i, k, pivot
+    do k = 1, 6
+      pivot = k - 1 + maxloc(abs(M(k:, k)), dim=1)
+      row = M(k, :)
+      M(k, :) = M(pivot, :)
+      M(pivot, :) = row
+      row = B(k, :)
+      B(k, :) = B(pivot, :)
+      B(pivot, :) = row
+      do i = 1, 6
+        if (i == k) cycle
+        factor = M(i, k) / M(k, k)
+        M(i, :) = M(i, :) - factor * M(k, :)
+        B(i, :) = B(i, :) - factor * B(k, :)
+      end do
+    end do
+    do k = 1, 6
+      B(k, :) = B(k, :) / M(k, k)
+    end do
+  end subroutine eliminate
 
 end module amontons_plastic

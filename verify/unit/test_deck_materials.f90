@@ -164,6 +164,9 @@ contains
       call suite%near('the second', material%isotropic(2)%stress(1), 0.5_DP, 0.0_DP)
       call suite%that('history', material%n_history == HISTORY_INELASTIC + 5 .and. .not. material%is_plain)
     end associate
+    call good(NODES // MATERIAL // '*ELASTIC,TYPE=ORTHO;5.,1.,5.,1.,1.,5.,2.,2.;2.;*PLASTIC;1.,0.;' // SECTION // STEP, model)
+    call bad(NODES // MATERIAL // '*ELASTIC,TYPE=ORTHO;5.,1.,5.,1.,1.,5.,2.,2.;2.;*PLASTIC,HARDENING=KINEMATIC;1.,0.;2.,1.;' // &
+      SECTION // STEP, 'isotropic hardening is')
     call good(NODES // STEEL // '*PLASTIC,HARDENING=COMBINED;1.,0.;2.,.1;*CYCLIC HARDENING;1.,0.;' // SECTION // STEP, &
       model)
     call suite%that('combined', allocated(model%materials(1)%isotropic) .and. allocated(model%materials(1)%kinematic))

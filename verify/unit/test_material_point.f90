@@ -30,6 +30,9 @@ program test_material_point
   call check_plastic(creeping(CREEP_STRAIN_HARDENING, -0.4_DP), 'strain hardening')
   call check_plastic(creeping_metal(), 'creep and yield')
   call check_plastic(ramberg_osgood(), 'deformation plasticity')
+  call check_plastic(crystal(), 'cubic elasticity')
+  call check_plastic(isotropic_as_crystal(), 'isotropic by its matrix')
+  call check_same_flow()
   call check_simo(metal(), 'Simo, isotropic')
   call check_simo(kinematic_metal(.false.), 'Simo, kinematic')
   call check_simo(kinematic_metal(.true.), 'Simo, combined')
@@ -104,6 +107,52 @@ contains
     material%has_deformation_plasticity = .true.
     material%deformation = table_type([0.0_DP], reshape([210000.0_DP, 0.3_DP, 300.0_DP, 8.0_DP, 0.4_DP], [5, 1]))
   end function ramberg_osgood
+
+
+  !> Plasticity with cubic elasticity.
+  function crystal() result(material)
+    type(material_type) :: material
+    material = metal()
+    material%elastic_kind = ELASTIC_ORTHOTROPIC
+    call give(material, [230000.0_DP, 130000.0_DP, 230000.0_DP, 130000.0_DP, 130000.0_DP, 230000.0_DP, 110000.0_DP, &
+      110000.0_DP, 110000.0_DP])
+  end function crystal
+
+
+  !> Plasticity whose elasticity is isotropic, E = 210000, nu = 0.3, but given as a matrix.
+  function isotropic_as_crystal() result(material)
+    type(material_type) :: material
+    real(DP), parameter :: G = 210000.0_DP / 2.6_DP, L = 210000.0_DP * 0.3_DP / (1.3_DP * 0.4_DP)
+    material = metal()
+    material%elastic_kind = ELASTIC_ORTHOTROPIC
+    call give(material, [L + 2 * G, L, L + 2 * G, L, L, L + 2 * G, G, G, G])
+  end function isotropic_as_crystal
+
+
+  !> The flow of anisotropic elasticity is the radial return where the matrix is isotropic.
+  subroutine check_same_flow()
+    type(material_type) :: metals(2)
+    type(point_type) :: point(2)
+    integer :: i, k, status
+    metals(1) = metal()
+    metals(2) = isotropic_as_crystal()
+    point = virgin()
+    do i = 1, 4
+      point(1)%strain = pack_voigt(any_gradient(0.02_DP))
+      point(2)%strain = point(1)%strain
+      do k = 1, 2
+        call update_point(metals(k), .false., point(k), status)
+        call suite%that('same flow: status', status == STRESS_OK)
+      end do
+      call suite%near('same flow: stress', maxval(abs(point(2)%stress - point(1)%stress)), 0.0_DP, &
+        1e-9_DP * maxval(abs(point(1)%stress)))
+      call suite%near('same flow: tangent', maxval(abs(point(2)%tangent - point(1)%tangent)), 0.0_DP, &
+        1e-8_DP * maxval(abs(point(1)%tangent)))
+      call suite%near('same flow: history', maxval(abs(point(2)%history - point(1)%history)), 0.0_DP, 1e-12_DP)
+      point(1)%past = point(1)%history
+      point(2)%past = point(2)%history
+    end do
+  end subroutine check_same_flow
 
 
   !> Rubbers and foams.
