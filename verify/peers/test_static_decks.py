@@ -47,7 +47,8 @@ NOT_JUDGED = {
 # What is not there yet, so that these decks run but do not agree (or do not run): told in the table, expected to fail. A deck that
 # begins to agree shows as XPASS and leaves this list.
 UNFINISHED = {
-    "metalforming": "pressures agree; the slip of its almost free nodes (stick slope 0.001) differs by 9e-6, the stroke being 0.01",
+    "metalforming": "slip on a rounded master: its normal is a continuous field here and jumps from face to face there; with the "
+                    "normals of the faces (feature angle 0.2 degrees) slip agrees to 0.3 %, pressure to 0.01 %",
     "bolt": "node-based slaves: CalculiX adds the flat faces of its expanded elements to their areas",
 }  # fmt: skip
 
