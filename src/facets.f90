@@ -19,7 +19,7 @@ module amontons_facets
   use amontons_shapes, only: facet_shapes
   implicit none
   private
-  public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, is_line
+  public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, corners_of, is_line
   public :: EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE, EDGE_ANGLE
 
   integer, parameter :: EDGE_FREE = 0         !< no facet across
@@ -43,6 +43,7 @@ module amontons_facets
     real(DP), allocatable :: edge_length(:)   !< (n) mean length of the edges, reference configuration [length]
     integer, allocatable :: vertex(:)         !< vertex of each entry of nodes(:)
     integer :: n_vertices = 0
+    real(DP), allocatable :: in_plane(:, :)   !< (3, n_vertices) 0 where a plane of symmetry takes a part of the normal; else 1
     integer, allocatable :: star_first(:)     !< (n_vertices + 1) start of a vertex's star
     integer, allocatable :: star_facet(:)     !< facets of all stars
     integer, allocatable :: star_local(:)     !< local node number of the vertex's node in that facet

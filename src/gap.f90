@@ -240,10 +240,11 @@ contains
 
 
   !> The area-weighted normal of a vertex: the sum over its star.
-  pure function vertex_normal(facets, x, vertex) result(m)
+  pure function vertex_normal(facets, x, vertex, is_whole) result(m)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: vertex                !< number of the vertex, as in facets%vertex
+    logical, intent(in), optional :: is_whole    !< .true.: with the parts that a plane of symmetry takes away
     real(DP) :: m(3)                             !< [length^2]
     real(DP) :: tangents(3, 2), xi(2, MAX_FACE_NODES)
     integer :: s, f
@@ -254,6 +255,8 @@ contains
       call facet_tangents(facets, x, f, xi(:, facets%star_local(s)), tangents)
       m = m + natural_area(facets%kind(f)) * cross_product(tangents(:, 1), tangents(:, 2))
     end do
+    if (present(is_whole)) return
+    if (allocated(facets%in_plane)) m = facets%in_plane(:, vertex) * m
   end function vertex_normal
 
 
@@ -580,6 +583,7 @@ contains
       if (length <= 0) cycle
       to_vertex = matmul(project, projector(frame%normal(:, i))) * (place%N(i) / length)
       v = facets%vertex(facets%first(f) + i - 1)
+      if (allocated(facets%in_plane)) to_vertex = to_vertex * spread(facets%in_plane(:, v), 1, 3)
       do s = facets%star_first(v), facets%star_first(v + 1) - 1
         call add_star_facet(facets, x, facets%star_facet(s), facets%star_local(s), to_vertex, derivative)
       end do

@@ -31,6 +31,7 @@ module amontons_system
   use amontons_supports, only: support_model
   use amontons_follower, only: finish_follower, subtract_follower, with_follower
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
+  use amontons_symmetry, only: find_symmetry
   use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
     begin_contact_increment
   use amontons_contact_tangent, only: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, &
@@ -172,6 +173,7 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(in) :: state
     type(error_type), allocatable, intent(out) :: error
+    integer :: p
     system%u_start = state%old%u
     system%is_nlgeom = step%is_nlgeom
     system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain)
@@ -181,6 +183,10 @@ contains
     if (allocated(error)) return
     call begin_contact_step(system%contact, model, step)
     call set_supports(system%contact, state%old%slaves, system%base, error)
+    if (allocated(error)) return
+    do p = 1, size(system%contact%facets)
+      call find_symmetry(system%contact%facets(p), model%mesh%coordinates, reshape(system%base%owner < 0, [3, model%mesh%n_nodes]))
+    end do
   end subroutine begin_step
 
 

@@ -145,7 +145,7 @@ class Case:
     checks: list[Check] = field(default_factory=list)
     jobs: list[Job] = field(default_factory=list)
     figures: list[tuple[str, str]] = field(default_factory=list)
-    asked: int = 0  #: increments that the decks asked for
+    wanted: dict[str, int] = field(default_factory=dict)  #: increments that the decks asked for, by job; 0: not said
 
     def run(self, deck: str, name: str = "job", asked: int = 0, threads: int = 1) -> Job:
         """Runs a deck that has to finish within the iterations allowed. asked: increments that the deck asks for."""
@@ -156,6 +156,7 @@ class Case:
         assert done.returncode == 0, f"{name}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
         job = Job(folder / "job.vtkhdf", name)
         self.jobs.append(job)
+        self.wanted[job.name] = asked
         increments = asked or job.n_increments
         self.within(
             f"Newton iterations per increment ({name})",
@@ -219,6 +220,7 @@ class Case:
             (self.pages / f"{self.name}.md").write_text(self.page())
             facts = {"name": self.name, "title": self.title, "checks": [asdict(c) for c in self.checks]}
             facts["effort"] = [(job.n_increments, job.n_iterations, job.n_failed) for job in self.jobs]
+            facts["asked"] = [self.wanted.get(job.name) or job.n_increments for job in self.jobs]
             (self.pages / f"{self.name}.json").write_text(json.dumps(facts, indent=1) + "\n")
         failed = [check.sentence() for check in self.checks if not check.holds]
         assert not failed, "\n".join(failed)
@@ -251,6 +253,20 @@ def observed_order(errors: Sequence[float], ratio: float = 2.0) -> float:
     return math.log(errors[0] / errors[1]) / math.log(ratio)
 
 
+def effort_table(cases: Sequence[dict]) -> list[str]:
+    """A row per case: increments asked for, iterations, failed attempts; and the mean over all cases."""
+    lines = ["| case | increments asked for | Newton iterations | failed attempts | iterations per increment |", "|---|---|---|---|---|"]
+    rows = []
+    for case in cases:
+        if not case["effort"]:
+            continue
+        asked, iterations, failed = sum(case["asked"]), sum(e[1] for e in case["effort"]), sum(e[2] for e in case["effort"])
+        rows.append((asked, iterations, failed))
+        lines.append(f"| [{case['title']}]({case['name']}.md) | {asked} | {iterations} | {failed} | {iterations / max(asked, 1):.1f} |")
+    asked, iterations, failed = (sum(row[i] for row in rows) for i in range(3))
+    return [*lines, f"| all | {asked} | {iterations} | {failed} | {iterations / max(asked, 1):.1f} |"]
+
+
 def write_index(pages: Path) -> None:
     """index.md from the .json files of the cases, which it takes away; a row per check."""
     files = sorted(pages.glob("*.json"))
@@ -278,6 +294,7 @@ def write_index(pages: Path) -> None:
             numbers = f"{c['reference']} | {c['ours']:.6g} | {c['error']:.1e}{mark} | {c['tolerance']:.0e}"
             lines.append(f"| {title} | {c['quantity']}{where} | {numbers} | {c['order']} |")
             title = ""
+    lines += ["", "## Effort", "", *effort_table(cases)]
     (pages / "index.md").write_text("\n".join(lines) + "\n")
     for file in files:
         file.unlink()

@@ -12,7 +12,7 @@ program test_contact_tangent
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
   use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, linearise, change_forces, &
-    tangent_matrix, find_direction
+    tangent_matrix, find_direction, foresee
   use amontons_contact, only: is_cornered
   use amontons_contact_tangent, only: linearise_contact
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
@@ -24,9 +24,11 @@ program test_contact_tangent
   call check_tangent('curved master, frictionless', 0.15_DP, 0.0_DP, .true., .false.)
   call check_tangent('small sliding', 0.15_DP, 0.3_DP, .true., .true.)
   call check_tangent('small displacements', 0.1_DP, 0.5_DP, .false., .true.)
+  call check_tangent('curved master, normals in planes of symmetry', 0.15_DP, 0.4_DP, .true., .false., is_symmetric=.true.)
   call check_laws()
   call check_planes()
   call check_shared()
+  call check_foresight()
   call suite%finish()
 
 contains
@@ -76,7 +78,7 @@ contains
 
 
   !> -(K - dF_c) du against the difference of the condensed residual, statuses frozen, for several random directions.
-  subroutine check_tangent(name, sag, friction, is_nlgeom, is_small, law, plane, shared)
+  subroutine check_tangent(name, sag, friction, is_nlgeom, is_small, law, plane, shared, is_symmetric)
     character(*), intent(in) :: name
     real(DP), intent(in) :: sag                    !< height of the master's waves [length]
     real(DP), intent(in) :: friction
@@ -84,6 +86,7 @@ contains
     type(interaction_type), intent(in), optional :: law   !< with its behaviour; hard without it
     integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
     integer, intent(in), optional :: shared        !< 1: with the pair the other way round first; 2: with a second master
+    logical, intent(in), optional :: is_symmetric  !< planes of symmetry take the x of every other vertex normal
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
     type(step_type) :: step
@@ -105,6 +108,7 @@ contains
     call suite%that(name // ': the system is made', .not. allocated(error))
     if (allocated(error)) return
     call begin_step(system, model, step, state, error)
+    if (present(is_symmetric)) system%contact%facets(1)%in_plane(1, ::2) = 0.0_DP
     call begin_increment(system, model, step, .true., state)
     n = model%mesh%n_nodes
     allocate (u(3, n), du(3, n), exact(3, n), plus(3, n), minus(3, n), w(3 * n))
@@ -151,6 +155,44 @@ contains
       call suite%near(name // ': tangent', norm2((minus - plus) / (2.0_DP * H) - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
     end do
   end subroutine check_tangent
+
+
+  !> With small displacements the bulk is linear: what is foreseen at u + du without the elements is what they say there, with
+  !! nodes that open and close on the way.
+  subroutine check_foresight()
+    type(model_type) :: model
+    type(system_type) :: system
+    type(state_type) :: state, start
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: du(:, :), foreseen(:, :)
+    integer, allocatable :: status(:)
+    integer :: trouble, i, n_changes
+    call two_blocks(model, 0.1_DP, 0.3_DP, .false., .true.)
+    call create_system(system, model, state, error)
+    call begin_step(system, model, model%steps(1), state, error)
+    call begin_increment(system, model, model%steps(1), .true., state)
+    allocate (du, mold=state%new%u)
+    call fill(du, 1, 0.02_DP)
+    state%new%u = du
+    call evaluate(system, model, model%steps(1), .false., state, trouble)
+    call linearise(system, model, model%steps(1), state, trouble, error)
+    start = state
+    n_changes = 0
+    do i = 2, 4
+      call fill(du, i, 0.05_DP)
+      state = start
+      call foresee(system, model, state, start%new%u, start%new%internal_force, du)
+      foreseen = system%residual
+      status = state%new%slaves%status
+      n_changes = n_changes + count(status /= start%new%slaves%status)
+      state = start
+      state%new%u = start%new%u + du
+      call evaluate(system, model, model%steps(1), .false., state, trouble)
+      call suite%that('foresight: the same statuses', all(status == state%new%slaves%status))
+      call suite%near('foresight: the same residual', norm2(foreseen - system%residual) / norm2(foreseen), 0.0_DP, 1.0e-11_DP)
+    end do
+    call suite%that('foresight: statuses do change on the way', n_changes > 0)
+  end subroutine check_foresight
 
 
   !> With a fresh factor of the bulk the condensed interface is the exact inverse of the tangent: one Krylov iteration.

@@ -92,8 +92,8 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
     case.near("friction", hung.last("CSHEARF")[:, 0].sum(), -mu * weight * np.cos(SLOPE), 1e-5, why="mu N")
     (tmp_path / "gone.inp").write_text(slope_deck(mu, False))
     done = run(["gone"], cwd=tmp_path)
-    case.true("exit code 4 or 5 alone", done.returncode in (4, 5), why="nothing holds the block")
-    case.true("and it says *ERROR with the step", "*ERROR" in done.stdout and "tep 1" in done.stdout, why="a clear reason")
+    case.true("exit code 5 alone", done.returncode == 5, why="nothing holds the block")
+    case.true("and it says FREE BODY", "FREE BODY" in done.stdout, why="a clear reason")
     case.done()
 
 
@@ -270,7 +270,6 @@ def test_shrink_fit(proof: Proof) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="at t = 1.82 a corner node of the indenter opens and closes without end, at a gap of 1e-15", strict=False)
 def test_shallow_ironing(proof: Proof) -> None:
     """Fischer and Wriggers."""
     case = proof(
@@ -376,13 +375,27 @@ def turn(angle: float) -> Floats:
 # ------------------------------------------------------------------------- supports at slave nodes of a curved fit
 
 
-@pytest.mark.xfail(reason="the normal at a symmetry plane leans by half a facet: a gap of d (1 - cos^2) stays for ever", strict=False)
-def test_shrink_fit_quarter(run: Run, tmp_path: Path) -> None:
-    """A quarter of a shrink fit in the plane, with symmetry supports at slave nodes too: it finishes."""
+def test_shrink_fit_quarter(proof: Proof) -> None:
+    """A quarter of a shrink fit in the plane, with symmetry supports at slave nodes too."""
+    case = proof(
+        "shrink-fit-quarter",
+        title="A quarter of a shrink fit with planes of symmetry",
+        model="A quarter of two rings in the plane, radii 1.25, 1.516 and 1.75, the inner one 0.02 too large, E = 206e9, nu = 0, mu = 0.1, 12 "
+        "C3D8 around and 2 through each, small displacements, one increment. The nodes on both planes of symmetry are held "
+        "perpendicular to them, slave and master nodes among them.",
+        formula="What a whole ring of 48 such elements does: every node has the same radial displacement and the same pressure.",
+        source="symmetry",
+        proves="Normals at the border of a master lie in the plane of symmetry there.",
+    )
     inner = ring_sector("INNER", 1.25, 1.536, 90, 12, 2)
     outer = ring_sector("OUTER", 1.516, 1.75, 90, 12, 2)
     supports = fix("INNER_LEFT, 1", "OUTER_LEFT, 1", "INNER_RIGHT, 3", "OUTER_RIGHT, 3")
     parts = [(inner, (206e9, 0.0)), (outer, (206e9, 0.0))]
-    (tmp_path / "job.inp").write_text(plane_deck(parts, pair("INNER_TOP", "OUTER_BOTTOM", 0.1), step(supports, 1)))
-    done = run(["--quiet", "job"], cwd=tmp_path)
-    assert done.returncode == 0, done.stdout
+    job = case.run(plane_deck(parts, pair("INNER_TOP", "OUTER_BOTTOM", 0.1), step(supports, 1)), asked=1)
+    slaves = inner.node_sets["INNER_TOP"]
+    radial = np.linalg.norm((inner.nodes + job.last("U")[: len(inner.nodes)])[slaves][:, [0, 2]], axis=1)
+    case.near("radius of the fit", radial, radial.mean(), 1e-9, why="every sector is a mirror image of the next", place="all slave nodes")
+    pressure = job.last("CPRESS")[slaves]
+    case.true("it presses", bool(pressure.min() > 0), why="an interference of 0.02")
+    case.near("pressure", pressure, pressure.mean(), 1e-6, why="every sector is a mirror image of the next", place="all slave nodes")
+    case.done()
