@@ -70,15 +70,20 @@ def run_case(program: Path, folder: Path, name: str, deck: str, asked: int) -> O
     """Runs one deck and counts the rows of its .sta file."""
     (folder / f"{name}.inp").write_text(deck)
     done = subprocess.run([program, "--quiet", "--outdir", folder, folder / f"{name}.inp"], check=False, capture_output=True)
+    return count_rows(folder / f"{name}.sta", asked, done.returncode == 0)
+
+
+def count_rows(file: Path, asked: int, is_done: bool) -> Outcome:
+    """Counts the rows of a .sta file: increments made, failed attempts, iterations of both."""
     made = failed = iterations = 0
-    for line in (folder / f"{name}.sta").read_text().splitlines()[2:]:
+    for line in file.read_text().splitlines()[2:]:
         words = line.replace("U", " U ").split()
         is_failed = "U" in words
         words = [word for word in words if word != "U"]
         iterations += int(words[3])
         made += not is_failed
         failed += is_failed
-    return Outcome(asked, made, failed, iterations, done.returncode == 0)
+    return Outcome(asked, made, failed, iterations, is_done)
 
 
 def main() -> int:
