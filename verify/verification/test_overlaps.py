@@ -204,3 +204,33 @@ def test_symmetric_pair(proof: Proof, mu: float, is_nlgeom: bool) -> None:
     for name, sunk in found.items():
         case.near("the top sinks", sunk, mean, 0.005, why="the meshes", time=name)
     case.done()
+
+
+def test_coarse_side_first(proof: Proof) -> None:
+    """A symmetric pair whose first slave is much too coarse: the fine side fills in between."""
+    case = proof(
+        "symmetric-pair-coarse",
+        title="A symmetric pair whose first slave is too coarse",
+        model="A block 1 x 1 (E = 3000, 3 x 3 CPE4) on a block 4 x 1 (E = 1000, 80 x 8), nu = 0.3, mu = 0.2, NLGEOM: pressed by 0.02 (4 increments), drawn by 0.5 "
+        "(20). The coarse block slave; the fine one slave; both pairs, the coarse slave first, and the fine one first.",
+        formula="With the fine slave the result is good. The four nodes of the coarse slave alone let the soft ground rise between them: 15 % less force. Both "
+        "pairs together are within 3 % of the fine slave whichever comes first.",
+        source="none needed: one problem",
+        proves="Slaves of the second pair are kept where no slave of the first stands around; sliding over many facets with it.",
+    )
+    upper, lower = flatten(sheet("UPPER", between(0, 1, 3), between(0, 1, 3))), flatten(sheet("LOWER", between(-1, 3, 80), between(-1, 0, 8)))
+    coarse, fine = pair("UPPER_BOTTOM", "LOWER_TOP", 0.2), pair("LOWER_TOP", "UPPER_BOTTOM", 0.2)
+    steps = step(fix("LOWER_BOTTOM, 1, 2", "UPPER_TOP, 1", "UPPER_TOP, 2, 2, -0.02"), 4, True) + step(fix("UPPER_TOP, 1, 1, 0.5"), 20, True)
+    force = {}
+    for name, pairs in (("coarse slave", coarse), ("fine slave", fine), ("coarse first", coarse + fine), ("fine first", fine + coarse)):
+        job = case.run(flat_deck([(upper, (3000.0, 0.3)), (lower, (1000.0, 0.3))], "CPE4", pairs + steps), name, asked=24)
+        force[name] = job.field("RF")[:, upper.node_sets["UPPER_TOP"], :2].sum(axis=1)
+        if name == "coarse first":
+            fine_nodes = len(upper.nodes) + lower.node_sets["LOWER_TOP"]
+            case.within("fine nodes in contact", int((job.last("CSTATUS")[fine_nodes] > 0).sum()), (4, 20), why="between the four coarse ones")
+    for time, frame in (("pressed", 4), ("drawn", 24)):
+        good = force["fine slave"][frame]
+        for name in ("coarse first", "fine first"):
+            case.near(f"force, {name}", force[name][frame], good, 0.03, why="the meshes", time=time)
+        case.within("what the coarse slave alone misses", 1 - force["coarse slave"][frame, 1] / good[1], (0.10, 0.20), why="the ground rises", time=time)
+    case.done()
