@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -233,4 +234,49 @@ def test_coarse_side_first(proof: Proof) -> None:
         for name in ("coarse first", "fine first"):
             case.near(f"force, {name}", force[name][frame], good, 0.03, why="the meshes", time=time)
         case.within("what the coarse slave alone misses", 1 - force["coarse slave"][frame, 1] / good[1], (0.10, 0.20), why="the ground rises", time=time)
+    case.done()
+
+
+def test_groove(proof: Proof) -> None:
+    """A cube drawn along the edge of floor and wall: friction where both leave a direction free."""
+    mu = 0.2
+    case = proof(
+        "corner-groove",
+        title="A cube drawn along a groove",
+        model="A cube of 3 x 3 x 3 C3D8, E = 1000, nu = 0.3, on a floor and against a wall, a pressure of 10 towards both (1 increment), then drawn along the "
+        f"edge by 0.1 at its nodes away from both (5 increments), mu = {mu:g} in both pairs, small displacements.",
+        formula="Every node slides: its friction is mu N against the motion. At the nodes of the edge, slaves in both pairs, the friction along the edge is that "
+        "of the pair that comes first, the floor; the wall pushes there only. The pull is the sum.",
+        source="Coulomb; the rule of corners (theory of contact, section 5)",
+        proves="Friction at nodes that touch twice; the normal forces of both pairs there.",
+    )
+    lines = between(0, 1, 3)
+    cube = block(lines, lines, lines, "CUBE")
+    number = np.arange(27).reshape(3, 3, 3)  # z, y, x
+    cube.element_sets |= {"CUBE_X0E": number[:, :, 0].ravel(), "CUBE_X1E": number[:, :, 2].ravel()}
+    cube.surfaces |= {"CUBE_X0": [("CUBE_X0E", 6)], "CUBE_X1": [("CUBE_X1E", 4)]}
+    cube.select("HANDLE", lambda x: (x[:, 0] > 0.5) & (x[:, 2] > 0.5))
+    wide, thin = between(-0.5, 2.0, 2), between(-0.5, 0, 1)
+    walls = [block(wide, wide, thin, "FLOOR"), block(thin, wide, wide, "WALL")]
+    for wall, face in zip(walls, (2, 4), strict=True):
+        name = next(iter(wall.element_sets))
+        wall.surfaces = {f"{name}_SIDE": [(name, face)]}
+        wall.node_sets = {f"{name}_ALL": np.arange(len(wall.nodes))}
+    pairs = pair("CUBE_BOTTOM", "FLOOR_SIDE", mu) + pair("CUBE_X0", "WALL_SIDE", mu)
+    supports = fix("FLOOR_ALL, 1, 3", "WALL_ALL, 1, 3", "HANDLE, 2")
+    steps = step(supports + "*DSLOAD\nCUBE_TOP, P, 10.\nCUBE_X1, P, 10.\n", 1) + step(fix("HANDLE, 2, 2, 0.1"), 5)
+    job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, steps), asked=6)
+    with h5py.File(job.path) as file:
+        contact = file["AMONTONS/contact"]
+        node, of_pair = contact["node"][:], contact["pair"][:]
+        force, shear, status = (contact[name][-len(node) :] for name in ("force", "shear", "status"))
+    first = of_pair == of_pair.min()
+    shared = np.isin(node, np.intersect1d(node[first], node[~first]))
+    normal = np.linalg.norm(force, axis=1)
+    expected = np.where(~first & shared, 0.0, mu * normal)
+    case.true("all of it slides", bool((status == 2).all()), why="drawn far enough", time="the end")
+    case.near("friction, slave by slave", np.linalg.norm(shear, axis=1), expected, 1e-6, why="Coulomb", scale=mu * float(normal.max()), time="the end")
+    both = force.sum(axis=0) + shear.sum(axis=0)  # the friction at one leans a little along the normal of the other
+    case.near("force of floor and wall", both[[0, 2]], 10.0, 1e-6, why="equilibrium", time="the end")
+    case.near("pull", job.last("RF")[cube.node_sets["HANDLE"], 1].sum(), expected.sum(), 0.02, why="friction leans a little across", time="the end")
     case.done()
