@@ -222,9 +222,10 @@ contains
     type(iteration_record_type), intent(in) :: record
     character(160) :: line
     if (self%is_quiet .or. .not. self%is_live) return
-    write (line, '(3(a,i0),a,es7.1,2(a,i0),2a)') 'Step ', record%step, ' increment ', record%increment, &
-      ' iteration ', record%iteration, ': imbalance ', record%residual, ', stick ', record%n_status(1), ', slip ', &
-      record%n_status(2), ', left ', time_left(self)
+    write (line, '(3(a,i0),a,es7.1,2a)') 'Step ', record%step, ' inc ', record%increment, ' iter ', record%iteration, &
+      ': ', record%residual, ', left ', adjustl(time_left(self))
+    if (sum(record%n_status) > 0) write (line(len_trim(line) + 1:), '(2(a,i0),a,4(1x,i0))') ', stick ', &
+      record%n_status(1), ', slip ', record%n_status(2), ', I-IV', record%n_scenario
     write (self%unit, '(3a)', advance='no') RETURN_KEY, trim(line(:LIVE_WIDTH)), ESCAPE // '[K'
     flush (self%unit)
     self%has_live_line = .true.
