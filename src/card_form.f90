@@ -48,6 +48,7 @@ module amontons_card_form
     integer :: status = STATUS_USED
     character(:), allocatable :: sentence       !< what it does; for refused ones the message
     character(:), allocatable :: data           !< its data lines in words; empty: it has none
+    character(:), allocatable :: dialects       !< where the two dialects differ; empty: nowhere
     integer :: n_options = 0
     type(option_type), allocatable :: options(:)
   end type card_entry_type
@@ -62,6 +63,7 @@ module amontons_card_form
     procedure :: cards_with => add_cards_with
     procedure :: option => add_option
     procedure :: refuse_words
+    procedure :: differ
   end type card_table_type
 
 contains
@@ -94,12 +96,21 @@ contains
       entry%sentence = sentence
       entry%data = ''
       if (present(data)) entry%data = data
+      entry%dialects = ''
       entry%parent = ''
       if (present(parent)) entry%parent = squeezed(parent)
       if (present(status)) entry%status = status
       allocate (entry%options(0))
     end associate
   end subroutine add_card
+
+
+  !> Says of the last card where the two dialects differ.
+  subroutine differ(self, sentence)
+    class(card_table_type), intent(inout) :: self
+    character(*), intent(in) :: sentence
+    self%entries(self%n)%dialects = sentence
+  end subroutine differ
 
 
   !> Adds several cards that share status and message.
@@ -463,6 +474,7 @@ contains
       call render_option(entry%options(i), text)
     end do
     if (entry%data /= '') text = text // '    data lines: ' // entry%data // NEWLINE
+    if (entry%dialects /= '') text = text // '    dialects: ' // entry%dialects // NEWLINE
     text = text // NEWLINE
   end subroutine render_card
 

@@ -75,15 +75,15 @@ contains
     call table%option('NSET', VALUE_NAME, 'Puts the nodes into this node set as well.')
     call table%option('SYSTEM', VALUE_WORD, 'Coordinate system.', allowed='R', default='R')
     call table%refuse_words('C|S', 'Give Cartesian coordinates.')
-    call table%option('INPUT', VALUE_TEXT, 'Write *NODE and below it *INCLUDE, INPUT=file.', status=STATUS_REFUSED)
+    call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
 
     call table%card('ELEMENT', IN_MODEL, 'Defines elements; a row of nodes may go on in further lines.', &
       data='number, node, node, ...')
     call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; ' // &
       'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; MASS.', default='required')
     call table%option('ELSET', VALUE_NAME, 'Puts the elements into this element set as well.')
-    call table%option('INPUT', VALUE_TEXT, 'Write *ELEMENT, TYPE=... and below it *INCLUDE, INPUT=file.', &
-      status=STATUS_REFUSED)
+    call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
+    call table%differ('abaqus: C3D8, CPE4 and CAX4 have a mean dilatation; calculix: they are integrated in full.')
 
     call table%card('NSET', IN_BOTH, 'Defines a node set or extends it.', &
       data='node numbers and names of node sets; with GENERATE first, last, step')
@@ -92,6 +92,7 @@ contains
     call table%option('ELSET', VALUE_NAME, 'Takes the nodes of the elements of this element set.')
     call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
     call table%option('INSTANCE', VALUE_NAME, 'In an assembly: numbers and names are those of this instance.')
+    call table%differ('Numbers of nodes that do not exist are errors under abaqus, notes under calculix.')
 
     call table%card('ELSET', IN_BOTH, 'Defines an element set or extends it.', &
       data='element numbers and names of element sets; with GENERATE first, last, step')
@@ -137,6 +138,7 @@ contains
     call table%option('PENALTY|AUGMENTED LAGRANGE|DIRECT', VALUE_OPTIONAL_WORD, EXACT, allowed='LINEAR|NONLINEAR', &
       status=STATUS_NOTED)
     call table%option('NO SEPARATION', VALUE_NONE, 'Surfaces that touch may always part again.', status=STATUS_REFUSED)
+    call table%differ('abaqus: HARD is exact; calculix: HARD is LINEAR with 50 E of the first material.')
 
     call table%card('FRICTION', IN_BOTH, 'Coulomb friction; without this card the surfaces are frictionless.', &
       parent='SURFACE INTERACTION|CHANGE FRICTION', data='coefficient of friction; one line (calculix ' // &
@@ -148,6 +150,7 @@ contains
     call table%option('TAUMAX', VALUE_REAL, 'Largest shear stress, whatever the pressure.')
     call table%option('EXPONENTIAL DECAY|ANISOTROPIC|USER|DEPENDENCIES|DEPVAR|PROPERTIES|TEST DATA', VALUE_TEXT, &
       'The coefficient of friction is one constant.', status=STATUS_REFUSED)
+    call table%differ('The second number is a slip rate under abaqus, which is refused, and the stick slope under calculix.')
 
     call table%card('CONTACT PAIR', IN_MODEL, 'Two surfaces that may touch.', data='slave surface, master surface')
     call table%option('INTERACTION', VALUE_NAME, 'Their interaction.', default='required')
@@ -229,7 +232,8 @@ contains
 
     call table%card('EQUATION', IN_MODEL, 'Sums of displacements that are zero; the first term is the one ' // &
       'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term')
-    call table%option('INPUT|REMOVE', VALUE_TEXT, 'Write the equations into the deck.', status=STATUS_REFUSED)
+    call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
+    call table%option('REMOVE', VALUE_TEXT, 'Equations hold in all steps.', status=STATUS_REFUSED)
   end subroutine describe_amplitude_and_equation
 
 
@@ -249,6 +253,7 @@ contains
       'mean rotation of the nodes is the first displacement of the last node, whose coordinates are the axis).', &
       data='kind, nodes or node sets')
     call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck.', status=STATUS_REFUSED)
+    call table%differ('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance.')
 
     call table%card('RIGID BODY', IN_MODEL, 'Nodes that move with a reference node as a rigid body; its degrees of ' // &
       'freedom 4 to 6 are the rotation vector.')
@@ -282,18 +287,31 @@ contains
       default='2.5 % of the mean edge of the master''s faces')
     call table%option('ADJUST', VALUE_WORD, 'Moves tied nodes onto the master before the start.', allowed='YES|NO', &
       default='YES')
-    call table%option('CYCLIC SYMMETRY|MULTISTAGE|FLUID PERIODIC|FLUID CYCLIC', VALUE_NONE, 'Model the whole body.', &
+    call table%option('CYCLIC SYMMETRY', VALUE_NONE, 'The slave side moves as the master side, turned by the angle of a ' // &
+      'sector; see *CYCLIC SYMMETRY MODEL. The surfaces may be of nodes.')
+    call table%option('MULTISTAGE|FLUID PERIODIC|FLUID CYCLIC', VALUE_NONE, 'Model the whole body.', &
       status=STATUS_REFUSED)
     call table%option('TIED NSET|NO ROTATION|NO THICKNESS|CONSTRAINT RATIO|CYCLIC', VALUE_TEXT, '', status=STATUS_NOTED)
     call table%option('TYPE', VALUE_WORD, 'How the surfaces are tied.', &
       allowed='NODE TO SURFACE|SURFACE TO SURFACE', default='NODE TO SURFACE')
 
+    call table%card('CYCLIC SYMMETRY MODEL', IN_MODEL, 'The model is one of N equal sectors in the circle, loaded alike.', &
+      data='two points of the axis: x, y, z, x, y, z')
+    call table%option('N', VALUE_INTEGER, 'Sectors in the circle.', default='required')
+    call table%option('TIE', VALUE_NAME, 'The *TIE, CYCLIC SYMMETRY of both sides.', default='required')
+    call table%option('ELSET|NGRAPH|CHECK', VALUE_TEXT, 'One sector is computed and written.', status=STATUS_NOTED)
+
+    call table%card('KINEMATIC COUPLING', IN_MODEL, 'Nodes move with a reference node as a rigid body, in these directions.', &
+      data='node or node set, first and last degree of freedom (1 to 3; rotations of solids do not exist)')
+    call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
+    call table%option('ORIENTATION', VALUE_NAME, 'Directions at the nodes.')
+
     call table%card('PRE-TENSION SECTION', IN_MODEL, 'Cuts a body open at the faces of a surface; the first ' // &
       'displacement of the pre-tension node is the overlap along the normal, a force on it the pre-tension.', &
       data='normal; optional: the mean normal of the faces')
-    call table%option('SURFACE', VALUE_NAME, 'Faces of the elements on one side of the section.', default='required')
+    call table%option('SURFACE', VALUE_NAME, 'Faces of the elements on one side of the section; or')
+    call table%option('ELEMENT', VALUE_NAME, 'a truss T3D2, cut at its second node.')
     call table%option('NODE', VALUE_NAME, 'The pre-tension node.', default='required')
-    call table%option('ELEMENT', VALUE_NAME, 'Beams do not exist here.', status=STATUS_REFUSED)
   end subroutine describe_bonds
 
 
@@ -416,6 +434,7 @@ contains
       default='DISPLACEMENT')
     call table%refuse_words('ROTATION|TEMPERATURE|PORE FLUID PRESSURE|ELECTRICAL POTENTIAL|HYDROSTATIC FLUID ' // &
       'PRESSURE|CONCENTRATION|WARPING', 'Displacements are the only field.')
+    call table%differ('The defaults under calculix are near those of CalculiX, under abaqus tighter; --explain shows them.')
   end subroutine describe_controls
 
 
@@ -428,6 +447,7 @@ contains
     call table%option('GLOBAL', VALUE_WORD, 'Values are in global directions, or in those of *TRANSFORM.', &
       allowed='YES|NO', default='YES (abaqus), NO (calculix)')
     call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
+    call table%differ('RF: abaqus the reactions of supports; calculix the internal forces. GLOBAL: YES or NO by default.')
 
     call table%card('EL PRINT', IN_STEP, 'Prints values of integration points to the .dat file.', data= &
       'variables: S, E, PEEQ, CEEQ, ENER, ELSE, EVOL, COORD')
@@ -564,9 +584,9 @@ contains
   !> Constraints, structural elements, parts and generators that we do not have.
   subroutine describe_refused_parts(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(STATUS_REFUSED, 'NETWORK MPC|KINEMATIC COUPLING|' // &
-      'DISTRIBUTING COUPLING|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|CYCLIC SYMMETRY MODEL|' // &
-      'RELEASE|TIE COEFFICIENT', 'Use *EQUATION, or mesh the bodies together.')
+    call table%cards_with(STATUS_REFUSED, 'NETWORK MPC|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &
+      'Use *EQUATION, or mesh the bodies together.')
+    call table%cards_with(STATUS_REFUSED, 'DISTRIBUTING COUPLING', 'Use *COUPLING with *DISTRIBUTING below it, on a surface.')
     call table%cards_with(STATUS_REFUSED, 'BEAM SECTION|BEAM GENERAL SECTION|SHELL SECTION|SHELL GENERAL SECTION|' // &
       'MEMBRANE SECTION|COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|NODAL ' // &
       'THICKNESS|NORMAL|TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|HOURGLASS STIFFNESS|REBAR|REBAR LAYER|' // &

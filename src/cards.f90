@@ -64,6 +64,7 @@ module amontons_cards
     type(remark_type), allocatable, private :: items(:)
   contains
     procedure :: add => add_remark
+    procedure :: get => get_remark
   end type remarks_type
 
   !> The deck as text, lines, cards.
@@ -163,8 +164,8 @@ contains
     integer, intent(in) :: parent               !< index of the including file, 0 if none
     integer, intent(in) :: parent_line          !< line number there
     integer :: here, number, mark
-    integer(I64) :: first, last, n
-    logical :: is_card
+    integer(I64) :: first, last, n, start
+    logical :: is_card, has_data
     call append_path(cards, path, parent, parent_line)
     here = size(cards%files)
     n = len(text, I64)
@@ -175,9 +176,13 @@ contains
       number = number + 1
       mark = verify(text(first:last), BLANK_CHARACTERS)
       is_card = mark > 0
-      if (is_card) is_card = is_include(text(first:last), mark)
+      start = first + int(mark, I64) - 1
+      if (is_card) is_card = text(start:start) == '*'
+      has_data = .false.
+      if (is_card) has_data = has_input(whole_card(text, first, last), mark)
+      if (is_card) is_card = has_data .or. is_include(text(first:last), mark)
       if (is_card) then
-        call include_file(cards, remarks, text, here, first, last, number)
+        call include_file(cards, remarks, text, here, first, last, number, has_data)
       else
         call append_line(cards, text(first:last), here, number)
       end if
@@ -219,8 +224,40 @@ contains
   end function is_include
 
 
-  !> Follows an INCLUDE card; the continuation lines of the card are taken over as comments too.
-  recursive subroutine include_file(cards, remarks, text, here, first, last, number)
+  !> A keyword line with the lines on which it goes on.
+  pure function whole_card(text, first, last) result(card)
+    character(*), intent(in) :: text
+    integer(I64), intent(in) :: first, last     !< of the keyword line
+    character(:), allocatable :: card, line
+    integer(I64) :: end_of_line
+    card = text(first:last)
+    end_of_line = last
+    do while (ends_with_comma(card) .and. end_of_line + 2 <= len(text, I64))
+      call next_line(text, end_of_line, line)
+      if (scan(line, '=') == 0) return
+      card = card // line
+    end do
+  end function whole_card
+
+
+  !> Whether a line is a card whose data lines are in a file: NODE, ELEMENT or EQUATION with INPUT.
+  pure function has_input(line, mark) result(has_it)
+    character(*), intent(in) :: line
+    integer, intent(in) :: mark                 !< its first character that is not blank
+    logical :: has_it
+    character(:), allocatable :: key
+    integer :: comma
+    has_it = .false.
+    if (line(mark:mark) /= '*' .or. index(line, '=') == 0) return
+    key = squeezed(line)
+    comma = index(key, ',')
+    if (index(key, ',INPUT=') == 0) return
+    has_it = any(key(:comma - 1) == [character(9) :: '*NODE', '*ELEMENT', '*EQUATION'])
+  end function has_input
+
+
+  !> Follows an INCLUDE card or an INPUT; the continuation lines of the card are taken over as it is.
+  recursive subroutine include_file(cards, remarks, text, here, first, last, number, has_data)
     type(cards_type), intent(inout) :: cards
     type(remarks_type), intent(inout) :: remarks
     character(*), intent(in) :: text             !< the including file
@@ -228,18 +265,21 @@ contains
     integer(I64), intent(in) :: first            !< start of the card's line
     integer(I64), intent(inout) :: last          !< end of it; of its last continuation on return
     integer, intent(inout) :: number             !< line number of it; of its last continuation on return
-    character(:), allocatable :: card, path, included
+    logical, intent(in) :: has_data              !< .false.: the card becomes a comment; .true.: it stays, the file is its data
+    character(:), allocatable :: card, path, included, comment
     integer :: line, line_number
     logical :: is_read
     line_number = number
+    comment = '** '
+    if (has_data) comment = ''
     card = text(first:last)
-    call append_line(cards, '** ' // card, here, number)
+    call append_line(cards, comment // card, here, number)
     line = cards%n_lines
     do while (ends_with_comma(card) .and. last + 2 <= len(text, I64))
       call next_line(text, last, included)
       number = number + 1
       card = card // included
-      call append_line(cards, '** ' // included, here, number)
+      call append_line(cards, comment // included, here, number)
     end do
     call include_path(card, path)
     if (path == '') then
@@ -759,6 +799,19 @@ contains
     self%n = self%n + 1
     self%items(self%n) = remark_type(line, is_note, text)
   end subroutine add_remark
+
+
+  !> One remark, in the order in which they were made.
+  pure subroutine get_remark(self, i, line, is_warning, text)
+    class(remarks_type), intent(in) :: self
+    integer, intent(in) :: i                     !< 1 to n
+    integer, intent(out) :: line                 !< of the deck; 0: none
+    logical, intent(out) :: is_warning
+    character(:), allocatable, intent(out) :: text
+    line = self%items(i)%line
+    is_warning = self%items(i)%is_warning
+    text = self%items(i)%text
+  end subroutine get_remark
 
 
   !> Hands the remarks over in the order of the deck, with file, line and the line as written. Of very many errors the

@@ -16,6 +16,8 @@ module amontons_deck
   use amontons_deck_bonds, only: read_transforms, read_bonds
   use amontons_deck_parts, only: flatten_parts
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
+  use amontons_explain, only: explain_cards
+  use amontons_deck_sectors, only: read_sectors
   use amontons_deck_sets, only: read_sets
   use amontons_deck_times, only: read_time_points
   use amontons_deck_steps, only: read_steps
@@ -24,7 +26,7 @@ module amontons_deck
   use amontons_text, only: squeezed, plural
   implicit none
   private
-  public :: read_deck, read_deck_text
+  public :: read_deck, read_deck_text, explain_deck
 
 contains
 
@@ -42,6 +44,24 @@ contains
     if (allocated(error)) return
     call read_model(reader, options, model, complaints, error)
   end subroutine read_deck
+
+
+  !> What is made of each card of a deck, for people; also of a deck with errors. Errors: EXIT_IO, EXIT_DECK.
+  subroutine explain_deck(options, text, error)
+    type(job_options_type), intent(in) :: options          !< with deck and dialect
+    character(:), allocatable, intent(out) :: text
+    type(error_type), allocatable, intent(out) :: error
+    type(reader_type) :: reader
+    type(model_type) :: model
+    type(complaints_type) :: complaints
+    call open_cards(options%deck, reader%cards, reader%remarks, error)
+    if (allocated(error)) then
+      text = ''
+      return
+    end if
+    call read_model(reader, options, model, complaints, error)
+    call explain_cards(reader, model, text)
+  end subroutine explain_deck
 
 
   !> Reads a deck from memory.
@@ -96,6 +116,7 @@ contains
     call read_pairs(reader, model)
     call read_transforms(reader, model)
     call read_bonds(reader, model)
+    call read_sectors(reader, model)
     call read_clearances(reader, model)
     call read_equations(reader, model)
     call read_orientations(reader, model)

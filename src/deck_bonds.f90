@@ -16,7 +16,7 @@ module amontons_deck_bonds
   use amontons_text, only: parse_real, parse_integer, squeezed, NUMBER_OK
   use amontons_ties, only: bond_type, tie_type, spread_type, frame_rule_type, frame_at, BOND_BODY, BOND_PLANE, BOND_STRAIGHT, &
     BOND_DISTANCE, BOND_TURN
-  use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
+  use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
   implicit none
   private
   public :: read_transforms, read_bonds
@@ -142,6 +142,7 @@ contains
       if (is_card(reader, c, 'MPC')) call read_mpc(reader, model, c)
       if (is_card(reader, c, 'RIGIDBODY')) call read_rigid_body(reader, model, c)
       if (is_card(reader, c, 'COUPLING')) call read_coupling(reader, model, c)
+      if (is_card(reader, c, 'KINEMATICCOUPLING')) call read_kinematic(reader, model, c)
       if (is_card(reader, c, 'TIE')) call read_tie(reader, model, c)
       if (is_card(reader, c, 'PRE-TENSIONSECTION')) call read_pretension(reader, model, c)
     end do
@@ -493,6 +494,51 @@ contains
   end subroutine read_bound
 
 
+  !> KINEMATIC COUPLING, the older card: rows of node or node set, first and last degree of freedom.
+  subroutine read_kinematic(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(frame_rule_type) :: rule
+    type(bond_type) :: bond
+    integer, allocatable :: nodes(:)
+    integer :: first, last, n
+    logical :: is_ok, is_row
+    call open_card(reader, c, parameters, row)
+    is_ok = .true.
+    call one_node(reader, model, c, parameter_text(parameters, 'REF NODE'), bond%reference, is_ok)
+    if (has_parameter(parameters, 'ORIENTATION')) call find_orientation(reader, c, parameter_text(parameters, 'ORIENTATION'), &
+      rule, is_ok)
+    if (.not. is_ok) return
+    call make_rotation(model, bond%reference, bond%rotation)
+    bond%card = 'KINEMATIC COUPLING'
+    bond%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    n = 0
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      is_row = .true.
+      call need_at_most(reader, row, 3)
+      call nodes_of_field(reader, model%mesh, row, 1, nodes, is_row)
+      call need_integer(reader, row, 2, 'first degree of freedom', first, is_row, default=1)
+      call need_integer(reader, row, 3, 'last degree of freedom', last, is_row, default=merge(6, first, row%n < 2))
+      if (.not. is_row) cycle
+      if (first < 1 .or. last < first .or. last > 6 .or. first > 3) then
+        call complain(reader, row%line, 'The degrees of freedom must be 1 to 3, the first not above the last; rotations of ' // &
+          'solids do not exist.')
+        cycle
+      end if
+      bond%is_bound = [first <= 1, first <= 2 .and. last >= 2, last >= 3]
+      bond%node = pack(nodes, nodes /= bond%reference)
+      model%bonds = [model%bonds, bond]
+      if (has_parameter(parameters, 'ORIENTATION')) call give_axes(model, rule)
+    end do
+    if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*KINEMATIC COUPLING needs data lines: node or node set, ' // &
+      'first and last degree of freedom.')
+  end subroutine read_kinematic
+
+
   !> The rule of an ORIENTATION card by its name.
   subroutine find_orientation(reader, c, name, rule, is_ok)
     type(reader_type), intent(inout) :: reader
@@ -564,6 +610,7 @@ contains
     call open_card(reader, c, parameters, row)
     common%name = parameter_text(parameters, 'NAME')
     common%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    common%is_cyclic = has_parameter(parameters, 'CYCLIC SYMMETRY')
     common%is_adjusted = parameter_word(parameters, 'ADJUST', 'YES') == 'YES'
     if (has_parameter(parameters, 'POSITION TOLERANCE')) then
       call parse_real(parameter_text(parameters, 'POSITION TOLERANCE'), common%tolerance, status)
@@ -598,7 +645,7 @@ contains
     if (tie%slave == 0 .or. tie%master == 0) return
     if (tie%slave == tie%master) then
       call complain(reader, row%line, 'A surface cannot be tied to itself; name two surfaces.')
-    else if (model%surfaces(tie%master)%is_node_based) then
+    else if (model%surfaces(tie%master)%is_node_based .and. .not. tie%is_cyclic) then
       call complain(reader, row%line, 'The master surface ''' // model%surfaces(tie%master)%name // &
         ''' is made of nodes; a master needs element faces.')
     else
@@ -617,12 +664,20 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: partner(:)
     real(DP) :: normal(3)
-    integer :: surface, pilot, i, k, line
+    integer :: surface, pilot, i, line
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     line = reader%cards%line_number(reader%cards%cards(c)%line)
     is_ok = .true.
     call one_node(reader, model, c, parameter_text(parameters, 'NODE'), pilot, is_ok)
+    if (has_parameter(parameters, 'ELEMENT') .eqv. has_parameter(parameters, 'SURFACE')) then
+      call complain(reader, reader%cards%cards(c)%line, '*PRE-TENSION SECTION needs either SURFACE or ELEMENT.')
+      return
+    end if
+    if (has_parameter(parameters, 'ELEMENT')) then
+      call pretension_truss(reader, model, c, parameter_text(parameters, 'ELEMENT'), pilot, is_ok)
+      return
+    end if
     surface = reader%surfaces%find(parameter_text(parameters, 'SURFACE'))
     if (surface == 0) then
       call complain(reader, reader%cards%cards(c)%line, 'There is no surface ''' // &
@@ -643,6 +698,56 @@ contains
     do i = 1, size(model%surfaces(surface)%element)
       call part_face(model, surface, i, partner)
     end do
+    call overlap_nodes(model, partner, pilot, normal, line)
+  end subroutine read_pretension
+
+
+  !> PRE-TENSION SECTION of a truss: it ends at a node of its own, off its second node along its axis.
+  subroutine pretension_truss(reader, model, c, name, pilot, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: name             !< of an element, or of a set that holds one
+    integer, intent(in) :: pilot
+    logical, intent(in) :: is_ok
+    type(kind_type) :: entry
+    integer, allocatable :: partner(:)
+    real(DP) :: axis(3)
+    integer :: e, label, status, set
+    e = 0
+    call parse_integer(name, label, status)
+    if (status == NUMBER_OK) e = reader%element_labels%find(label)
+    set = reader%element_sets%find(name)
+    if (e == 0 .and. set > 0) then
+      if (size(model%mesh%element_sets(set)%members) == 1) e = model%mesh%element_sets(set)%members(1)
+    end if
+    if (e > 0) entry = element_kind(model%mesh%kind(e))
+    if (e == 0) entry%family = -1
+    if (entry%family /= FAMILY_TRUSS .or. entry%n_nodes /= 2) then
+      call complain(reader, reader%cards%cards(c)%line, 'ELEMENT must name one truss T3D2; bodies of solids are cut at a SURFACE.')
+      return
+    end if
+    if (.not. is_ok) return
+    associate (first => model%mesh%first(e), mesh => model%mesh)
+      axis = mesh%coordinates(:, mesh%nodes(first + 1)) - mesh%coordinates(:, mesh%nodes(first))
+      if (.not. norm2(axis) > 0) return          ! the audit tells it
+      allocate (partner(mesh%n_nodes), source=0)
+      set = mesh%nodes(first + 1)
+      call append_node(mesh, mesh%coordinates(:, set), partner(set))
+      mesh%nodes(first + 1) = partner(set)
+    end associate
+    call overlap_nodes(model, partner, pilot, axis / norm2(axis), reader%cards%line_number(reader%cards%cards(c)%line))
+  end subroutine pretension_truss
+
+
+  !> The equations of a section: u_new = u_old + n u_1 of the pilot.
+  subroutine overlap_nodes(model, partner, pilot, normal, line)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: partner(:)            !< new node of each old one, 0
+    integer, intent(in) :: pilot
+    real(DP), intent(in) :: normal(3)
+    integer, intent(in) :: line                  !< of the deck
+    integer :: i, k
     model%mesh%is_abstract(pilot) = .true.
     if (.not. allocated(model%twins)) allocate (model%twins(2, 0))
     do i = 1, size(partner)
@@ -654,7 +759,7 @@ contains
       end do
     end do
     model%rotation_of = [model%rotation_of, spread(0, 1, model%mesh%n_nodes - size(model%rotation_of))]
-  end subroutine read_pretension
+  end subroutine overlap_nodes
 
 
   !> The normal of a section: given, or the mean normal of its faces.

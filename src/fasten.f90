@@ -8,6 +8,7 @@ module amontons_fasten
   use amontons_loads, only: equation_type
   use amontons_ties, only: tie_type, spread_type
   use amontons_model, only: model_type
+  use amontons_sectors, only: join_sectors
   use amontons_shapes, only: facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_search, only: search_type, build_search
@@ -27,7 +28,11 @@ contains
     integer :: i
     if (allocated(model%ties)) then
       do i = 1, size(model%ties)
-        call fasten_tie(model, model%ties(i), error)
+        if (model%ties(i)%is_cyclic) then
+          call join_sectors(model, model%ties(i), error)
+        else
+          call fasten_tie(model, model%ties(i), error)
+        end if
         if (allocated(error)) return
       end do
     end if

@@ -8,12 +8,13 @@ program amontons
   use amontons_journal, only: journal_type, open_journal, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
   use amontons_model, only: job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_card_table, only: list_cards
+  use amontons_deck, only: explain_deck
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis
   implicit none
 
   character(*), parameter :: USAGE = 'usage: amontons [options] job[.inp]    (amontons --help tells the options)'
 
-  integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3
+  integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4
 
   !> What the command line asks for.
   type :: command_type
@@ -44,6 +45,9 @@ contains
         call journal%say('Amontons ' // VERSION)
       case (ACTION_CARDS)
         call list_cards(cards)
+        call journal%say(cards)
+      case (ACTION_EXPLAIN)
+        call explain_deck(command%job, cards, error)
         call journal%say(cards)
       case default
         call open_journal(journal, command%is_quiet, command%progress)
@@ -86,11 +90,11 @@ contains
     command%job%is_guarded = .true.
     command%job%heeds_signals = .true.
     i = 1
-    do while (i <= command_argument_count() .and. command%action == ACTION_RUN)
+    do while (i <= command_argument_count() .and. any(command%action == [ACTION_RUN, ACTION_EXPLAIN]))
       call read_option(command, i, error)
       if (allocated(error)) return
     end do
-    if (command%action == ACTION_RUN) call find_deck(command%job, error)
+    if (any(command%action == [ACTION_RUN, ACTION_EXPLAIN])) call find_deck(command%job, error)
   end subroutine read_command
 
 
@@ -145,6 +149,8 @@ contains
       command%action = ACTION_VERSION
     case ('--cards')
       command%action = ACTION_CARDS
+    case ('--explain')
+      command%action = ACTION_EXPLAIN
     case ('--check')
       command%job%is_check = .true.
     case ('--resume')
@@ -313,6 +319,8 @@ contains
       '', &
       'The deck job.inp is written with the cards of Abaqus or CalculiX; amontons --cards lists those known.', &
       '', &
+      '  --explain                    tell card by card what is used, has no effect or is refused, with the numbers', &
+      '                               taken, then stop', &
       '  --check                      read the deck, check and audit the model, then stop', &
       '  --resume                     go on with a job that was stopped, from its checkpoint job.restart', &
       '  --no-checkpoint              write no checkpoint', &

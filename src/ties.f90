@@ -34,6 +34,9 @@ module amontons_ties
     integer :: slave = 0                     !< index of the slave surface
     integer :: master = 0                    !< index of the master surface
     real(DP) :: tolerance = -1               !< nodes farther away are not tied; negative: 2.5 % of a facet [length]
+    logical :: is_cyclic = .false.           !< CYCLIC SYMMETRY: the slave moves as the master, turned
+    real(DP) :: turn(3, 3) = 0               !< by the angle of the sector, about an axis
+    real(DP) :: centre(3) = 0                !< through this point [length]
     logical :: is_adjusted = .true.          !< tied nodes are moved onto the master before the start
     character(:), allocatable :: name
     integer :: line = 0                      !< line of the card in the deck, for messages

@@ -32,6 +32,7 @@ class Card:
     place: str
     sentence: str = ""
     data: str = ""
+    dialects: str = ""
     taken: list[tuple[str, str]] = field(default_factory=list)
     ignored: dict[str, list[str]] = field(default_factory=dict)
     refused: dict[str, list[str]] = field(default_factory=dict)
@@ -53,6 +54,9 @@ def _add_line(card: Card, line: str) -> None:
     """The sentence, the data lines, or a parameter."""
     if line.startswith("data lines: "):
         card.data = line.removeprefix("data lines: ")
+        return
+    if line.startswith("dialects: "):
+        card.dialects = line.removeprefix("dialects: ")
         return
     if not card.sentence:
         card.sentence = line
@@ -121,6 +125,8 @@ def section(card: Card, examples: dict[str, tuple[Path, list[str]]]) -> str:
     if card.taken:
         lines += ["| parameter | |", "|---|---|"]
         lines += [f"| `{name.replace('|', '/')}` | {plain(text)} |" for name, text in card.taken] + [""]
+    if card.dialects:
+        lines += [f"Dialects: {plain(card.dialects)}", ""]
     if card.data:
         lines += [f"Data lines: {plain(card.data)}.", ""]
     for title, groups in (("Without effect", card.ignored), ("Refused", card.refused)):

@@ -47,6 +47,7 @@ NOT_JUDGED = {
 # What is not there yet, so that these decks run but do not agree (or do not run): told in the table, expected to fail. A deck that
 # begins to agree shows as XPASS and leaves this list.
 UNFINISHED = {
+    "scheibe2n2f": "the reference twists one ring by 1.5 %; the normals of flat faces (see metalforming) may be why, which is not shown yet",
     "metalforming": "slip on a rounded master: its normal is a continuous field here and jumps from face to face there; with the "
                     "normals of the faces (feature angle 0.2 degrees) slip agrees to 0.3 %, pressure to 0.01 %",
     "bolt": "plane stress among axisymmetric elements: displacements 19 %, stresses 3 % off, not understood",

@@ -186,7 +186,7 @@ contains
     call expect_error('*TIE, NAME=T;UP, NIX;', 'no surface ''NIX''')
     call expect_error('*TIE, NAME=T;', 'needs a data line')
     call expect_error('*TIE, NAME=T, POSITION TOLERANCE=-1.;UP, CUT;', 'must not be negative')
-    call expect_error('*TIE, NAME=T, CYCLIC SYMMETRY;UP, CUT;', 'whole body')
+    call expect_error('*TIE, NAME=T, MULTISTAGE;UP, CUT;', 'whole body')
   end subroutine test_ties
 
 

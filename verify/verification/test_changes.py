@@ -187,3 +187,25 @@ def test_needless_changes_are_told(run_deck: Run) -> None:
     done = run_deck(steps("*BOUNDARY\nLID, 3, 3, .02\n" + BACK.format("")))
     assert done.returncode == 0
     assert "had not been taken out" in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_many_elements(run_deck: Run, tmp_path: Path, threads: int) -> None:
+    """A tower of eight cubes, which are computed together, loses its upper half and gets it back: springs in series again."""
+    nodes = [(x, y, z) for z in range(9) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    deck = "*NODE, NSET=ALL\n" + "".join(f"{i}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(nodes, 1))
+    deck += "*ELEMENT, TYPE=C3D8, ELSET=BOTH\n" + "".join(
+        f"{e + 1}, " + ", ".join(str(4 * e + k) for k in range(1, 9)) + "\n" for e in range(8))
+    deck += "*ELSET, ELSET=UPPER, GENERATE\n5, 8\n*NSET, NSET=FLOOR\n1, 2, 3, 4\n*NSET, NSET=LID\n33, 34, 35, 36\n"
+    deck += COLUMNS[COLUMNS.index("*MATERIAL"):]
+    for load in ("*BOUNDARY\nLID, 3, 3, .08\n", OUT.replace("\n2\n", "\nUPPER\n"), BACK.format(""), "*BOUNDARY\nLID, 3, 3, .16\n"):
+        deck += f"*STEP\n*STATIC\n{load}{PRINT}*END STEP\n"
+    done = run_deck(deck, threads=threads)
+    assert done.returncode == 0, done.stdout
+    stresses, u = read_blocks(tmp_path, "stresses"), read_blocks(tmp_path, "displacements")
+    assert [len(rows) for rows in stresses] == [64, 32, 64, 64]
+    assert u[1][(17,)][2] == pytest.approx(0.0, abs=1e-9)
+    assert max(abs(s) for row in stresses[2].values() for s in row) < 1e-9 * YOUNG
+    # The new upper half is 4.08 long, the lower one 4.
+    assert u[3][(17,)][2] == pytest.approx(0.08 * 4 / 8.08, rel=DIGITS)
+    assert all(row[2] == pytest.approx(YOUNG * 0.08 / 8.08, rel=DIGITS) for row in stresses[3].values())
