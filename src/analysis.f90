@@ -19,7 +19,7 @@ module amontons_analysis
   use amontons_contact, only: commit_slip
   use amontons_changes, only: change_model, bear_elements
   use amontons_adjust, only: adjust_slaves
-  use amontons_user_job, only: start_routines, heed_routines
+  use amontons_user_job, only: start_routines, heed_routines, ask_amplitudes, recall_amplitudes
   use amontons_fasten, only: fasten_model
   use amontons_system, only: system_type, create_system, begin_step, begin_increment
   use amontons_audit, only: audit_model, audit_summary
@@ -408,6 +408,7 @@ contains
     call change_model(analysis%model, analysis%snapshot%stepper%step)
     call put_back(analysis%snapshot, analysis%model, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
       analysis%is_step_start, error)
+    call recall_amplitudes(analysis%model, analysis%state%old)
   end subroutine rollback_analysis
 
 
@@ -533,6 +534,8 @@ contains
     analysis%state%new%total_time = analysis%stepper%total_time + dt
     analysis%state%new%step = analysis%stepper%step
     analysis%state%new%increment = analysis%stepper%increment
+    analysis%state%new%time_increment = dt
+    call ask_amplitudes(analysis%model, analysis%state)
     analysis%system%seconds = 0.0_DP
     analysis%system%n_factorisations = 0
     analysis%system%n_krylov = 0

@@ -22,7 +22,7 @@ module amontons_assembly
   use amontons_element, only: element_forces, element_tangent, element_body_force, facet_pressure, edge_pressure, &
     points_type, ELEMENT_OK
   use amontons_spin, only: centrifugal_forces
-  use amontons_user_state, only: bring_user, keep_user
+  use amontons_user_state, only: bring_user, keep_user, ask_pressures
   implicit none
   private
   public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads, add_coupling
@@ -751,10 +751,11 @@ contains
     do i = 1, size(step%distributed)
       associate (load => step%distributed(i))
         magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
-        if (magnitude == 0.0_DP .or. is_out(model%mesh, load%element)) cycle
+        if (is_out(model%mesh, load%element)) cycle
+        if (magnitude == 0.0_DP .and. .not. load%is_user) cycle
         select case (load%kind)
         case (DISTRIBUTED_PRESSURE)
-          call add_pressure(assembly, model%mesh, load%element, load%face, magnitude, fields, is_nlgeom, is_with_stiffness)
+          call add_pressure(assembly, model, load, magnitude, fields, is_nlgeom, is_with_stiffness)
         case (DISTRIBUTED_SPIN)
           call add_spin(assembly, model, load, magnitude, fields, is_nlgeom, is_with_stiffness)
         case default
@@ -766,33 +767,39 @@ contains
 
 
   !> Nodal forces of a pressure on a face, in its current place under NLGEOM.
-  subroutine add_pressure(assembly, mesh, e, face, pressure, fields, is_nlgeom, is_with_stiffness)
+  subroutine add_pressure(assembly, model, load, pressure, fields, is_nlgeom, is_with_stiffness)
     type(assembly_type), intent(inout) :: assembly
-    type(mesh_type), intent(in) :: mesh
-    integer, intent(in) :: e, face
+    type(model_type), intent(in) :: model
+    type(distributed_type), intent(in) :: load
     real(DP), intent(in) :: pressure
     type(fields_type), intent(inout) :: fields
     logical, intent(in) :: is_nlgeom, is_with_stiffness
     type(kind_type) :: kind
     real(DP) :: x(3, MAX_FACE_NODES), force(3, MAX_FACE_NODES), stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)
+    real(DP), allocatable :: profile(:)
     integer :: nodes(MAX_NODES), local(MAX_FACE_NODES), n, a
-    kind = element_kind(mesh%kind(e))
-    call element_nodes(mesh, e, n, nodes)
-    local = kind%face_nodes(:, face)
-    n = count(local > 0)
-    x(:, :n) = mesh%coordinates(:, nodes(local(:n)))
-    if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(local(:n)))
-    if (kind%family == FAMILY_SOLID) then
-      call facet_pressure(kind%face_kind(face), x, pressure, force, stiffness)
-    else
-      call edge_pressure(kind%family, kind%face_kind(face), x(:, :n), mesh%section(e), pressure, force, stiffness)
-    end if
-    do a = 1, n
-      fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
-    end do
-    if (.not. (is_nlgeom .and. is_with_stiffness)) return
-    call subtract_symmetric_part(assembly, e, local(:n), nodes, stiffness)
-    call add_follower(assembly%follower, nodes(local(:n)), stiffness)
+    associate (mesh => model%mesh, e => load%element)
+      kind = element_kind(mesh%kind(e))
+      call element_nodes(mesh, e, n, nodes)
+      local = kind%face_nodes(:, load%face)
+      n = count(local > 0)
+      x(:, :n) = mesh%coordinates(:, nodes(local(:n)))
+      if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(local(:n)))
+      if (load%is_user) then
+        call ask_pressures(model, load, kind%face_kind(load%face), x(:, :n), fields, profile)
+        call facet_pressure(kind%face_kind(load%face), x, 1.0_DP, force, stiffness, profile)
+      else if (kind%family == FAMILY_SOLID) then
+        call facet_pressure(kind%face_kind(load%face), x, pressure, force, stiffness)
+      else
+        call edge_pressure(kind%family, kind%face_kind(load%face), x(:, :n), mesh%section(e), pressure, force, stiffness)
+      end if
+      do a = 1, n
+        fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
+      end do
+      if (.not. (is_nlgeom .and. is_with_stiffness)) return
+      call subtract_symmetric_part(assembly, e, local(:n), nodes, stiffness)
+      call add_follower(assembly%follower, nodes(local(:n)), stiffness)
+    end associate
   end subroutine add_pressure
 
 

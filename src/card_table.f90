@@ -214,14 +214,17 @@ contains
     call table%option('VALUE', VALUE_WORD, 'The values multiply that of the load, or are the load themselves.', &
       allowed='RELATIVE|ABSOLUTE', default='RELATIVE')
     call table%option('DEFINITION', VALUE_WORD, 'A table; factors at equal distances; a table with smooth steps; Fourier ' // &
-      'series; product of two sines; exponential decay.', allowed= &
-      'TABULAR|EQUALLY SPACED|SMOOTH STEP|PERIODIC|MODULATED|DECAY', default='TABULAR')
-    call table%refuse_words('SOLUTION DEPENDENT|USER|ACTUATOR|SPECTRUM|BUBBLE', 'Give a table of time and factor.')
+      'series; product of two sines; exponential decay; the routine UAMP.', allowed= &
+      'TABULAR|EQUALLY SPACED|SMOOTH STEP|PERIODIC|MODULATED|DECAY|USER', default='TABULAR')
+    call table%refuse_words('SOLUTION DEPENDENT|ACTUATOR|SPECTRUM|BUBBLE', 'Give a table of time and factor.')
     call table%option('FIXED INTERVAL', VALUE_REAL, 'EQUALLY SPACED: the distance of the times.')
     call table%option('BEGIN', VALUE_REAL, 'EQUALLY SPACED: the first time.', default='0')
     call table%option('SHIFTX|SHIFTY', VALUE_REAL, 'Added to all times, to all factors.', default='0')
     call table%option('SMOOTH', VALUE_TEXT, 'It rounds the corners of rates, which do not count here.', status=STATUS_NOTED)
-    call table%option('VARIABLES|USER|PROPERTIES', VALUE_TEXT, 'Give a table of time and factor.', status=STATUS_REFUSED)
+    call table%option('PROPERTIES', VALUE_INTEGER, 'DEFINITION=USER: number of properties of UAMP, in lines of eight.', &
+      default='0')
+    call table%option('VARIABLES', VALUE_INTEGER, 'DEFINITION=USER: number of variables that UAMP keeps.', default='0')
+    call table%option('USER', VALUE_TEXT, 'Write DEFINITION=USER.', status=STATUS_REFUSED)
 
     call table%card('TIME POINTS', IN_BOTH, 'Times at which results are wanted; increments end there. PRINT, FILE and ' // &
       'OUTPUT cards name them.', data='times in ascending order, any number in a line; with GENERATE first, last, distance')
@@ -329,7 +332,8 @@ contains
     call table%option('TYPE', VALUE_WORD, 'What is prescribed.', allowed='DISPLACEMENT', default='DISPLACEMENT')
     call table%refuse_words('VELOCITY|ACCELERATION', 'Prescribe displacements.')
     call table%option('TIME DELAY', VALUE_REAL, LATER, default='0')
-    call table%option('USER|SUBMODEL|STEP|DATA SET|LOAD CASE|REGION TYPE|BASE NAME|MASSLESS', VALUE_TEXT, &
+    call table%option('USER', VALUE_NONE, 'The routine DISP of the user gives the displacements.')
+    call table%option('SUBMODEL|STEP|DATA SET|LOAD CASE|REGION TYPE|BASE NAME|MASSLESS', VALUE_TEXT, &
       'Give the displacements themselves.', status=STATUS_REFUSED)
 
     call table%card('CLOAD', IN_STEP, 'Forces on nodes.', data='node or node set, degree of freedom (1 to 3), force')

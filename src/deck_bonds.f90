@@ -688,6 +688,7 @@ contains
       call complain(reader, reader%cards%cards(c)%line, 'A pre-tension section needs a surface of element faces.')
       return
     end if
+    if (any(model%mesh%nodes < 1)) return        ! an element names a node that is not there: that was told
     call read_normal(reader, model, row, surface, normal, is_ok)
     if (.not. is_ok) return
     if (any(model%mesh%nodes == pilot)) then

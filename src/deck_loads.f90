@@ -20,7 +20,7 @@ module amontons_deck_loads
     DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
   use amontons_model, only: model_type
   use amontons_text, only: squeezed, text_of, plural, is_one_of, NUMBER_OK
-  use amontons_topology, only: kind_type, element_kind, FAMILY_AXISYMMETRIC
+  use amontons_topology, only: kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
   implicit none
   private
   public :: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, hand_over_loads
@@ -145,7 +145,7 @@ contains
       force = forces%items(i)
       if (.not. force%is_active) cycle
       call keep_value(model, period, total_time, force%load_type, force%before)
-      if (.not. abs(force%end) > 0) cycle
+      if (.not. (abs(force%end) > 0 .or. force%is_user)) cycle
       n = n + 1
       force%next = forces%head(force%key)
       forces%head(force%key) = n
@@ -170,6 +170,9 @@ contains
     if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') call release_held(step, standing)
     call find_amplitude(reader, c, parameters, common%amplitude)
     common%is_held = has_parameter(parameters, 'FIXED')
+    common%is_user = has_parameter(parameters, 'USER')
+    if (common%is_user .and. (common%is_held .or. has_parameter(parameters, 'AMPLITUDE'))) call complain(reader, &
+      reader%cards%cards(c)%line, 'With USER the routine DISP gives the displacements, without AMPLITUDE or FIXED.')
     n_changed = 0
     do while (next_row(reader%cards, row))
       call read_boundary_row(reader, model, row, step, common, standing, n_changed)
@@ -350,7 +353,8 @@ contains
     type(held_type), intent(in) :: held
     type(prescribed_type), intent(in) :: new
     logical :: differs
-    differs = abs(held%end - new%end) > 0 .or. held%amplitude /= new%amplitude .or. (held%is_held .neqv. new%is_held)
+    differs = abs(held%end - new%end) > 0 .or. held%amplitude /= new%amplitude .or. (held%is_held .neqv. new%is_held) &
+      .or. (held%is_user .neqv. new%is_user)
   end function is_other
 
 
@@ -409,26 +413,29 @@ contains
         force%amplitude = 0
         force%start = merge(0.0_DP, force%before, is_step)
         force%end = 0
+        if (force%is_user) force%is_active = .false.   ! DLOAD knows no way to zero
       end associate
     end do
   end subroutine fade_forces
 
 
   !> Adds a load: in place of those that earlier steps left there, and on top of those that this step gave.
-  subroutine add_force(key, value, amplitude, step, is_step, forces)
+  subroutine add_force(key, value, amplitude, step, is_step, forces, is_user)
     integer, intent(in) :: key                   !< what it acts on
     real(DP), intent(in) :: value
     integer, intent(in) :: amplitude             !< 0: none
     integer, intent(in) :: step
     logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP
     type(forces_type), intent(inout) :: forces
+    logical, intent(in), optional :: is_user     !< DLOAD gives the magnitude
     type(force_type), allocatable :: larger(:)
     type(force_type) :: new
     integer :: i
+    if (present(is_user)) new%is_user = is_user
     i = forces%head(key)
     do while (i > 0)
       associate (old => forces%items(i))
-        if (old%step == step .and. old%amplitude == amplitude) then
+        if (old%step == step .and. old%amplitude == amplitude .and. (old%is_user .eqv. new%is_user)) then
           old%end = old%end + value
           if (is_step .and. amplitude == 0) old%start = old%end
           return
@@ -475,20 +482,53 @@ contains
     call find_amplitude(reader, c, parameters, amplitude)
     do while (next_row(reader%cards, row))
       label = squeezed(field_text(reader%cards, row, 2))
-      if (label == 'P') then
+      if (is_by_user(label) .and. amplitude > 0) call complain(reader, row%line, &
+        'The routine DLOAD gives the whole pressure; AMPLITUDE must not be given with ' // label // '.')
+      if (label == 'P' .or. label == 'PNU') then
         call read_surface_pressure(reader, model, row, amplitude, standing)
       else if (is_card(reader, c, 'DSLOAD')) then
-        call complain(reader, row%line, 'The second field must be P, a pressure; it is ''' // label // '''.')
-      else if (face_number(label, 'P') > 0) then
+        call complain(reader, row%line, 'The second field must be P, a pressure, or PNU, one by the routine DLOAD; it is ''' // &
+          label // '''.')
+      else if (face_number(without_nu(label), 'P') > 0) then
         call read_face_pressure(reader, model, row, amplitude, standing)
       else if (is_one_of(label, 'GRAV|CENTRIF|BX|BY|BZ')) then
         call read_volume_load(reader, model, row, amplitude, standing)
       else
         call complain(reader, row%line, 'The second field must be P1 to P6 (pressure on a face), P (pressure on a ' // &
-          'surface), GRAV (gravity), CENTRIF (rotation) or BX, BY, BZ (force per volume); it is ''' // label // '''.')
+          'surface), each with NU for one by the routine DLOAD, GRAV (gravity), CENTRIF (rotation) or BX, BY, BZ (force per ' // &
+          'volume); it is ''' // label // '''.')
       end if
     end do
   end subroutine read_dload
+
+
+  !> Whether a label of DLOAD means that the routine DLOAD gives the pressure: it ends with NU.
+  pure logical function is_by_user(label)
+    character(*), intent(in) :: label            !< squeezed
+    is_by_user = len(without_nu(label)) < len(label)
+  end function is_by_user
+
+
+  !> A label without NU at its end.
+  pure function without_nu(label) result(short)
+    character(*), intent(in) :: label
+    character(:), allocatable :: short
+    short = squeezed(label)
+    if (len(short) < 3) return
+    if (short(len(short) - 1:) == 'NU') short = short(:len(short) - 2)
+  end function without_nu
+
+
+  !> Tells faces of plane elements, which DLOAD does not know.
+  subroutine need_solid(reader, model, row, e)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: e                     !< element
+    type(kind_type) :: entry
+    entry = element_kind(model%mesh%kind(e))
+    if (entry%family /= FAMILY_SOLID) call complain(reader, row%line, 'The routine DLOAD is for the faces of solids in space.')
+  end subroutine need_solid
 
 
   !> Row: surface, P, pressure.
@@ -517,8 +557,10 @@ contains
     if (.not. is_ok) return
     do i = 1, size(model%surfaces(s)%element)
       call add_force(6 * model%surfaces(s)%element(i) - 6 + model%surfaces(s)%face(i), value, amplitude, &
-        standing%step, standing%is_step, standing%pressures)
+        standing%step, standing%is_step, standing%pressures, is_by_user(field_text(reader%cards, row, 2)))
     end do
+    if (is_by_user(field_text(reader%cards, row, 2)) .and. size(model%surfaces(s)%element) > 0) &
+      call need_solid(reader, model, row, model%surfaces(s)%element(1))
   end subroutine read_surface_pressure
 
 
@@ -539,7 +581,8 @@ contains
     call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
     call need_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
     if (.not. is_ok) return
-    face = face_number(field_text(reader%cards, row, 2), 'P')
+    face = face_number(without_nu(field_text(reader%cards, row, 2)), 'P')
+    if (is_by_user(field_text(reader%cards, row, 2)) .and. size(elements) > 0) call need_solid(reader, model, row, elements(1))
     n_without = 0
     do i = 1, size(elements)
       entry = element_kind(model%mesh%kind(elements(i)))
@@ -547,7 +590,7 @@ contains
         n_without = n_without + 1
       else
         call add_force(6 * elements(i) - 6 + face, value, amplitude, standing%step, standing%is_step, &
-          standing%pressures)
+          standing%pressures, is_by_user(field_text(reader%cards, row, 2)))
       end if
     end do
     if (n_without > 0) call complain(reader, row%line, plural(n_without, 'element') // ' here have no face ' // &

@@ -13,6 +13,7 @@ module amontons_deck_model
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, direction_of, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_surfaces, only: surface_type
+  use amontons_user, only: CALL_NAME
   use amontons_text, only: text_of, squeezed, parse_real, plural, NUMBER_OK, NEWLINE
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
@@ -113,7 +114,10 @@ contains
     if (definition /= 'EQUALLYSPACED' .and. (has_parameter(parameters, 'FIXED INTERVAL') .or. &
       has_parameter(parameters, 'BEGIN'))) call complain(reader, reader%cards%cards(c)%line, &
       'FIXED INTERVAL and BEGIN belong to DEFINITION=EQUALLY SPACED.')
+    amplitude%is_user = definition == 'USER'
     select case (definition)
+    case ('USER')
+      call read_user_amplitude(reader, c, parameters, row, amplitude)
     case ('TABULAR', 'SMOOTHSTEP')
       if (definition == 'SMOOTHSTEP') amplitude%course = COURSE_SMOOTH
       call read_pairs_of_numbers(reader, row, amplitude)
@@ -203,6 +207,39 @@ contains
   end subroutine read_numbers
 
 
+  !> AMPLITUDE, DEFINITION=USER: the properties and variables of UAMP. Until it is asked the factor is zero.
+  subroutine read_user_amplitude(reader, c, parameters, row, amplitude)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    type(amplitude_type), intent(inout) :: amplitude
+    integer, parameter :: FIELDS = 8
+    integer :: n, i, k
+    logical :: is_ok
+    amplitude%is_total_time = .true.
+    amplitude%time = [0.0_DP]
+    amplitude%factor = [0.0_DP]
+    n = nint(min(max(parameter_real(parameters, 'PROPERTIES', 0.0_DP), 0.0_DP), 1.0e6_DP))
+    amplitude%n_svars = nint(min(max(parameter_real(parameters, 'VARIABLES', 0.0_DP), 0.0_DP), 1.0e6_DP))
+    if (allocated(amplitude%props)) deallocate (amplitude%props)
+    allocate (amplitude%props(n), source=0.0_DP)
+    if (len(amplitude%name) > CALL_NAME) call complain(reader, reader%cards%cards(c)%line, 'The name of an amplitude ' // &
+      'that UAMP is given has at most ' // text_of(CALL_NAME) // ' letters.')
+    i = 0
+    is_ok = .true.
+    do while (next_row(reader%cards, row) .and. is_ok)
+      call need_at_most(reader, row, min(FIELDS, n - i))
+      do k = 1, min(FIELDS, n - i)
+        call need_real(reader, row, k, 'property', amplitude%props(i + k), is_ok, 0.0_DP)
+      end do
+      i = i + min(FIELDS, n - i)
+    end do
+    if (i < n .and. is_ok) call complain(reader, reader%cards%cards(c)%line, 'PROPERTIES is ' // text_of(n) // &
+      ', but there is room for only ' // text_of(i) // ' in the data lines, eight in each.')
+  end subroutine read_user_amplitude
+
+
   !> The value of a parameter that is a number; the default if it is not given, or none (that was told).
   function parameter_real(parameters, name, default) result(value)
     type(parameter_type), intent(in) :: parameters(:)
@@ -240,6 +277,8 @@ contains
       if (model%amplitudes(found)%course >= COURSE_PERIODIC) call complain(reader, reader%cards%cards(c)%line, &
         'TIME DELAY delays tables; give the formula of the amplitude ''' // model%amplitudes(found)%name // ''' a later t0.')
       amplitude = model%amplitudes(found)
+      if (amplitude%is_user) call complain(reader, reader%cards%cards(c)%line, &
+        'TIME DELAY is not for an amplitude that UAMP gives.')
       amplitude%time = amplitude%time + parameter_real(parameters, 'TIME DELAY', 0.0_DP)
       model%amplitudes = [model%amplitudes, amplitude]
       reader%delayed_amplitude(c) = size(model%amplitudes)

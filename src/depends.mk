@@ -42,7 +42,7 @@ uses_deck_reader = kinds text lookup mesh model cards card_form
 uses_deck_mesh = kinds text lookup topology mesh materials model cards card_form deck_reader
 uses_deck_sets = text lookup mesh model cards card_form deck_reader deck_mesh
 uses_deck_faces = lookup topology mesh deck_reader
-uses_deck_model = kinds text lookup topology mesh surfaces loads model cards card_form deck_reader deck_faces
+uses_deck_model = kinds text lookup user topology mesh surfaces loads model cards card_form deck_reader deck_faces
 uses_deck_materials = kinds text user materials model cards card_form deck_reader
 uses_deck_conditions = kinds text lookup mesh materials loads model cards card_form deck_reader
 uses_deck_contact = kinds text mesh surfaces steps model cards card_form deck_reader deck_model
@@ -84,14 +84,14 @@ uses_spin = kinds topology shapes element
 
 # 5 system: unknowns, residual, matrix
 uses_state = kinds tensor topology mesh materials loads steps model shapes material_point
-uses_user_state = kinds topology mesh materials model shapes points element state
+uses_user_state = kinds user topology mesh materials loads model shapes points element state
 uses_changes = mesh model state
 uses_constraints = kinds errors sparse
 uses_condensed = kinds errors sparse dense partition factor constraints
 uses_follower = kinds errors sparse
 uses_assembly = kinds errors sparse partition topology mesh materials loads steps model batch element spin state user_state follower
 uses_bonds = kinds errors tensor loads ties model state constraints assembly
-uses_supports = kinds errors loads steps model state constraints bonds
+uses_supports = kinds errors loads steps model state user_state constraints bonds
 uses_sectors = kinds errors topology loads ties model shapes facets search gap
 uses_fasten = kinds errors tensor topology loads ties model shapes facets search gap sectors
 uses_overlaps = kinds facets state
@@ -123,7 +123,7 @@ uses_frd = kinds errors version history posix topology mesh materials steps mode
 # 7 roof: the job
 uses_restart = kinds errors posix store model state system newton stepper
 uses_failure = kinds text model state system converge forensics newton
-uses_user_job = kinds errors journal user model user_material
+uses_user_job = kinds errors journal user model user_material state
 uses_analysis = kinds errors text history journal posix dense factor store steps model deck state changes fasten contact adjust system audit converge newton stepper results printed frd restart failure user_job
 uses_drive = kinds errors text loads steps model
 uses_library = kinds errors text journal sparse user model state system converge stepper columns results analysis drive

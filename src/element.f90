@@ -245,12 +245,13 @@ contains
   !! Positive pressure pushes against the normal of the right-hand rule. The derivative is not symmetric for an open
   !! surface. Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed.,
   !! section 8.5.
-  pure subroutine facet_pressure(facet_kind, x, pressure, force, stiffness)
+  pure subroutine facet_pressure(facet_kind, x, pressure, force, stiffness, profile)
     integer, intent(in) :: facet_kind              !< FACET_...
     real(DP), intent(in) :: x(:, :)                !< (3, nodes) current coordinates [length]
     real(DP), intent(in) :: pressure               !< [stress]
     real(DP), intent(out) :: force(3, MAX_FACE_NODES)   !< zero past the nodes [force]
     real(DP), intent(out) :: stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)   !< d force/d x, zero past 3 * nodes
+    real(DP), intent(in), optional :: profile(:)   !< factors of the pressure at the points of the facet; absent: 1 [-]
     type(facet_kind_type) :: facet
     real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
     real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), along(3, 2), turn(3, 3)
@@ -267,6 +268,7 @@ contains
         along(:, 2) = along(:, 2) + (x(:, a) - x(:, 1)) * dN(2, a)
       end do
       N = -pressure * w(p) * N
+      if (present(profile)) N = profile(p) * N
       do b = 1, facet%n_nodes
         force(:, b) = force(:, b) + N(b) * cross_product(along(:, 1), along(:, 2))
         turn = cross_matrix(dN(1, b) * along(:, 2) - dN(2, b) * along(:, 1))

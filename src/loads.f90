@@ -32,6 +32,9 @@ module amontons_loads
     !< DECAY: A0, A, t0, td
     real(DP), allocatable :: time(:)             !< ascending [time]
     real(DP), allocatable :: factor(:)           !< [-]
+    logical :: is_user = .false.                 !< DEFINITION=USER: UAMP gives the factor, anew for each increment
+    real(DP), allocatable :: props(:)            !< its properties
+    integer :: n_svars = 0                       !< number of its variables
   end type amplitude_type
 
   !> A magnitude over a step: with an amplitude end * a(t), without one from start (t = 0) to end (t = period), linearly.
@@ -39,6 +42,7 @@ module amontons_loads
     real(DP) :: start = 0                        !< magnitude at the start of the step
     real(DP) :: end = 0                          !< magnitude at its end, or the reference magnitude of the amplitude
     integer :: amplitude = 0                     !< index into model%amplitudes; 0: none
+    logical :: is_user = .false.                 !< DLOAD or DISP gives the magnitude
   end type load_type
 
   !> A prescribed displacement of one degree of freedom. A dof appears once in a step.

@@ -321,6 +321,8 @@ contains
     type(fields_type), intent(inout) :: fields
     call parcel%carry(fields%step)
     call parcel%carry(fields%increment)
+    call parcel%carry(fields%time_increment)
+    call parcel%carry(fields%user_memory)
     call parcel%carry(fields%step_time)
     call parcel%carry(fields%total_time)
     call parcel%carry(fields%creep_time)

@@ -51,6 +51,8 @@ module amontons_state
   type :: fields_type
     integer :: step = 0                     !< number, from 1, for routines of the user
     integer :: increment = 0                !< likewise
+    real(DP) :: time_increment = 0          !< [time]
+    real(DP), allocatable :: user_memory(:) !< of each amplitude by UAMP its value and its variables
     real(DP) :: step_time = 0               !< [time]
     real(DP) :: total_time = 0              !< [time]
     real(DP), allocatable :: u(:, :)        !< (3, n_nodes) displacement [length]
@@ -95,7 +97,7 @@ contains
         new%reaction_force(3, n), source=0.0_DP)
       allocate (new%stress(6, m), new%strain(6, m), source=0.0_DP)
       allocate (new%energy(m), new%volume(m), source=0.0_DP)
-      allocate (new%history(0, m), new%temperature(n), source=0.0_DP)
+      allocate (new%history(0, m), new%temperature(n), new%user_memory(0), source=0.0_DP)
       allocate (new%slaves, source=slaves)
     end associate
     state%old = state%new
@@ -106,12 +108,15 @@ contains
   subroutine create_material_state(state, model)
     type(state_type), intent(inout) :: state
     type(model_type), intent(in) :: model
-    integer :: n_history, i
+    integer :: n_history, n_memory, i
     n_history = 0
     if (size(model%materials) > 0) n_history = maxval(model%materials%n_history)
     associate (new => state%new)
       if (allocated(model%initial_temperature)) new%temperature = model%initial_temperature
-      deallocate (new%history)
+      deallocate (new%history, new%user_memory)
+      n_memory = 0
+      if (allocated(model%amplitudes)) n_memory = sum(merge(1 + model%amplitudes%n_svars, 0, model%amplitudes%is_user))
+      allocate (new%user_memory(n_memory), source=0.0_DP)
       allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
       if (allocated(model%initial_history)) then
         n_history = min(n_history, size(model%initial_history, 1))

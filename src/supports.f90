@@ -7,6 +7,7 @@ module amontons_supports
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, direction_of
   use amontons_state, only: fields_type
+  use amontons_user_state, only: ask_displacement
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, &
     finish_constraints, ROW_CONFLICT
   use amontons_bonds, only: add_bonds, hold_lone, TAG_SUPPORT
@@ -111,6 +112,7 @@ contains
       else
         value = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
       end if
+      if (load%is_user) call ask_displacement(model, load, fields, value)
     end associate
   end function prescribed_value
 

@@ -5,11 +5,13 @@ module amontons_user_job
   use amontons_errors, only: error_type, set_error, EXIT_SETUP, EXIT_USAGE, EXIT_NOT_CONVERGED
   use amontons_journal, only: journal_type
   use amontons_model, only: model_type, job_options_type
-  use amontons_user, only: routines_type, open_routines, has_routine, hear_routines, name_job_to, ROUTINE_NAMES, USER_UMAT
+  use amontons_user, only: routines_type, open_routines, has_routine, hear_routines, name_job_to, uamp_type, call_uamp, &
+    CALL_NAME, ROUTINE_NAMES, USER_UMAT, USER_UAMP, USER_DLOAD, USER_DISP
+  use amontons_state, only: state_type, fields_type
   use amontons_user_material, only: find_rest_tangent
   implicit none
   private
-  public :: start_routines, heed_routines
+  public :: start_routines, heed_routines, ask_amplitudes, recall_amplitudes
 
 contains
 
@@ -42,8 +44,73 @@ contains
         if (allocated(error)) return
       end associate
     end do
+    call need_loads(model, options, error)
     call hear_routines(model%routines, pnewdt, text, is_stopped)   ! at rest PNEWDT means nothing
   end subroutine start_routines
+
+
+  !> The routines that loads need.
+  subroutine need_loads(model, options, error)
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    if (any(model%amplitudes%is_user)) call need_routine(model, options, USER_UAMP, '*AMPLITUDE, DEFINITION=USER', error)
+    do i = 1, size(model%steps)
+      if (allocated(error)) return
+      if (any(model%steps(i)%distributed%is_user)) call need_routine(model, options, USER_DLOAD, 'A load of the user', error)
+      if (allocated(error)) return
+      if (any(model%steps(i)%prescribed%is_user)) call need_routine(model, options, USER_DISP, '*BOUNDARY, USER', error)
+    end do
+  end subroutine need_loads
+
+
+  !> Before an attempt: UAMP gives the factors at its end. What it keeps starts from what the last increment left.
+  subroutine ask_amplitudes(model, state)
+    type(model_type), intent(inout) :: model       !< in: amplitudes; out: their factors
+    type(state_type), intent(inout) :: state       !< old memory; new times, numbers; out: new memory
+    type(uamp_type) :: values
+    character(CALL_NAME) :: name
+    integer :: i, first
+    first = 1
+    do i = 1, size(model%amplitudes)
+      associate (amplitude => model%amplitudes(i), old => state%old, new => state%new)
+        if (.not. amplitude%is_user) cycle
+        name = amplitude%name
+        associate (svars => new%user_memory(first + 1:first + amplitude%n_svars))
+          values = uamp_type(step=new%step, increment=new%increment, old=old%user_memory(first))
+          values%value = values%old
+          if (old%increment == 0) then             ! nothing has been solved yet
+            values%is_first = 1
+            call call_uamp(model%routines, name, amplitude%props, svars, values)
+            values%old = values%value
+          end if
+          values%is_first = 0
+          values%time = [new%step_time, new%total_time]
+          values%dt = new%time_increment
+          call call_uamp(model%routines, name, amplitude%props, svars, values)
+        end associate
+        new%user_memory(first) = values%value
+        first = first + 1 + amplitude%n_svars
+      end associate
+    end do
+    call recall_amplitudes(model, state%new)
+  end subroutine ask_amplitudes
+
+
+  !> The factors that stand in the memory of some fields.
+  subroutine recall_amplitudes(model, fields)
+    type(model_type), intent(inout) :: model
+    type(fields_type), intent(in) :: fields
+    integer :: i, first
+    first = 1
+    do i = 1, size(model%amplitudes)
+      if (.not. model%amplitudes(i)%is_user) cycle
+      model%amplitudes(i)%time = [fields%total_time]
+      model%amplitudes(i)%factor = [fields%user_memory(first)]
+      first = first + 1 + model%amplitudes(i)%n_svars
+    end do
+  end subroutine recall_amplitudes
 
 
   !> The length of the first increment.

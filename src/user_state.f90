@@ -7,12 +7,14 @@ module amontons_user_state
   use amontons_mesh, only: element_nodes
   use amontons_model, only: model_type
   use amontons_points, only: points_type
-  use amontons_shapes, only: shape_functions, quadrature
+  use amontons_loads, only: distributed_type, prescribed_type
+  use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_state, only: state_type, fields_type
-  use amontons_topology, only: MAX_NODES, MAX_POINTS
+  use amontons_topology, only: MAX_NODES, MAX_POINTS, MAX_FACE_NODES
+  use amontons_user, only: call_dload, call_disp, CALL_NAME
   implicit none
   private
-  public :: bring_user, keep_user
+  public :: bring_user, keep_user, ask_pressures, ask_displacement
 
 contains
 
@@ -66,5 +68,44 @@ contains
       fields%history(USER_STRESS:n_history, model%mesh%point_first(e) + p - 1) = points%user(p)%history
     end do
   end subroutine keep_user
+
+
+  !> The pressures that DLOAD gives at the points of a face.
+  pure subroutine ask_pressures(model, load, facet_kind, x, fields, pressures)
+    type(model_type), intent(in) :: model
+    type(distributed_type), intent(in) :: load
+    integer, intent(in) :: facet_kind              !< FACET_...
+    real(DP), intent(in) :: x(:, :)                !< (3, nodes) of the face; current under NLGEOM [length]
+    type(fields_type), intent(in) :: fields        !< times, numbers
+    real(DP), allocatable, intent(out) :: pressures(:)   !< (points) [stress]
+    integer, parameter :: BY_USER = 20             ! JLTYP of P1NU is 21
+    real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
+    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    character(CALL_NAME) :: name
+    integer :: n_rule, p
+    logical :: is_taken
+    name = ''
+    call facet_quadrature(facet_kind, n_rule, xi, w)
+    allocate (pressures(n_rule), source=load%end)
+    do p = 1, n_rule
+      call facet_shapes(facet_kind, xi(:, p), N, dN, ddN)
+      call call_dload(model%routines, pressures(p), [fields%step_time, fields%total_time], matmul(x, N(:size(x, 2))), name, &
+        [fields%step, fields%increment, model%mesh%element_label(load%element), p, BY_USER + load%face], is_taken)
+    end do
+  end subroutine ask_pressures
+
+
+  !> The displacement that DISP prescribes.
+  pure subroutine ask_displacement(model, load, fields, value)
+    type(model_type), intent(in) :: model
+    type(prescribed_type), intent(in) :: load
+    type(fields_type), intent(in) :: fields        !< times, numbers, displacements
+    real(DP), intent(inout) :: value               !< in: of the card; out: of DISP [length]
+    logical :: is_taken
+    if (.not. fields%time_increment > 0) return    ! before the first increment: only which unknowns are held is asked for
+    call call_disp(model%routines, value, [fields%step_time, fields%total_time, fields%time_increment], &
+      model%mesh%coordinates(:, load%node) + fields%u(:, load%node), &
+      [fields%step, fields%increment, model%mesh%node_label(load%node), load%dof], is_taken)
+  end subroutine ask_displacement
 
 end module amontons_user_state

@@ -343,3 +343,107 @@ def test_the_example_of_the_manual(run: Run, tmp_path: Path) -> None:
     with h5py.File(tmp_path / "job.vtkhdf") as file:
         assert file["AMONTONS/integration_points/SDV"][-8:].ravel() == pytest.approx(np.full(8, 1e-3), rel=1e-9)
     assert "1.000000E-03" in (tmp_path / "job.dat").read_text()
+
+
+LOADS = ROUTINES / "loads.f90"
+
+
+def loaded_deck(loads: str, *, before: str = "", nlgeom: bool = False) -> str:
+    """Two by two by two cubes on the floor, with a step."""
+    import make_decks
+
+    ticks = np.linspace(0.0, 1.0, 3)
+    mesh = make_decks.block(ticks, ticks, ticks, "BODY")
+    bottom, top = np.flatnonzero(mesh.nodes[:, 2] < 1e-9), np.flatnonzero(mesh.nodes[:, 2] > 1 - 1e-9)
+    nodes = [f"{i}, {x:.17g}, {y:.17g}, {z:.17g}" for i, (x, y, z) in enumerate(mesh.nodes, 1)]
+    elements = [f"{i}, " + ", ".join(str(n + 1) for n in row) for i, row in enumerate(mesh.elements, 1)]
+    return "\n".join(["*NODE", *nodes, "*ELEMENT, TYPE=C3D8, ELSET=BODY", *elements,
+                      "*NSET, NSET=FLOOR", *(str(n + 1) for n in bottom), "*NSET, NSET=TOP", *(str(n + 1) for n in top),
+                      "*ELSET, ELSET=UPPER", "5, 6, 7, 8", "*SURFACE, NAME=LID", "UPPER, S2",
+                      "*MATERIAL, NAME=STUFF", "*ELASTIC", "1000., 0.3", "*SOLID SECTION, ELSET=BODY, MATERIAL=STUFF",
+                      "*BOUNDARY", "FLOOR, 1, 3", *filter(None, [before]), "*STEP" + (", NLGEOM" if nlgeom else ""), "*STATIC",
+                      "0.25, 1.", loads.strip(), "*END STEP", ""])  # fmt: skip
+
+
+@pytest.mark.parametrize("card", ["*DLOAD\nUPPER, P2NU", "*DSLOAD\nLID, PNU"])
+def test_dload_gives_the_forces_of_its_pressure(run: Run, tmp_path: Path, card: str) -> None:
+    """A pressure linear in the place, integrated exactly by the rule of the face: force 10 + 4/2 - 2/2 = 11 per unit area,
+    moments about the origin from the second moments; in equilibrium with the floor."""
+    (tmp_path / "job.inp").write_text(loaded_deck(card))
+    done = run(["job", f"user={LOADS}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        history = file["AMONTONS/history"]
+        n = int(file["VTKHDF/NumberOfPoints"][0])
+        applied, times = history["applied_force"][:, 2], history["step_time"][:].ravel()
+        reaction = file["VTKHDF/PointData/RF"][-n:]
+        points = file["VTKHDF/Points"][:]
+    assert applied == pytest.approx(-11 * times, abs=1e-12)
+    moment = np.cross(points, reaction).sum(axis=0)
+    about_x = 10 / 2 + 4 / 4 - 2 / 3  # integral of y p
+    about_y = 10 / 2 + 4 / 3 - 2 / 4  # integral of x p
+    assert moment == pytest.approx([about_x, -about_y, 0], abs=1e-6)
+
+
+def test_dload_of_one_value_is_a_pressure(run: Run, tmp_path: Path) -> None:
+    """A routine that gives the same pressure everywhere, under NLGEOM: as *DLOAD with that pressure, iterations too."""
+    source = tmp_path / "flat.f90"
+    source.write_text("subroutine dload(f, kstep, kinc, time, noel, npt, layer, kspt, coords, jltyp, sname)\n"
+                      "real(8) :: f, time(2), coords(3)\ncharacter(80) :: sname\nf = 50 * time(1)\nend subroutine dload\n")  # fmt: skip
+    ours, theirs = run_two(run, tmp_path, loaded_deck("*DLOAD\nUPPER, P2, 50.", nlgeom=True),
+                           loaded_deck("*DLOAD\nUPPER, P2NU", nlgeom=True), source)  # fmt: skip
+    assert_equal(ours, theirs, 1e-12)
+
+
+def test_disp_prescribes(run: Run, tmp_path: Path) -> None:
+    """DISP moves the top as *BOUNDARY with the same values does."""
+    ours, theirs = run_two(run, tmp_path, loaded_deck("*BOUNDARY\nTOP, 1, 1, 0.002\nTOP, 3, 3, -0.001"),
+                           loaded_deck("*BOUNDARY, USER\nTOP, 1, 1\nTOP, 3, 3"), LOADS)  # fmt: skip
+    assert_equal(ours, theirs, 1e-12)
+
+
+def test_uamp_is_an_amplitude(run: Run, tmp_path: Path) -> None:
+    """UAMP that adds up the increments is a ramp; its variable is kept with the increments, in a library's rollback too."""
+    table = "*AMPLITUDE, NAME=RAMP, TIME=TOTAL TIME\n0., 0., 1., 3."
+    user = "*AMPLITUDE, NAME=RAMP, DEFINITION=USER, PROPERTIES=1, VARIABLES=1\n3."
+    load = "*CLOAD, AMPLITUDE=RAMP\nTOP, 3, -1."
+    ours, theirs = run_two(run, tmp_path, loaded_deck(load, before=table), loaded_deck(load, before=user), LOADS)
+    assert_equal(ours, theirs, 1e-12)
+    with amontons.Job(text=loaded_deck(load, before=user), user=LOADS) as job:
+        job.advance()
+        for _ in range(3):
+            job.try_step(0.5)
+            tried = job.get("U").tobytes()
+            job.rollback()
+        job.try_step(0.5)
+        assert job.get("U").tobytes() == tried
+
+
+@pytest.mark.parametrize(("load", "before", "sentence"), [
+    ("*BOUNDARY, USER\nTOP, 3, 3", "", "needs the user routine DISP"),
+    ("*DLOAD\nUPPER, P2NU", "", "needs the user routine DLOAD"),
+    ("*CLOAD, AMPLITUDE=A\nTOP, 3, 1.", "*AMPLITUDE, NAME=A, DEFINITION=USER", "needs the user routine UAMP"),
+])  # fmt: skip
+def test_load_routines_that_are_missing(run: Run, tmp_path: Path, load: str, before: str, sentence: str) -> None:
+    """The library holds UMAT alone; without any library the usage is told."""
+    (tmp_path / "job.inp").write_text(loaded_deck(load, before=before))
+    done = run(["job", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path)
+    assert (done.returncode, sentence in done.stdout) == (SETUP, True), done.stdout
+    done = run(["job"], cwd=tmp_path)
+    assert (done.returncode, sentence in done.stdout) == (USAGE, True), done.stdout
+
+
+def test_loads_by_routines_over_steps(run: Run, tmp_path: Path) -> None:
+    """A load of DLOAD stands in the next step, too, until OP=NEW: then it is gone at once."""
+    steps = ("*DLOAD\nUPPER, P2NU\n*END STEP\n*STEP\n*STATIC\n0.5, 1.\n*CLOAD\n14, 1, 0.\n*END STEP\n*STEP\n*STATIC\n0.5, 1.\n"
+             "*DLOAD, OP=NEW\nUPPER, P2, 1.")
+    (tmp_path / "job.inp").write_text(loaded_deck(steps))
+    done = run(["job", f"user={LOADS}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        history = file["AMONTONS/history"]
+        step, time, force = (history[name][:] for name in ("step", "step_time", "applied_force"))
+    last = {int(s): (float(t), float(f)) for s, t, f in zip(step.ravel(), time.ravel(), force[:, 2], strict=True)}
+    assert last[1] == pytest.approx((1.0, -11.0))
+    assert last[2] == pytest.approx((1.0, -11.0))
+    assert last[3] == pytest.approx((1.0, -1.0))

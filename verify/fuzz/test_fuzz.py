@@ -1,0 +1,52 @@
+"""A short run of the fuzzer; AMONTONS_FUZZ says how many decks a long one has.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import fuzz
+
+
+def test_decks(program: Path, tmp_path: Path) -> None:
+    """Mutated decks: no crash, no mistake of ours, no number that is none and no lost force behind exit code 0."""
+    tally = fuzz.fuzz_decks(program, int(os.environ.get("AMONTONS_FUZZ", "60")), 11, tmp_path / "kept", 1e9)
+    assert tally.findings == [], tally.report()
+    assert sum(tally.ends.values()) >= 60
+    assert tally.ends["exit 3"] > 0
+
+
+def test_decks_that_run_are_looked_at(program: Path, tmp_path: Path) -> None:
+    """The eye of the fuzzer: a result file with a reaction that is not that of its loads is a lie."""
+    import h5py
+
+    name, deck = next((name, deck) for name, deck in sorted(fuzz.source_decks().items()) if name == "block2")
+    assert name
+    (tmp_path / "job.inp").write_text(deck)
+    done = fuzz.execute(program, tmp_path, "--threads", "1", "--no-checkpoint", "job")
+    assert done.returncode == 0, done.stdout
+    assert fuzz.lie_of(tmp_path, deck) == ""
+    with h5py.File(tmp_path / "job.vtkhdf", "r+") as file:
+        file["AMONTONS/history/reaction_force"][-1] += 0.02 * abs(file["AMONTONS/history/reaction_force"][()]).max()
+    assert "do not balance" in fuzz.lie_of(tmp_path, deck)
+
+
+def test_checkpoints(program: Path) -> None:
+    """Damaged checkpoints are told."""
+    tally = fuzz.fuzz_checkpoints(program, 25, 3)
+    assert tally.findings == [], tally.report()
+
+
+@pytest.mark.slow
+def test_calls(library: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Library calls in any order, with any names and numbers, end with a status."""
+    monkeypatch.setenv("AMONTONS_LIBRARY", str(library))
+    tally = fuzz.fuzz_calls(6, 5)
+    assert tally.findings == [], tally.report()
