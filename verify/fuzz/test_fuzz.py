@@ -17,9 +17,9 @@ import fuzz
 
 def test_decks(program: Path, tmp_path: Path) -> None:
     """Mutated decks: no crash, no mistake of ours, no number that is none and no lost force behind exit code 0."""
-    tally = fuzz.fuzz_decks(program, int(os.environ.get("AMONTONS_FUZZ", "60")), 11, tmp_path / "kept", 1e9)
+    tally = fuzz.fuzz_decks(program, int(os.environ.get("AMONTONS_FUZZ", "40")), 11, tmp_path / "kept", 1e9)
     assert tally.findings == [], tally.report()
-    assert sum(tally.ends.values()) >= 60
+    assert sum(tally.ends.values()) >= 40
     assert tally.ends["exit 3"] > 0
 
 
@@ -27,14 +27,13 @@ def test_decks_that_run_are_looked_at(program: Path, tmp_path: Path) -> None:
     """The eye of the fuzzer: a result file with a reaction that is not that of its loads is a lie."""
     import h5py
 
-    name, deck = next((name, deck) for name, deck in sorted(fuzz.source_decks().items()) if name == "block2")
-    assert name
+    deck = fuzz.source_decks()["block2"]
     (tmp_path / "job.inp").write_text(deck)
     done = fuzz.execute(program, tmp_path, "--threads", "1", "--no-checkpoint", "job")
     assert done.returncode == 0, done.stdout
     assert fuzz.lie_of(tmp_path, deck) == ""
     with h5py.File(tmp_path / "job.vtkhdf", "r+") as file:
-        file["AMONTONS/history/reaction_force"][-1] += 0.02 * abs(file["AMONTONS/history/reaction_force"][()]).max()
+        file["AMONTONS/history/reaction_force"][-1] += 0.02 * abs(file["AMONTONS/history/slave_force"][()]).max()
     assert "do not balance" in fuzz.lie_of(tmp_path, deck)
 
 
