@@ -402,8 +402,8 @@ contains
     call table%card('RESTART', IN_BOTH, 'The checkpoint job.restart, which every job writes, and which goes when the job ' // &
       'is done.')
     call table%option('WRITE', VALUE_NONE, 'The checkpoint stays when the job is done.')
-    call table%option('READ', VALUE_NONE, 'amontons --resume job goes on from a checkpoint, with the same deck.', &
-      status=STATUS_NOTED)
+    call table%option('READ', VALUE_NONE, 'amontons --resume job goes on from a checkpoint, with the same deck; the ' // &
+      'results of another job cannot be gone on from.', status=STATUS_REFUSED)
     call table%option('FREQUENCY|OVERLAY|STEP|INC|ITERATION|END STEP', VALUE_TEXT, 'There is one checkpoint, of the last ' // &
       'converged increment.', status=STATUS_NOTED)
 

@@ -206,7 +206,7 @@ contains
     integer :: m, i
     has_past = allocated(model%initial_history) .or. allocated(model%initial_stress)
     has_temperature = .false.
-    if (allocated(model%initial_temperature)) has_temperature = any(abs(model%initial_temperature) > 0)
+    if (allocated(model%initial_temperature)) has_temperature = .true.   ! the library may set others
     do i = 1, size(model%steps)
       if (allocated(model%steps(i)%temperatures)) has_temperature = has_temperature .or. &
         size(model%steps(i)%temperatures) > 0

@@ -126,6 +126,6 @@ uses_failure = kinds text model state system converge forensics newton
 uses_user_job = kinds errors journal user model user_material state
 uses_analysis = kinds errors text history journal posix dense factor store steps model deck state changes fasten contact adjust system audit converge newton stepper results printed frd restart failure user_job
 uses_drive = kinds errors text loads steps model
-uses_library = kinds errors text journal sparse user model state system converge stepper columns results analysis drive
+uses_library = kinds errors text journal sparse user topology model state system converge stepper columns results analysis drive
 uses_capi = kinds errors version text sparse model library
 uses_main = errors version journal posix model card_table deck analysis

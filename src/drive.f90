@@ -9,18 +9,19 @@ module amontons_drive
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   use amontons_text, only: text_of
   use amontons_loads, only: amplitude_type, amplitude_value, load_value, load_type, prescribed_type, concentrated_type, &
-    distributed_type, DISTRIBUTED_PRESSURE
+    distributed_type, temperature_type, DISTRIBUTED_PRESSURE
   use amontons_steps, only: step_type
   use amontons_model, only: model_type
   implicit none
   private
   public :: drive_type, set_driven, arm_drives, settle_drives
-  public :: DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE
+  public :: DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, DRIVE_TEMPERATURE
 
   integer, parameter :: DRIVE_FORCE = 1            !< item: 3 (node - 1) + dof
   integer, parameter :: DRIVE_DISPLACEMENT = 2     !< item: the same
   integer, parameter :: DRIVE_PRESSURE = 3         !< item: 6 (element - 1) + face
-  integer, parameter :: N_DRIVES = 3
+  integer, parameter :: DRIVE_TEMPERATURE = 4      !< item: node
+  integer, parameter :: N_DRIVES = 4
 
   !> One driven value.
   type :: entry_type
@@ -52,13 +53,14 @@ contains
     integer, intent(in) :: kind                    !< DRIVE_...
     integer, intent(in) :: items(:)                !< each once
     real(DP), intent(in) :: values(:)              !< one per item
-    real(DP), intent(in) :: now(:)                 !< total time, step time, then for displacements the values now
+    real(DP), intent(in) :: now(:)                 !< total time, step time, then for displacements and temperatures the values now
     type(error_type), allocatable, intent(out) :: error
     integer :: i
     if (.not. allocated(drive%entries)) then
       allocate (drive%entries(0))
       allocate (drive%place(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements), N_DRIVES), source=0)
     end if
+    if (kind == DRIVE_TEMPERATURE) call check_temperature(model, error)
     if (kind == DRIVE_DISPLACEMENT) call check_prescribed(model, model%steps(i_step), items, error)
     if (allocated(error)) return
     call add_entries(drive, model, i_step, kind, pack(items, drive%place(items, kind) == 0), &
@@ -70,6 +72,15 @@ contains
       end associate
     end do
   end subroutine set_driven
+
+
+  !> Without temperatures in the deck the materials have no expansion.
+  subroutine check_temperature(model, error)
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    if (.not. allocated(model%initial_temperature)) call set_error(error, EXIT_USAGE, 'Temperatures cannot be set: the ' // &
+      'deck has none. Give it *INITIAL CONDITIONS, TYPE=TEMPERATURE.')
+  end subroutine check_temperature
 
 
   !> Only what the deck prescribes can be driven: the rest is free, and the equations know it.
@@ -105,7 +116,7 @@ contains
     n = size(model%amplitudes)
     allocate (amplitudes(n + size(items)))
     amplitudes(:n) = model%amplitudes
-    if (kind == DRIVE_DISPLACEMENT) then
+    if (kind == DRIVE_DISPLACEMENT .or. kind == DRIVE_TEMPERATURE) then
       values = now(2 + positions)
     else
       values = values_of_deck(model, model%steps(i_step), kind, items, now)
@@ -176,6 +187,12 @@ contains
     integer, intent(in) :: n_before                !< amplitudes before those of the items
     integer, allocatable :: order(:)
     integer :: i
+    if (kind == DRIVE_TEMPERATURE) then
+      if (.not. allocated(step%temperatures)) allocate (step%temperatures(0))
+      step%temperatures = [step%temperatures, [(temperature_type(end=1.0_DP, amplitude=n_before + i, node=items(i)), &
+        i=1, size(items))]]                        ! of several for a node the last counts
+      return
+    end if
     allocate (order(maxval(items)), source=0)
     order(items) = [(i, i=1, size(items))]
     select case (kind)

@@ -16,6 +16,7 @@ module amontons_library
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
   use amontons_sparse, only: sparse_type, full_of, multiply_transpose
   use amontons_state, only: state_type
+  use amontons_topology, only: kind_type, facet_kind_type, element_kind, facet_kind
   use amontons_user, only: close_routines
   use amontons_system, only: evaluate, linearise, tangent_matrix, TROUBLE_NONE
   use amontons_columns, only: column_type, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
@@ -23,7 +24,7 @@ module amontons_library
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
     enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
   use amontons_drive, only: drive_type, set_driven, arm_drives, settle_drives, DRIVE_FORCE, DRIVE_DISPLACEMENT, &
-    DRIVE_PRESSURE
+    DRIVE_PRESSURE, DRIVE_TEMPERATURE
   implicit none
   private
   public :: job_type, job_options_type, listener_type, error_type, sparse_type
@@ -144,6 +145,10 @@ contains
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: total_time             !< [time]
     type(error_type), allocatable, intent(out) :: error
+    if (.not. abs(total_time) <= huge(1.0_DP)) then
+      call set_error(error, EXIT_USAGE, 'The time to advance to is not a finite number.')
+      return
+    end if
     do while (.not. is_job_done(job))
       if (total_time - job%analysis%stepper%total_time <= SNAP * max(abs(total_time), step_left(job))) exit
       call prepare(job, .false., error)
@@ -379,6 +384,10 @@ contains
     end if
     call get_number(job, squeezed(quantity), set, values, is_known, error)
     if (is_known .or. allocated(error)) return
+    if (squeezed(quantity) == 'FACECENTRES') then
+      call get_face_centres(job, set, values, error)
+      return
+    end if
     call find_nodes(job, set, nodes, error)
     if (allocated(error)) return
     call get_vector(job, squeezed(quantity), nodes, values, is_known)
@@ -432,6 +441,34 @@ contains
   end subroutine get_number
 
 
+  !> The middles of the faces of a surface, in the order in which P is set: means of their corners.
+  subroutine get_face_centres(job, set, values, error)
+    type(job_type), intent(in) :: job
+    character(*), intent(in) :: set                !< surface
+    real(DP), allocatable, intent(out) :: values(:, :)   !< (3, faces) [length]
+    type(error_type), allocatable, intent(out) :: error
+    type(kind_type) :: entry
+    type(facet_kind_type) :: facet
+    integer :: i, k, e, surface, corners(4)
+    surface = surface_of(job, set)
+    if (surface == 0) then
+      call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // '.')
+      return
+    end if
+    associate (faces => job%analysis%model%surfaces(surface), mesh => job%analysis%model%mesh)
+      allocate (values(3, size(faces%element)))
+      do i = 1, size(faces%element)
+        e = faces%element(i)
+        entry = element_kind(mesh%kind(e))
+        facet = facet_kind(entry%face_kind(faces%face(i)))
+        k = facet%n_corners
+        corners(:k) = mesh%nodes(mesh%first(e) - 1 + entry%face_nodes(:k, faces%face(i)))
+        values(:, i) = sum(mesh%coordinates(:, corners(:k)), dim=2) / real(k, DP)
+      end do
+    end associate
+  end subroutine get_face_centres
+
+
   !> A vector at nodes, or their labels.
   subroutine get_vector(job, quantity, nodes, values, is_known)
     type(job_type), intent(in) :: job
@@ -446,6 +483,8 @@ contains
         values = reshape(real(mesh%node_label(nodes), DP), [1, size(nodes)])
       case ('X')
         values = mesh%coordinates(:, nodes)
+      case ('NT', 'TEMPERATURE')
+        values = reshape(new%temperature(nodes), [1, size(nodes)])
       case ('INTERNALFORCE')
         values = new%internal_force(:, nodes)
       case ('APPLIEDFORCE')
@@ -489,7 +528,7 @@ contains
   end subroutine get_column
 
 
-  !> Sets a quantity: FRICTION of an interaction; P of a surface; CF, CF1 to CF3, U, U1 to U3 of a node set. One value
+  !> Sets a quantity: FRICTION of an interaction; P of a surface; NT, CF, CF1 to CF3, U, U1 to U3 of a node set. One value
   !! per component, for all, or one per component and row. The manual says when it is reached: at the end of the
   !! increments solved next.
   subroutine set_values(job, quantity, set, values, error)
@@ -536,7 +575,8 @@ contains
     real(DP), allocatable :: now(:)
     integer :: width, i
     width = 1
-    if (kind /= DRIVE_PRESSURE .and. len(squeezed(quantity)) == merge(2, 1, kind == DRIVE_FORCE)) width = 3
+    if (kind /= DRIVE_PRESSURE .and. kind /= DRIVE_TEMPERATURE .and. &
+      len(squeezed(quantity)) == merge(2, 1, kind == DRIVE_FORCE)) width = 3
     if (size(values) /= width .and. size(values) /= size(items)) then
       call set_error(error, EXIT_USAGE, text_of(size(values)) // ' values of ' // quantity // ' were given; it takes ' // &
         text_of(width) // ' or ' // text_of(size(items)) // '.')
@@ -544,6 +584,7 @@ contains
     end if
     associate (analysis => job%analysis)
       now = [analysis%stepper%total_time, time_in_step(job)]
+      if (kind == DRIVE_TEMPERATURE) now = [now, analysis%snapshot%fields%temperature(items)]
       if (kind == DRIVE_DISPLACEMENT) now = [now, [(analysis%snapshot%fields%u(mod(items(i) - 1, 3) + 1, &
         (items(i) + 2) / 3), i=1, size(items))]]
       call set_driven(job%drive, analysis%model, step_of(job), kind, items, &
@@ -573,13 +614,18 @@ contains
       end if
       return
     end if
+    if (quantity == 'NT' .or. quantity == 'TEMPERATURE') then
+      kind = DRIVE_TEMPERATURE
+      call find_nodes(job, set, items, error)
+      return
+    end if
     dof = findloc(['CF ', 'CF1', 'CF2', 'CF3'] == quantity, .true., dim=1) - 1
     if (dof < 0) then
       kind = DRIVE_DISPLACEMENT
       dof = findloc(['U ', 'U1', 'U2', 'U3'] == quantity, .true., dim=1) - 1
     end if
     if (dof < 0) then
-      call set_error(error, EXIT_USAGE, 'The quantity ' // quantity // ' cannot be set; FRICTION, P, CF, CF1 to CF3, ' // &
+      call set_error(error, EXIT_USAGE, 'The quantity ' // quantity // ' cannot be set; FRICTION, NT, P, CF, CF1 to CF3, ' // &
         'U, U1 to U3 can.')
       return
     end if

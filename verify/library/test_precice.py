@@ -1,0 +1,165 @@
+"""The preCICE adapter with two participants, against a stand-in with the calls of preCICE's Python bindings.
+
+preCICE is in neither PyPI (its bindings are, without the library) nor Debian; precice_stand_in.py says what it does.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import precice_stand_in
+import pytest
+from common import ROOT  # noqa: F401  (finds the package)
+
+import amontons
+from amontons.precice import Adapter, read_configuration
+
+BAR = """\
+*NODE, NSET=ALL
+1, 0, 0, {z0}
+2, 1, 0, {z0}
+3, 1, 1, {z0}
+4, 0, 1, {z0}
+5, 0, 0, {z1}
+6, 1, 0, {z1}
+7, 1, 1, {z1}
+8, 0, 1, {z1}
+*ELEMENT, TYPE=C3D8, ELSET=BAR
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*NSET, NSET=LOW
+1, 2, 3, 4
+*NSET, NSET=HIGH
+5, 6, 7, 8
+*SURFACE, NAME=LID
+BAR, S2
+*MATERIAL, NAME=M
+*ELASTIC
+{E}, 0
+*EXPANSION
+1e-3
+*SOLID SECTION, ELSET=BAR, MATERIAL=M
+*INITIAL CONDITIONS, TYPE=TEMPERATURE
+ALL, 0.
+*STEP
+*STATIC
+0.25, 1
+*BOUNDARY
+ALL, 1, 2
+{held}
+*END STEP
+"""
+LOWER = BAR.format(z0=0, z1=1, E=1000, held="LOW, 3, 3")
+UPPER = BAR.format(z0=1, z1=2, E=250, held="HIGH, 3, 3, 0.02\nLOW, 3, 3, 0.")
+
+
+def couple(meeting: precice_stand_in.Meeting, decks: dict[str, str], interfaces: dict[str, list[dict]]) -> dict[str, amontons.Job]:
+    """Runs both participants, each in its thread; the jobs, at their end."""
+    precice_stand_in.MEETINGS["here"] = meeting
+    configuration = {"precice-config-file": "here", "participants": {n: {"interfaces": w} for n, w in interfaces.items()}}
+    jobs = {name: amontons.Job(text=deck) for name, deck in decks.items()}
+    errors: list[BaseException] = []
+
+    def run(name: str) -> None:
+        try:
+            Adapter(jobs[name], configuration, name, precice=precice_stand_in).run()
+        except BaseException as error:  # noqa: BLE001
+            errors.append(error)
+            meeting.barrier.abort()
+
+    threads = [threading.Thread(target=run, args=(name,)) for name in jobs]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    if errors:
+        raise errors[0]
+    return jobs
+
+
+def test_two_bars_in_a_row() -> None:
+    """The lower bar (E = 1000) takes forces, the upper one (E = 250) displacements; its end is drawn by 0.02: where they
+    meet 0.02 * 250/1250. In each of four windows the loads repeat until they stand; the histories are straight lines."""
+    meeting = precice_stand_in.Meeting(4, 0.25, relaxation=0.5)
+    jobs = couple(meeting, {"Lower": LOWER, "Upper": UPPER}, {
+        "Lower": [{"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Force"], "write-data": ["Displacement"]}],
+        "Upper": [{"nodes-mesh": "B", "patch": "LOW", "read-data": ["Displacement"], "write-data": ["Force"]}]})  # fmt: skip
+    assert len(meeting.iterations) == 4
+    assert max(meeting.iterations) < 100
+    assert min(meeting.iterations) > 2
+    for job, patch in ((jobs["Lower"], "HIGH"), (jobs["Upper"], "LOW")):
+        assert job.is_done
+        assert job.get("U", patch)[:, 2] == pytest.approx(0.02 * 250 / 1250, rel=1e-8)
+    assert jobs["Upper"].get("RF", "HIGH")[:, 2].sum() == pytest.approx(250 * 0.016, rel=1e-8)
+
+
+def test_pressure_temperature_and_deltas() -> None:
+    """One participant gives pressure on faces and temperature, the other takes them: du = T alpha - p/E."""
+
+    class Wall:
+        """Says what a flow would say, and hears the displacements."""
+
+        heard: list[float] = []
+
+        def run(self) -> None:
+            participant = precice_stand_in.Participant("Flow", "here", 0, 1)
+            participant.set_mesh_vertices("A", np.zeros((4, 3)))
+            participant.set_mesh_vertices("F", np.zeros((1, 3)))
+            ids = np.arange(4)
+            while participant.is_coupling_ongoing():
+                window = participant.meeting.window + 1
+                participant.write_data("A", "Temperature", ids, np.full(4, 2.0 * window))
+                participant.write_data("F", "Pressure", np.arange(1), np.full(1, 10.0 * window))
+                participant.advance(0.5)
+                if participant.is_time_window_complete():
+                    self.heard.append(float(participant.meeting.data["DisplacementDelta"][:, 2].mean()))
+
+    meeting = precice_stand_in.Meeting(2, 0.5)
+    precice_stand_in.MEETINGS["here"] = meeting
+    wall = Wall()
+    other = threading.Thread(target=wall.run)
+    other.start()
+    job = amontons.Job(text=LOWER)
+    configuration = {"precice-config-file": "here", "participants": {"Solid": {"interfaces": [
+        {"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Temperature"], "write-data": ["DisplacementDelta0"]},
+        {"faces-mesh": "F", "patch": "LID", "read-data": ["Pressure"]}]}}}  # fmt: skip
+    for interface in configuration["participants"]["Solid"]["interfaces"]:
+        interface["write-data"] = ["DisplacementDelta"] if "nodes-mesh" in interface else []
+    adapter = Adapter(job, configuration, "Solid", precice=precice_stand_in)
+    assert adapter.interfaces[1].places == pytest.approx(np.array([[0.5, 0.5, 1.0]]))
+    adapter.run()
+    other.join()
+    mean = 0.5 * 4.0  # the nodes below stay cold: the element feels the mean
+    assert job.get("U", "HIGH")[:, 2] == pytest.approx(1e-3 * mean - 20.0 / 1000, rel=1e-9)
+    assert wall.heard == pytest.approx([-0.009, -0.009], rel=1e-9)
+
+
+@pytest.mark.parametrize(("interface", "sentence"), [
+    ({"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Pressure"]}, "faces-mesh"),
+    ({"nodes-mesh": "A", "patch": "HIGH", "write-data": ["Velocity"]}, "cannot be written"),
+    ({"nodes-mesh": "A"}, "patch"),
+    ({"nodes-mesh": "A", "patch": "NOWHERE"}, "NOWHERE"),
+])  # fmt: skip
+def test_wrong_configurations_are_told(interface: dict, sentence: str) -> None:
+    """A sentence each."""
+    with amontons.Job(text=LOWER) as job, pytest.raises(amontons.UsageError, match=sentence):
+        Adapter(job, {"precice-config-file": "here", "participants": {"S": {"interfaces": [interface]}}}, "S",
+                precice=precice_stand_in)  # fmt: skip
+
+
+def test_configuration_files(tmp_path: Path) -> None:
+    """JSON; the participant must be there; without preCICE it is told."""
+    path = tmp_path / "config.json"
+    path.write_text(json.dumps({"precice-config-file": "x.xml", "participants": {"S": {"interfaces": []}}}))
+    configuration = read_configuration(path)
+    with amontons.Job(text=LOWER) as job:
+        with pytest.raises(amontons.UsageError, match="no participant T"):
+            Adapter(job, configuration, "T")
+        if "precice" not in sys.modules:
+            with pytest.raises(ModuleNotFoundError):
+                Adapter(job, configuration, "S")
