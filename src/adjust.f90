@@ -22,6 +22,7 @@ contains
     real(DP), intent(out) :: largest               !< longest way [length]
     type(error_type), allocatable, intent(out) :: error
     type(contact_type) :: contact
+    type(model_type) :: by_nodes                   ! the same with node-to-surface contact: nodes are moved, not faces
     type(state_type) :: state
     type(slave_type), allocatable :: slaves(:)
     real(DP) :: way(3, model%mesh%n_nodes)
@@ -29,10 +30,12 @@ contains
     n_moved = 0
     largest = 0.0_DP
     if (.not. any(model%pairs%has_adjust)) return
-    call create_contact(contact, model, slaves, error)
+    by_nodes = model
+    by_nodes%pairs%is_mortar = .false.
+    call create_contact(contact, by_nodes, slaves, error)
     if (allocated(error)) return
     call create_state(state, model%mesh, slaves)
-    call begin_contact_increment(contact, model, .true., .true., state%new)
+    call begin_contact_increment(contact, by_nodes, .true., .true., state%new%u, state%new)
     way = 0.0_DP
     do s = 1, size(state%new%slaves)
       associate (slave => state%new%slaves(s))

@@ -48,6 +48,7 @@ contains
     type(pair_tally_type), allocatable :: tallies(:)
     integer :: p
     call check_overlap(model, report)
+    call check_alone(model, report)
     call tally_pairs(model, contact, slaves, tallies)
     do p = 1, size(model%pairs)
       call check_projection(model, contact, p, tallies(p), report)
@@ -219,6 +220,33 @@ contains
       travel = max(travel, factor * abs(prescribed(i)%end), abs(prescribed(i)%start))
     end do
   end function longest_travel
+
+
+  !> Surface-to-surface pairs under exact contact share no nodes with other pairs: the order in which slaves that share nodes are looked
+  !! at follows single facets, and a row of theirs has many.
+  subroutine check_alone(model, report)
+    type(model_type), intent(in) :: model
+    type(complaints_type), intent(inout) :: report
+    logical :: is_slave(model%mesh%n_nodes), is_master(model%mesh%n_nodes), shares
+    integer :: p, q
+    do p = 1, size(model%pairs)
+      if (.not. model%pairs(p)%is_mortar .or. is_compliant(model%interactions(model%pairs(p)%interaction))) cycle
+      is_slave = .false.
+      is_master = .false.
+      is_slave(model%surfaces(model%pairs(p)%slave)%nodes) = .true.
+      is_master(model%surfaces(model%pairs(p)%master)%nodes) = .true.
+      do q = 1, size(model%pairs)
+        if (q == p) cycle
+        associate (slaves => model%surfaces(model%pairs(q)%slave)%nodes, masters => model%surfaces(model%pairs(q)%master)%nodes)
+          shares = any(is_slave(slaves)) .or. any(is_slave(masters))
+          if (.not. is_compliant(model%interactions(model%pairs(q)%interaction))) shares = shares .or. any(is_master(slaves))
+        end associate
+        if (shares) call complain(report, pair_name(model, p) // ' is surface to surface and shares slave nodes with ' // &
+          pair_name(model, q) // ': only node-to-surface pairs may, or pairs with a compliant *SURFACE BEHAVIOR. Take ' // &
+          'TYPE=NODE TO SURFACE, or put surfaces that touch the same body into one.')
+      end do
+    end do
+  end subroutine check_alone
 
 
   !> Nodes that are on both sides of a pair. (Pairs may share nodes: see amontons_overlaps.)

@@ -368,6 +368,7 @@ contains
       slave = slaves(s)
       if (is_later(slave%pair)) then               ! where it will touch is not known: take any facet
         slave%facet = 1
+        slave%row = 0
         slave%normal = -contact%slave_normal(:, s)
       end if
       if (slave%facet == 0 .or. norm2(slave%normal) < 0.5_DP) cycle

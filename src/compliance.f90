@@ -22,6 +22,7 @@ contains
   !! | law | pressure |
   !! |---|---|
   !! | LINEAR | K h (1/2 + atan(h/eps)/pi), eps = pi sigma_inf/K: K h for h >> eps, -sigma_inf for h << -eps |
+  !! | with sigma_inf = 0 | K h: the caller cuts it where the law's reach ends |
   !! | EXPONENTIAL | p0 exp(ln(100) h/c0) |
   !! | TABULAR | linear between the points, constant outside |
   !! | TIED | K h |
@@ -37,6 +38,12 @@ contains
     energy = 0.0_DP
     select case (law%behavior)
     case (BEHAVIOR_LINEAR)
+      if (law%tension <= 0.0_DP) then
+        p = law%stiffness * h
+        slope = law%stiffness
+        energy = 0.5_DP * law%stiffness * h**2
+        return
+      end if
       eps = PI * law%tension / law%stiffness
       share = 0.5_DP + atan2(h, eps) / PI
       p = law%stiffness * h * share

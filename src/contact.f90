@@ -7,8 +7,8 @@ module amontons_contact
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_topology, only: MAX_FACE_NODES, N_SOLID_KINDS
-  use amontons_model, only: model_type
-  use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_surfaces, only: interaction_type, is_compliant, pair_laws, BEHAVIOR_TIED
   use amontons_steps, only: step_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, condensation
@@ -19,6 +19,7 @@ module amontons_contact
   use amontons_overlaps, only: overlaps_type, find_overlaps, order_slaves, free_directions, is_friction_taken
   use amontons_facets, only: facets_type, build_facets
   use amontons_search, only: search_type, build_search
+  use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar, search_margin, turned_with
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
   use amontons_slip, only: trial_type, trial_traction
   use amontons_compliance, only: law_pressure, law_reach, law_shear
@@ -52,6 +53,7 @@ module amontons_contact
     logical, allocatable :: is_removed(:)         !< (n_pairs) taken out in this step
     real(DP), allocatable :: interference(:)      !< (n_pairs) overclosure allowed at the start of this step [length]
     logical, allocatable :: is_shrink(:)          !< (n_pairs) what each node has of it at the start is allowed
+    logical, allocatable :: is_ramped(:)          !< (n_pairs) what an open node overlaps at the start of a step goes over the step
     real(DP) :: period = 1                        !< of the step [time]
     type(faces_type), allocatable :: cover(:)     !< (n_pairs) faces that give the slave nodes of compliant laws their areas
     integer, allocatable :: follower(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
@@ -62,8 +64,7 @@ module amontons_contact
     real(DP), allocatable :: free(:, :, :)        !< (3, 3, n_slaves) projector on what supports and other pairs leave free
     real(DP), allocatable :: friction(:)          !< (n_slaves) mu at the last evaluation [-]
     real(DP), allocatable :: carried(:, :)        !< (3, n_slaves) imbalance of the row, what other slaves bring included [force]
-    type(contact_row_type), allocatable :: rows(:)      !< (n) of slaves whose row is kept here: slave%row, as they touch now
-    type(contact_row_type), allocatable :: origins(:)   !< (n) the same against their origins
+    type(mortar_type), allocatable :: mortar(:)   !< (n_pairs) rows of surface-to-surface pairs: slave%row; empty for others
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
     type(slip_view_type) :: view                  !< of the last evaluation
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
@@ -87,10 +88,11 @@ contains
     allocate (contact%facets(size(model%pairs)), contact%search(size(model%pairs)))
     allocate (contact%is_small(size(model%pairs)), source=.false.)
     allocate (contact%edge(size(model%pairs)), contact%cover(size(model%pairs)))
-    allocate (contact%is_removed(size(model%pairs)), contact%is_shrink(size(model%pairs)), source=.false.)
+    allocate (contact%is_removed(size(model%pairs)), contact%is_shrink(size(model%pairs)), &
+      contact%is_ramped(size(model%pairs)), source=.false.)
     allocate (contact%interference(size(model%pairs)), source=0.0_DP)
-    contact%laws = model%interactions(model%pairs%interaction)
-    allocate (slaves(0), contact%follower(3, 0), contact%slave_normal(3, 0), contact%rows(0), contact%origins(0))
+    contact%laws = pair_laws(model%pairs, model%interactions)
+    allocate (slaves(0), contact%follower(3, 0), contact%slave_normal(3, 0), contact%mortar(size(model%pairs)))
     do p = 1, size(model%pairs)
       associate (master => model%surfaces(model%pairs(p)%master))
         call build_facets(model%mesh, master%element, master%face, contact%facets(p), error)
@@ -98,8 +100,14 @@ contains
         if (allocated(error)) return
       end associate
       contact%edge(p) = maxval(contact%facets(p)%edge_length)
-      if (is_compliant(contact%laws(p))) &
+      if (model%pairs(p)%is_mortar) then
+        associate (slave => model%surfaces(model%pairs(p)%slave))
+          call create_mortar(model%mesh, slave%element, slave%face, slave%nodes, contact%mortar(p), error)
+        end associate
+        if (allocated(error)) return
+      else if (is_compliant(contact%laws(p))) then
         call cover_slave(model%mesh, model%surfaces(model%pairs(p)%slave), contact%cover(p))
+      end if
       call append_slaves(contact, model, p, slaves)
     end do
     n = size(slaves)
@@ -131,7 +139,7 @@ contains
 
 
   !> The slave nodes of one pair with area and outward normal, and the mid-side nodes that follow their corners. Under a
-  !! compliant law no node follows, and nodes without area are none.
+  !! compliant law no node follows, and nodes without area are none; of a mortar pair all nodes are slaves.
   subroutine append_slaves(contact, model, pair, slaves)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -142,7 +150,7 @@ contains
     type(slave_type) :: slave
     integer :: i, f, node
     logical :: is_soft
-    is_soft = is_compliant(contact%laws(pair))
+    is_soft = is_compliant(contact%laws(pair)) .or. model%pairs(pair)%is_mortar
     associate (mesh => model%mesh, surface => model%surfaces(model%pairs(pair)%slave))
       allocate (area_vector(3, mesh%n_nodes), area(mesh%n_nodes), source=0.0_DP)
       allocate (corners(2, mesh%n_nodes), source=0)
@@ -153,35 +161,20 @@ contains
       end if
       do i = 1, size(surface%nodes)
         node = surface%nodes(i)
-        if (is_soft .and. .not. surface%is_node_based .and. area(node) <= 0.0_DP) cycle
+        if (is_soft .and. .not. surface%is_node_based .and. area(node) <= 0.0_DP .and. .not. model%pairs(pair)%is_mortar) cycle
         if (corners(1, node) > 0) then
           if (any(contact%follower(1, :) == node)) cycle   ! of another pair
-          contact%follower = append_column(contact%follower, [node, corners(:, node)])
+          contact%follower = reshape([contact%follower, [node, corners(:, node)]], [3, size(contact%follower, 2) + 1])
           cycle
         end if
         slave = slave_type(pair=pair, node=node, area=merge(1.0_DP, area(node), surface%is_node_based))
+        if (model%pairs(pair)%is_mortar) slave%row = i
         slaves = [slaves, slave]
-        contact%slave_normal = append_vector(contact%slave_normal, &
-          area_vector(:, node) / max(norm2(area_vector(:, node)), tiny(1.0_DP)))
+        contact%slave_normal = reshape([contact%slave_normal, &
+          area_vector(:, node) / max(norm2(area_vector(:, node)), tiny(1.0_DP))], [3, size(slaves)])
       end do
     end associate
   end subroutine append_slaves
-
-
-  !> A list of columns with one more.
-  pure function append_column(list, column) result(longer)
-    integer, intent(in) :: list(:, :), column(:)
-    integer, allocatable :: longer(:, :)
-    longer = reshape([list, column], [size(column), size(list, 2) + 1])
-  end function append_column
-
-
-  !> A list of vectors with one more.
-  pure function append_vector(list, vector) result(longer)
-    real(DP), intent(in) :: list(:, :), vector(:)
-    real(DP), allocatable :: longer(:, :)
-    longer = reshape([list, vector], [size(vector), size(list, 2) + 1])
-  end function append_vector
 
 
   !> Which directions of the slave nodes are free: contact gives no force in a direction that a support holds.
@@ -205,8 +198,8 @@ contains
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    contact%laws = model%interactions(model%pairs%interaction)
-    if (allocated(step%interactions)) contact%laws = step%interactions(model%pairs%interaction)
+    contact%laws = pair_laws(model%pairs, model%interactions)
+    if (allocated(step%interactions)) contact%laws = pair_laws(model%pairs, step%interactions)
     contact%is_removed = .false.
     if (allocated(step%is_removed)) contact%is_removed = step%is_removed
     contact%period = step%period
@@ -214,15 +207,17 @@ contains
     contact%is_shrink = .false.
     if (allocated(step%interference)) contact%interference = step%interference
     if (allocated(step%is_shrink)) contact%is_shrink = step%is_shrink
+    contact%is_ramped = model%dialect == DIALECT_CALCULIX .and. model%pairs%is_mortar   ! as its face-to-face contact does
   end subroutine begin_contact_step
 
 
   !> Before the first iteration: find facets for nodes that have none, and set the origins of the closed ones.
-  subroutine begin_contact_increment(contact, model, is_nlgeom, is_step_start, fields)
+  subroutine begin_contact_increment(contact, model, is_nlgeom, is_step_start, u_start, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     logical, intent(in) :: is_nlgeom
     logical, intent(in) :: is_step_start           !< first increment of a step
+    real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
     type(fields_type), intent(inout) :: fields     !< in: u; out: slaves
     real(DP), allocatable :: x(:, :)
     real(DP) :: reach
@@ -232,7 +227,16 @@ contains
     if (is_nlgeom) x = x + fields%u
     do p = 1, size(model%pairs)
       contact%is_small(p) = model%pairs(p)%is_small_sliding .or. .not. is_nlgeom
-      call build_search(contact%facets(p), x, SEARCH_REACH * contact%edge(p), contact%search(p))
+      reach = SEARCH_REACH * contact%edge(p)
+      if (model%pairs(p)%is_mortar) reach = search_margin(contact%mortar(p), reach)
+      call build_search(contact%facets(p), x, reach, contact%search(p))
+      if (.not. model%pairs(p)%is_mortar) cycle
+      if (contact%is_small(p) .and. .not. is_step_start .and. contact%mortar(p)%is_made) cycle
+      if (contact%is_small(p) .and. is_nlgeom) then
+        call renew_rows(contact, p, model%mesh%coordinates + u_start)
+      else
+        call renew_rows(contact, p, x)
+      end if
     end do
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
@@ -265,6 +269,16 @@ contains
   end subroutine begin_contact_increment
 
 
+  !> The rows of a mortar pair with the bodies as they are at x.
+  subroutine renew_rows(contact, pair, x)
+    type(contact_type), intent(inout) :: contact
+    integer, intent(in) :: pair
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    call integrate_mortar(contact%mortar(pair), contact%facets(pair), contact%search(pair), x, &
+      SEARCH_REACH * contact%edge(pair))
+  end subroutine renew_rows
+
+
   !> The start of the job: the gap of a pair with CLEARANCE is that, the gap of a tied one nothing.
   subroutine start_slave(contact, model, slave)
     type(contact_type), intent(in) :: contact
@@ -287,7 +301,8 @@ contains
     real(DP) :: offset
     if (is_step_start) then
       slave%allowed = contact%interference(slave%pair)
-      if (contact%is_shrink(slave%pair) .and. slave%facet > 0) &
+      if (slave%facet > 0 .and. (contact%is_shrink(slave%pair) .or. &
+        (contact%is_ramped(slave%pair) .and. slave%status == STATUS_OPEN))) &
         slave%allowed = max(0.0_DP, -(slave%gap - slave%offset + slave%clearance))
     end if
     offset = slave%clearance + slave%allowed * max(0.0_DP, 1.0_DP - step_time / contact%period)
@@ -307,7 +322,7 @@ contains
     real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), vector(3)
     integer :: nodes(MAX_FACE_NODES), n, s, p
     do p = 1, size(model%pairs)
-      if (.not. is_compliant(contact%laws(p))) cycle
+      if (.not. is_compliant(contact%laws(p)) .or. model%pairs(p)%is_mortar) cycle
       allocate (area_vector(3, size(x, 2)), area(size(x, 2)), source=0.0_DP)
       call sum_shares(model%mesh, contact%cover(p), x, area_vector, area)
       do s = 1, size(slaves)
@@ -347,6 +362,12 @@ contains
     type(slave_type), intent(inout) :: slave
     type(projection_type) :: projection
     integer :: status
+    if (slave%row > 0) then
+      call take_place(contact, slave)
+      call locate_slave(contact, x, slave)
+      if (slave%facet == 0) call lose_master(slave)
+      return
+    end if
     if (slave%status /= STATUS_OPEN .and. slave%facet > 0) then
       call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
         slave%normal, status)
@@ -364,6 +385,20 @@ contains
   end subroutine refresh_facet
 
 
+  !> Facet, normal and area of a slave node of a mortar pair as its row was integrated.
+  subroutine take_place(contact, slave)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(inout) :: slave
+    associate (place => contact%mortar(slave%pair)%places(slave%row))
+      slave%facet = place%facet
+      slave%xi = place%xi
+      if (place%facet == 0) return
+      slave%normal = place%normal
+      slave%area = place%area
+    end associate
+  end subroutine take_place
+
+
   !> The node has left its master: open, without force.
   subroutine lose_master(slave)
     type(slave_type), intent(inout) :: slave
@@ -378,7 +413,7 @@ contains
 
   !> The node touches the master at this point of a facet from now on.
   subroutine set_origin(contact, model, u, facet, xi, slave)
-    type(contact_type), intent(in) :: contact
+    type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)
     integer, intent(in) :: facet
@@ -388,12 +423,27 @@ contains
     slave%origin_facet = facet
     slave%origin_xi = xi
     slave%origin_offset = 0.0_DP
-    if (contact%is_small(slave%pair)) then
+    if (slave%row > 0) then
+      contact%mortar(slave%pair)%origins(slave%row) = contact%mortar(slave%pair)%rows(slave%row)
+      contact%mortar(slave%pair)%origin_normal(:, slave%row) = slave%normal
+    end if
+    if (contact%is_small(slave%pair) .or. slave%row > 0) then
       d = contact_slip_vector(contact, model, u, slave)
       slave%origin_offset = d - dot_product(slave%normal, d) * slave%normal
     end if
     slave%origin_offset = slave%origin_offset - slave%offset * slave%normal
   end subroutine set_origin
+
+
+  !> What d was at the origin and is to stay; with the rows of a mortar pair that slides it turns with the normal.
+  pure function origin_offset_of(contact, slave) result(offset)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    real(DP) :: offset(3)
+    offset = slave%origin_offset
+    if (slave%row == 0 .or. contact%is_small(slave%pair)) return
+    offset = turned_with(offset, contact%mortar(slave%pair)%origin_normal(:, slave%row), slave%normal)
+  end function origin_offset_of
 
 
   !> d = x_s - x_m(origin) - offset: how far the node is from where it touched, normal part included [length].
@@ -406,7 +456,7 @@ contains
     type(contact_row_type) :: row
     integer :: i
     call origin_row(contact, slave, row)
-    d = -slave%origin_offset
+    d = -origin_offset_of(contact, slave)
     do i = 1, size(row%nodes)
       d = d + row%weights(i) * (model%mesh%coordinates(:, row%nodes(i)) + u(:, row%nodes(i)))
     end do
@@ -419,7 +469,7 @@ contains
     type(slave_type), intent(in) :: slave          !< with a facet
     type(contact_row_type), intent(inout) :: row
     if (slave%row > 0) then
-      row = contact%rows(slave%row)
+      row = contact%mortar(slave%pair)%rows(slave%row)
     else
       call facet_row(contact%facets(slave%pair), slave%facet, slave%xi, slave%node, row)
     end if
@@ -432,7 +482,7 @@ contains
     type(slave_type), intent(in) :: slave          !< with an origin
     type(contact_row_type), intent(inout) :: row
     if (slave%row > 0) then
-      row = contact%origins(slave%row)
+      row = contact%mortar(slave%pair)%origins(slave%row)
     else
       call facet_row(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, slave%node, row)
     end if
@@ -446,7 +496,7 @@ contains
     real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat, condensed [force]
     real(DP) :: own(3)
     if (slave%row > 0) then
-      own = imbalance_of(contact%rows(slave%row), imbalance)
+      own = imbalance_of(contact%mortar(slave%pair)%rows(slave%row), imbalance)
     else
       own = imbalance(:, slave%node)
     end if
@@ -465,7 +515,7 @@ contains
     logical, intent(in) :: is_frozen               !< .true.: keep every status
     type(fields_type), intent(inout) :: fields
     real(DP), allocatable :: x(:, :), total(:, :)
-    integer :: s, level
+    integer :: level, p, s
     fields%contact_force = 0.0_DP
     contact%n_opened = 0
     contact%n_closed = 0
@@ -475,6 +525,9 @@ contains
     contact%worst_slave = 0
     if (size(fields%slaves) == 0) return
     allocate (x, source=model%mesh%coordinates + fields%u)
+    do p = 1, size(model%pairs)
+      if (model%pairs(p)%is_mortar .and. .not. contact%is_small(p)) call renew_rows(contact, p, x)
+    end do
     allocate (total, source=imbalance)
     do level = 1, contact%overlaps%n_levels
       do s = 1, size(fields%slaves)
@@ -517,7 +570,8 @@ contains
     integer :: status, before
     associate (slave => fields%slaves(s), view => contact%view)
       before = slave%status
-      if (slave%facet == 0) call find_again(contact, x, s, slave)
+      if (slave%row > 0 .and. .not. contact%is_small(slave%pair)) call renew_place(contact, slave)
+      if (slave%facet == 0 .and. slave%row == 0) call find_again(contact, x, s, slave)
       call locate_slave(contact, x, slave)
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
         call press_slave(contact, model, old, u_old, contact%carried(:, s), s, fields)
@@ -573,6 +627,26 @@ contains
     integer :: k
     is_cornered = any([(abs(contact%free(k, k, s) - contact%mask(k, s)) > 0.0_DP, k=1, 3)])
   end function is_cornered
+
+
+  !> Finite sliding of a mortar pair: place and row as they are now; a node that sticks keeps the row that it sticks by.
+  subroutine renew_place(contact, slave)
+    type(contact_type), intent(inout) :: contact
+    type(slave_type), intent(inout) :: slave
+    if (contact%is_removed(slave%pair)) return
+    call take_place(contact, slave)
+    if (is_stuck(contact, slave)) contact%mortar(slave%pair)%rows(slave%row) = contact%mortar(slave%pair)%origins(slave%row)
+  end subroutine renew_place
+
+
+  !> Whether a slave node of a mortar pair with finite sliding is held on its origin: its gap is then measured from there too, where
+  !! the tie brings it to zero.
+  pure logical function is_stuck(contact, slave)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    is_stuck = slave%row > 0 .and. slave%status == STATUS_STICK .and. slave%facet > 0 .and. slave%origin_facet > 0
+    is_stuck = is_stuck .and. .not. contact%is_small(slave%pair) .and. .not. is_compliant(contact%laws(slave%pair))
+  end function is_stuck
 
 
   !> A slave node under a compliant law: its force is the law's, whatever the imbalance; open beyond the law's reach.
@@ -649,9 +723,11 @@ contains
     type(contact_row_type) :: row
     integer :: status
     if (slave%facet == 0) return
-    if (contact%is_small(slave%pair)) then
+    if (contact%is_small(slave%pair) .or. slave%row > 0) then
       call touching_row(contact, slave, row)
       slave%gap = slave%offset + dot_product(slave%normal, relative_position(row, x))
+      if (is_stuck(contact, slave)) slave%gap = dot_product(slave%normal, relative_position(row, x) &
+        - origin_offset_of(contact, slave))
     else
       call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
         slave%normal, status)
@@ -666,7 +742,7 @@ contains
   !! All points move straight, so the gap falls evenly but for turning normals; a node that touched already stays where it
   !! was. The master is asked again at both places, because the node may by now be over another facet.
   subroutine close_slave(contact, model, u_old, u, slave)
-    type(contact_type), intent(in) :: contact
+    type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) displacements now [length]

@@ -13,10 +13,10 @@ module amontons_contact_tangent
   use amontons_constraints, only: constraints_type, row_type, add_row, ROW_CONFLICT
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, from_triplets, multiply, product_of, sum_of
-  use amontons_gap, only: gap_derivative, gap_derivative_type
+  use amontons_gap, only: gap_derivative, gap_derivative_type, vertex_derivative
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
   use amontons_compliance, only: law_pressure
-  use amontons_rows, only: contact_row_type
+  use amontons_rows, only: contact_row_type, relative_position
   use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector, elastic_trial, &
     shear_most, is_cornered
   implicit none
@@ -142,15 +142,53 @@ contains
     type(link_type), intent(inout) :: link
     type(gap_derivative_type) :: derivative
     type(contact_row_type) :: row
-    if (contact%is_small(slave%pair)) then
+    if (contact%is_small(slave%pair) .or. slave%row > 0) then
       call touching_row(contact, slave, row)
       call fill_weights(row, link)
       call link_kept_weights(slave, link)
+      if (.not. contact%is_small(slave%pair)) call link_vertex(contact, x, slave, force_normal, link)
     else
       call gap_derivative(contact%facets(slave%pair), x, slave%facet, slave%xi, slave%gap - slave%offset, derivative)
       call link_moving_weights(derivative, force_normal, link)
     end if
   end subroutine link_weights
+
+
+  !> Finite sliding of a mortar pair: the normal turns with the facets around the slave's vertex. How the weights change is left out.
+  subroutine link_vertex(contact, x, slave, force_normal, link)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    type(slave_type), intent(in) :: slave
+    real(DP), intent(in) :: force_normal(3, 3)     !< d lambda / d n [force]
+    type(link_type), intent(inout) :: link
+    integer, allocatable :: nodes(:)
+    real(DP), allocatable :: d_n(:, :, :)
+    real(DP) :: d(3)
+    integer :: before, j
+    associate (mortar => contact%mortar(slave%pair))
+      call vertex_derivative(mortar%slave, x, mortar%places(slave%row)%vertex, nodes, d_n)
+      d = relative_position(mortar%rows(slave%row), x)
+    end associate
+    before = size(link%nodes)
+    call append_nodes(nodes, link)
+    do j = 1, size(nodes)                          ! the normal is that of the vertex turned round
+      link%force_nodes(:, :, before + j) = -matmul(force_normal, d_n(:, :, j))
+      link%gap_nodes(:, before + j) = -matmul(d, d_n(:, :, j))
+    end do
+  end subroutine link_vertex
+
+
+  !> More nodes on which lambda depends, with derivatives that are zero yet.
+  pure subroutine append_nodes(nodes, link)
+    integer, intent(in) :: nodes(:)
+    type(link_type), intent(inout) :: link
+    integer :: n
+    n = size(link%nodes) + size(nodes)
+    link%nodes = [link%nodes, nodes]
+    link%force_nodes = reshape(link%force_nodes, [3, 3, n], pad=[0.0_DP])
+    link%xi_nodes = reshape(link%xi_nodes, [2, 3, n], pad=[0.0_DP])
+    link%gap_nodes = reshape(link%gap_nodes, [3, n], pad=[0.0_DP])
+  end subroutine append_nodes
 
 
   !> The slip vector also depends on the nodes of the origin's row: they are appended to the nodes of the link.
@@ -160,14 +198,10 @@ contains
     real(DP), intent(in) :: force_slip(3, 3)       !< d lambda / d d [force/length]
     type(link_type), intent(inout) :: link
     type(contact_row_type) :: row
-    integer :: n, j, before
+    integer :: j, before
     call origin_row(contact, slave, row)
     before = size(link%nodes)
-    n = before + size(row%nodes)
-    link%nodes = [link%nodes, row%nodes]
-    link%force_nodes = reshape(link%force_nodes, [3, 3, n], pad=[0.0_DP])
-    link%xi_nodes = reshape(link%xi_nodes, [2, 3, n], pad=[0.0_DP])
-    link%gap_nodes = reshape(link%gap_nodes, [3, n], pad=[0.0_DP])
+    call append_nodes(row%nodes, link)
     do j = 1, size(row%nodes)
       link%force_nodes(:, :, before + j) = row%weights(j) * force_slip
     end do

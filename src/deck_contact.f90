@@ -120,13 +120,30 @@ contains
   end subroutine read_behavior
 
 
-  !> HARD as CalculiX takes it: LINEAR with 50 times Young's modulus of the first material.
+  !> Whether the pairs of the deck are those of CalculiX's mortar methods, which enforce HARD exactly.
+  logical function has_mortar(reader)
+    type(reader_type), intent(inout) :: reader
+    type(parameter_type), allocatable :: parameters(:)
+    type(row_type) :: row
+    integer :: c
+    has_mortar = .false.
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'CONTACTPAIR')) cycle
+      call open_card(reader, c, parameters, row)
+      has_mortar = has_mortar .or. index(parameter_word(parameters, 'TYPE', ''), 'MORTAR') > 0
+    end do
+  end function has_mortar
+
+
+  !> HARD as CalculiX takes it: LINEAR with 50 times Young's modulus of the first material; its mortar pairs are exact.
   subroutine soften(reader, model, c, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
     type(interaction_type), intent(inout) :: law
-    if (first_modulus(model) <= 0.0_DP) return
+    logical :: is_exact
+    is_exact = has_mortar(reader)
+    if (first_modulus(model) <= 0.0_DP .or. is_exact) return
     law%behavior = BEHAVIOR_LINEAR
     law%stiffness = HARD_STIFFNESS * first_modulus(model)
     law%tension = TENSION * first_modulus(model)
@@ -291,6 +308,7 @@ contains
         reader%cards%cards(c)%line, 'There is no surface interaction ''' // parameter_text(parameters, 'INTERACTION') &
         // '''.')
       common%is_small_sliding = has_parameter(parameters, 'SMALL SLIDING')
+      common%is_mortar = parameter_word(parameters, 'TYPE', 'NODETOSURFACE') /= 'NODETOSURFACE'
       call read_adjust(reader, model%mesh, c, parameters, common)
       n = 0
       do while (next_row(reader%cards, row))
@@ -350,6 +368,10 @@ contains
     if (pair%master > 0) then
       if (model%surfaces(pair%master)%is_node_based) call complain(reader, row%line, 'The master surface ''' // master &
         // ''' is made of nodes; a master needs element faces.')
+    end if
+    if (pair%slave > 0 .and. pair%is_mortar) then
+      if (model%surfaces(pair%slave)%is_node_based) call complain(reader, row%line, 'The slave surface ''' // slave &
+        // ''' is made of nodes; surface-to-surface contact needs element faces. Give faces, or use TYPE=NODE TO SURFACE.')
     end if
     model%pairs = [model%pairs, pair]
   end subroutine read_pair

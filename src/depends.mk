@@ -76,10 +76,13 @@ uses_facets = kinds errors tensor topology mesh shapes
 uses_search = kinds facets
 uses_gap = kinds tensor topology shapes facets search
 uses_rows = kinds topology shapes facets
+uses_dual = kinds dense topology
+uses_polygons = kinds topology shapes
 uses_symmetry = kinds facets gap
 uses_slip = kinds
 uses_compliance = kinds surfaces
 uses_areas = kinds topology mesh surfaces shapes compliance
+uses_mortar = kinds errors tensor topology mesh shapes facets search gap rows dual polygons areas
 uses_spin = kinds topology shapes element
 
 # 5 system: unknowns, residual, matrix
@@ -95,10 +98,10 @@ uses_supports = kinds errors loads steps model state user_state constraints bond
 uses_sectors = kinds errors topology loads ties model shapes facets search gap
 uses_fasten = kinds errors tensor topology loads ties model shapes facets search gap sectors
 uses_overlaps = kinds facets state
-uses_contact = kinds errors sparse topology surfaces steps model facets search gap rows slip compliance areas state constraints overlaps
+uses_contact = kinds errors sparse topology surfaces steps model facets search gap rows slip compliance areas mortar state constraints overlaps
 uses_adjust = kinds errors model state contact
 uses_contact_tangent = kinds errors sparse surfaces model gap rows compliance state constraints contact
-uses_system = kinds errors history sparse partition factor krylov surfaces steps model symmetry state changes constraints condensed follower assembly bonds supports contact contact_tangent
+uses_system = kinds errors history sparse partition factor krylov surfaces steps model rows symmetry state changes constraints condensed follower assembly bonds supports contact contact_tangent
 uses_audit_words = errors text
 uses_audit_contact = kinds errors text lookup surfaces loads model state contact audit_words
 uses_audit_bodies = kinds text topology mesh model element

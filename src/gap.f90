@@ -18,7 +18,8 @@ module amontons_gap
   implicit none
   private
   public :: projection_type, gap_derivative_type
-  public :: project_point, find_projection, gap_derivative, fixed_point, vertex_normal, smooth_normal, excess_over_edges
+  public :: project_point, find_projection, gap_derivative, fixed_point, vertex_normal, smooth_normal, &
+    vertex_derivative, excess_over_edges
   public :: PROJECT_ON, PROJECT_OFF, PROJECT_FAILED
 
   integer, parameter :: PROJECT_ON = 0       !< the point is on a facet (or in its extension zone)
@@ -258,6 +259,34 @@ contains
     if (present(is_whole)) return
     if (allocated(facets%in_plane)) m = facets%in_plane(:, vertex) * m
   end function vertex_normal
+
+
+  !> The derivative of the unit normal of a vertex by the nodes of its star: dn = (1 - n n')/|m| dm.
+  pure subroutine vertex_derivative(facets, x, vertex, nodes, d_n)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    integer, intent(in) :: vertex                !< number of the vertex, as in facets%vertex
+    integer, allocatable, intent(out) :: nodes(:)       !< (n) nodes of the star, each once
+    real(DP), allocatable, intent(out) :: d_n(:, :, :)  !< (3, 3, n) dn/dx_j [1/length]
+    type(gap_derivative_type) :: derivative
+    real(DP) :: m(3)
+    integer :: s, n, k, own(MAX_FACE_NODES)
+    allocate (nodes(0))
+    do s = facets%star_first(vertex), facets%star_first(vertex + 1) - 1
+      call facet_nodes(facets, facets%star_facet(s), n, own)
+      do k = 1, n
+        if (.not. any(nodes == own(k))) nodes = [nodes, own(k)]
+      end do
+    end do
+    m = vertex_normal(facets, x, vertex)
+    derivative%nodes = nodes
+    allocate (derivative%d_n(3, 3, size(nodes)), source=0.0_DP)
+    do s = facets%star_first(vertex), facets%star_first(vertex + 1) - 1
+      call add_star_facet(facets, x, facets%star_facet(s), facets%star_local(s), projector(m / norm2(m)) / norm2(m), &
+        derivative)
+    end do
+    call move_alloc(derivative%d_n, d_n)
+  end subroutine vertex_derivative
 
 
   !> The unit normal n(xi) of the smooth surface.

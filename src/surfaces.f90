@@ -4,7 +4,7 @@ module amontons_surfaces
   use amontons_kinds, only: DP
   implicit none
   private
-  public :: surface_type, interaction_type, contact_pair_type, is_compliant
+  public :: surface_type, interaction_type, contact_pair_type, is_compliant, pair_laws
   public :: BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, ROUGH_FRICTION, &
     NO_SHEAR_LIMIT
 
@@ -15,6 +15,8 @@ module amontons_surfaces
   integer, parameter :: BEHAVIOR_TIED = 5          !< a spring both ways: stiffness
   real(DP), parameter :: ROUGH_FRICTION = 1.0e30_DP   !< mu of surfaces that never slip [-]
   real(DP), parameter :: NO_SHEAR_LIMIT = 1.0e200_DP  !< without TAUMAX [stress]
+
+  real(DP), parameter :: SHARP = 1.0e-8_DP         !< LINEAR of a mortar pair acts up to this gap over the root of the area [-]
 
   !> A surface: element faces, or a list of nodes (slave side only).
   type :: surface_type
@@ -46,6 +48,7 @@ module amontons_surfaces
     integer :: master = 0                       !< index of the master surface
     integer :: interaction = 0                  !< index of the interaction
     logical :: is_small_sliding = .false.       !< weights and normal kept from the start of the step
+    logical :: is_mortar = .false.              !< surface to surface: rows from integrals over the slave faces
     logical :: has_adjust = .false.             !< ADJUST given: slave nodes within the distance are moved onto the master
     real(DP) :: adjust = 0                      !< that distance [length]
     integer, allocatable :: adjust_nodes(:)     !< or the nodes that are moved, wherever they are
@@ -61,5 +64,20 @@ contains
     type(interaction_type), intent(in) :: interaction
     is_compliant = interaction%behavior /= BEHAVIOR_HARD
   end function is_compliant
+
+
+  !> The laws of all pairs. Over the faces of a mortar pair LINEAR is what it says: K h in contact, nothing outside.
+  pure function pair_laws(pairs, interactions) result(laws)
+    type(contact_pair_type), intent(in) :: pairs(:)
+    type(interaction_type), intent(in) :: interactions(:)
+    type(interaction_type) :: laws(size(pairs))
+    integer :: p
+    do p = 1, size(pairs)
+      laws(p) = interactions(pairs(p)%interaction)
+      if (.not. pairs(p)%is_mortar .or. laws(p)%behavior /= BEHAVIOR_LINEAR) cycle
+      laws(p)%tension = 0.0_DP
+      laws(p)%reach = SHARP
+    end do
+  end function pair_laws
 
 end module amontons_surfaces

@@ -33,7 +33,8 @@ module amontons_system
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
   use amontons_symmetry, only: find_symmetry
   use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
-    begin_contact_increment
+    begin_contact_increment, touching_row
+  use amontons_rows, only: contact_row_type
   use amontons_contact_tangent, only: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, &
     contact_matrices, contact_springs, spring_factors
   implicit none
@@ -198,7 +199,7 @@ contains
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state
     call set_temperatures(model, step, state)
-    call begin_contact_increment(system%contact, model, step%is_nlgeom, is_step_start, state%new)
+    call begin_contact_increment(system%contact, model, step%is_nlgeom, is_step_start, system%u_start, state%new)
     call drop_bulk(system, model, step, is_step_start, state)
   end subroutine begin_increment
 
@@ -480,13 +481,16 @@ contains
     logical, intent(in) :: is_far_too              !< nodes that are far from their master too
     logical :: is_contact(3 * model%mesh%n_nodes)
     logical :: is_near(model%mesh%n_nodes)
+    type(contact_row_type) :: row
     integer :: s, k, i, j
     is_near = .false.
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
         if (slave%facet == 0) cycle
         if (slave%gap > NEAR * system%contact%edge(slave%pair) .and. .not. is_far_too) cycle
-        is_near(slave%node) = .true.
+        call touching_row(system%contact, slave, row)
+        is_near(row%nodes) = .true.
+        is_near(row%own) = .true.
         associate (facets => system%contact%facets(slave%pair))
           is_near(facets%nodes(facets%first(slave%facet):facets%first(slave%facet + 1) - 1)) = .true.
           do k = 1, 4

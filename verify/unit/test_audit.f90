@@ -180,7 +180,7 @@ contains
     call create_contact(contact, model, slaves, error)
     if (allocated(error)) error stop 'the contact of a test cannot be made'
     call create_state(state, model%mesh, slaves)
-    call begin_contact_increment(contact, model, model%steps(1)%is_nlgeom, .true., state%new)
+    call begin_contact_increment(contact, model, model%steps(1)%is_nlgeom, .true., state%new%u, state%new)
   end subroutine start_contact
 
 

@@ -26,6 +26,7 @@ program test_contact_tangent
   call check_tangent('small displacements', 0.1_DP, 0.5_DP, .false., .true.)
   call check_tangent('curved master, normals in planes of symmetry', 0.15_DP, 0.4_DP, .true., .false., is_symmetric=.true.)
   call check_laws()
+  call check_mortar()
   call check_planes()
   call check_shared()
   call check_foresight()
@@ -77,6 +78,17 @@ contains
   end subroutine check_shared
 
 
+  !> Surface to surface with rows that are kept: the tangent is exact. (With finite sliding it leaves out how the weights change.)
+  subroutine check_mortar()
+    type(interaction_type) :: law
+    call check_tangent('mortar, small sliding', 0.15_DP, 0.3_DP, .true., .true., shared=3)
+    call check_tangent('mortar, small displacements', 0.1_DP, 0.5_DP, .false., .true., shared=3)
+    law = interaction_type(behavior=BEHAVIOR_EXPONENTIAL, reach=0.3_DP, pressure=15.0_DP, stick_slope=120.0_DP)
+    call check_tangent('mortar, exponential', 0.15_DP, 0.3_DP, .true., .true., law, shared=3)
+    call check_tangent('mortar, quadratic lines, small sliding', 0.15_DP, 0.3_DP, .true., .true., plane=KIND_CAX8, shared=3)
+  end subroutine check_mortar
+
+
   !> -(K - dF_c) du against the difference of the condensed residual, statuses frozen, for several random directions.
   subroutine check_tangent(name, sag, friction, is_nlgeom, is_small, law, plane, shared, is_symmetric)
     character(*), intent(in) :: name
@@ -85,7 +97,8 @@ contains
     logical, intent(in) :: is_nlgeom, is_small
     type(interaction_type), intent(in), optional :: law   !< with its behaviour; hard without it
     integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
-    integer, intent(in), optional :: shared        !< 1: with the pair the other way round first; 2: with a second master
+    integer, intent(in), optional :: shared        !< 1: with the pair the other way round first; 2: with a second master; 3: none, but
+                                                   !< surface to surface
     logical, intent(in), optional :: is_symmetric  !< planes of symmetry take the x of every other vertex normal
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
@@ -100,7 +113,10 @@ contains
     else
       call two_blocks(model, sag, friction, is_nlgeom, is_small)
     end if
-    if (present(shared)) call share_nodes(model, shared)
+    if (present(shared)) then
+      if (shared == 3) model%pairs(1)%is_mortar = .true.
+      if (shared < 3) call share_nodes(model, shared)
+    end if
     if (present(law)) model%interactions(1) = law
     model%interactions(1)%friction = friction
     step = model%steps(1)

@@ -1,0 +1,149 @@
+!> Polygons: two convex polygons in a plane are cut with each other, and points and weights for integrals over the cut.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_polygons
+  use amontons_kinds, only: DP, PI
+  use amontons_topology, only: FACET_TRI6
+  use amontons_shapes, only: facet_quadrature, MAX_FACET_POINTS
+  implicit none
+  private
+  public :: clip_polygon, polygon_area, polygon_points
+  public :: MAX_CORNERS, MAX_CUT_POINTS
+
+  integer, parameter :: MAX_CORNERS = 12           !< of a cut of two polygons with up to 4 corners each, with room to spare
+  integer, parameter :: MOST_RULE = 36             !< points of the finest rule on a triangle
+  integer, parameter :: MAX_CUT_POINTS = MOST_RULE * (MAX_CORNERS - 2)   !< points of an integral over a cut
+
+contains
+
+  !> The part of a polygon that is inside a convex one, edge by edge (Sutherland and Hodgman, Comm. ACM 17 (1974) 32-42).
+  pure subroutine clip_polygon(subject, window, cut, n)
+    real(DP), intent(in) :: subject(:, :)          !< (2, :) corners, counter-clockwise [length]
+    real(DP), intent(in) :: window(:, :)           !< (2, :) corners of a convex polygon, counter-clockwise [length]
+    real(DP), intent(out) :: cut(2, MAX_CORNERS)   !< corners of the cut, the first n are set [length]
+    integer, intent(out) :: n                      !< less than 3: nothing in common
+    real(DP) :: before(2, MAX_CORNERS), side(MAX_CORNERS), a(2), edge(2)
+    integer :: k, i, j, m
+    n = size(subject, 2)
+    cut(:, :n) = subject
+    cut(:, n + 1:) = 0.0_DP
+    do k = 1, size(window, 2)
+      a = window(:, k)
+      edge = window(:, modulo(k, size(window, 2)) + 1) - a
+      m = n
+      before = cut
+      do i = 1, m
+        side(i) = edge(1) * (before(2, i) - a(2)) - edge(2) * (before(1, i) - a(1))   ! positive: inside
+      end do
+      n = 0
+      do i = 1, m
+        j = modulo(i, m) + 1
+        if (side(i) >= 0.0_DP) call append_corner(before(:, i), cut, n)
+        if ((side(i) > 0.0_DP .and. side(j) < 0.0_DP) .or. (side(i) < 0.0_DP .and. side(j) > 0.0_DP)) &
+          call append_corner(before(:, i) + side(i) / (side(i) - side(j)) * (before(:, j) - before(:, i)), cut, n)
+      end do
+      if (n < 3) return
+    end do
+  end subroutine clip_polygon
+
+
+  !> One more corner; a polygon that is not convex could have too many.
+  pure subroutine append_corner(corner, cut, n)
+    real(DP), intent(in) :: corner(2)              !< [length]
+    real(DP), intent(inout) :: cut(2, MAX_CORNERS)
+    integer, intent(inout) :: n
+    if (n == MAX_CORNERS) return
+    n = n + 1
+    cut(:, n) = corner
+  end subroutine append_corner
+
+
+  !> Area of a polygon, positive if its corners run counter-clockwise.
+  pure real(DP) function polygon_area(corners) result(area)
+    real(DP), intent(in) :: corners(:, :)          !< (2, :) [length]
+    real(DP) :: a(2), b(2)
+    integer :: k
+    area = 0.0_DP
+    do k = 2, size(corners, 2) - 1
+      a = corners(:, k) - corners(:, 1)
+      b = corners(:, k + 1) - corners(:, 1)
+      area = area + 0.5_DP * (a(1) * b(2) - a(2) * b(1))
+    end do
+  end function polygon_area
+
+
+  !> Points and weights of an integral over a convex polygon, triangle by triangle from its first corner.
+  !!
+  !! Exact for polynomials of degree 4 with order 3 or less (6 points in a triangle, G. R. Cowper, Int. J. Numer. Methods Engrg.
+  !! 7 (1973) 405-408); with a higher order n for those of degree 2n - 2 (n x n points: the square collapsed to the triangle).
+  pure subroutine polygon_points(corners, order, n, point, weight)
+    real(DP), intent(in) :: corners(:, :)          !< (2, :) counter-clockwise [length]
+    integer, intent(in) :: order                   !< at most 6
+    integer, intent(out) :: n
+    real(DP), intent(out) :: point(2, MAX_CUT_POINTS)   !< the first n are set [length]
+    real(DP), intent(out) :: weight(MAX_CUT_POINTS)     !< the first n are set [length^2]
+    real(DP) :: xi(2, MOST_RULE), w(MOST_RULE), a(2), b(2), twice
+    integer :: k, q, n_rule
+    if (order > 3) then
+      call collapsed_rule(order, n_rule, xi, w)
+    else
+      call facet_quadrature(FACET_TRI6, n_rule, xi(:, :MAX_FACET_POINTS), w(:MAX_FACET_POINTS))
+    end if
+    n = 0
+    do k = 2, size(corners, 2) - 1
+      a = corners(:, k) - corners(:, 1)
+      b = corners(:, k + 1) - corners(:, 1)
+      twice = a(1) * b(2) - a(2) * b(1)
+      if (twice <= 0.0_DP) cycle
+      do q = 1, n_rule
+        n = n + 1
+        point(:, n) = corners(:, 1) + xi(1, q) * a + xi(2, q) * b
+        weight(n) = w(q) * twice
+      end do
+    end do
+  end subroutine polygon_points
+
+
+  !> A rule on the triangle (0, 0), (1, 0), (0, 1) from two Gauss rules: exact for degree 2 order - 2.
+  pure subroutine collapsed_rule(order, n, xi, w)
+    integer, intent(in) :: order
+    integer, intent(out) :: n                      !< order * order
+    real(DP), intent(out) :: xi(:, :)              !< (2, :) the first n are set [-]
+    real(DP), intent(out) :: w(:)                  !< the first n are set; sum 1/2 [-]
+    real(DP) :: x(order), a(order)
+    integer :: i, j
+    call gauss_rule(x, a)
+    n = 0
+    do j = 1, order
+      do i = 1, order
+        n = n + 1
+        xi(:, n) = [x(i) * (1 - x(j)), x(j)]
+        w(n) = a(i) * a(j) * (1 - x(j))
+      end do
+    end do
+  end subroutine collapsed_rule
+
+
+  !> The Gauss-Legendre rule on (0, 1): Newton for the zeros of the Legendre polynomial.
+  pure subroutine gauss_rule(x, a)
+    real(DP), intent(out) :: x(:)                  !< (n) points [-]
+    real(DP), intent(out) :: a(:)                  !< (n) weights, sum 1 [-]
+    real(DP) :: z, p(0:2), slope
+    integer :: i, k, n, iteration
+    n = size(x)
+    do i = 1, n
+      z = cos(PI * (real(i, DP) - 0.25_DP) / (real(n, DP) + 0.5_DP))
+      do iteration = 1, 10
+        p = [0.0_DP, 0.0_DP, 1.0_DP]
+        do k = 1, n
+          p(0:1) = p(1:2)
+          p(2) = (real(2 * k - 1, DP) * z * p(1) - real(k - 1, DP) * p(0)) / real(k, DP)
+        end do
+        slope = real(n, DP) * (z * p(2) - p(1)) / (z**2 - 1)
+        z = z - p(2) / slope
+      end do
+      x(i) = 0.5_DP * (1 - z)
+      a(i) = 1 / ((1 - z**2) * slope**2)
+    end do
+  end subroutine gauss_rule
+
+end module amontons_polygons

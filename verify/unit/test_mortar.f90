@@ -1,0 +1,176 @@
+!> Cuts of polygons, dual functions on parts of faces, and the rows that they make.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_mortar
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_topology, only: facet_kind, facet_kind_type, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
+    MAX_FACE_NODES
+  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_shapes, only: facet_shapes, facet_node_coordinates, node_coordinates
+  use amontons_facets, only: facets_type, build_facets
+  use amontons_gap, only: vertex_normal, vertex_derivative
+  use amontons_polygons, only: clip_polygon, polygon_area, polygon_points, MAX_CORNERS, MAX_CUT_POINTS
+  use amontons_dual, only: transform_shapes, transform_nodes, whole_share, dual_functions
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  real(DP), parameter :: SQUARE(2, 4) = reshape([0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 1.0_DP, 1.0_DP, 0.0_DP, 1.0_DP], [2, 4])
+  call check_cuts()
+  call check_rules()
+  call check_duals(FACET_TRI3, 'triangle')
+  call check_duals(FACET_QUAD4, 'square')
+  call check_duals(FACET_TRI6, 'quadratic triangle')
+  call check_duals(FACET_QUAD8, 'quadratic square')
+  call check_normal()
+  call suite%finish()
+
+contains
+
+  !> Areas of cuts that can be told without a computer.
+  subroutine check_cuts()
+    real(DP) :: cut(2, MAX_CORNERS), other(2, 4), triangle(2, 3)
+    integer :: n
+    other = SQUARE + 0.25_DP
+    call clip_polygon(SQUARE, other, cut, n)
+    call suite%near('two squares', polygon_area(cut(:, :n)), 0.5625_DP, 1.0e-14_DP)
+    triangle = reshape([0.5_DP, -1.0_DP, 2.0_DP, 0.5_DP, 0.5_DP, 2.0_DP], [2, 3])
+    call clip_polygon(SQUARE, triangle, cut, n)
+    call suite%near('a triangle over a square', polygon_area(cut(:, :n)), 0.5_DP, 1.0e-14_DP)
+    triangle = reshape([0.0_DP, 0.0_DP, 1.0_DP, 0.5_DP, 0.0_DP, 1.0_DP], [2, 3])
+    call clip_polygon(triangle, SQUARE, cut, n)
+    call suite%near('a triangle inside', polygon_area(cut(:, :n)), 0.5_DP, 1.0e-14_DP)
+    call clip_polygon(SQUARE, SQUARE + 1.5_DP, cut, n)
+    call suite%that('nothing in common', n < 3)
+    other = SQUARE
+    other(1, :) = other(1, :) + 1
+    call clip_polygon(SQUARE, other, cut, n)
+    if (n >= 3) call suite%near('a common edge has no area', polygon_area(cut(:, :n)), 0.0_DP, 1.0e-14_DP)
+    if (n < 3) call suite%that('a common edge has no area', .true.)
+  end subroutine check_cuts
+
+
+  !> x^a y^b over the unit square is 1/((a + 1)(b + 1)), up to the degree that the order promises.
+  subroutine check_rules()
+    real(DP) :: at(2, MAX_CUT_POINTS), w(MAX_CUT_POINTS)
+    integer :: order, n, a, b, degree
+    do order = 3, 6
+      call polygon_points(SQUARE, order, n, at, w)
+      degree = merge(4, 2 * order - 2, order == 3)
+      do a = 0, degree
+        do b = 0, degree - a
+          call suite%near('a polynomial', dot_product(w(:n), at(1, :n)**a * at(2, :n)**b), 1.0_DP / real((a + 1) * (b + 1), DP), &
+            1.0e-14_DP)
+        end do
+      end do
+    end do
+  end subroutine check_rules
+
+
+  !> On a part of a facet the duals are biorthogonal to its functions and add up to 1; on a sliver they find linear functions again.
+  subroutine check_duals(kind, name)
+    integer, intent(in) :: kind
+    character(*), intent(in) :: name
+    real(DP) :: at(2, MAX_CUT_POINTS), w(MAX_CUT_POINTS), shapes(MAX_FACE_NODES, MAX_CUT_POINTS), nodes(2, MAX_FACE_NODES)
+    real(DP) :: dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), phi(MAX_FACE_NODES, MAX_CUT_POINTS), d(MAX_FACE_NODES)
+    real(DP) :: share(MAX_FACE_NODES), f(MAX_CUT_POINTS)
+    type(facet_kind_type) :: shape
+    integer :: n, q, i, j, n_points, part
+    shape = facet_kind(kind)
+    n = shape%n_nodes
+    call facet_node_coordinates(kind, nodes)       ! the facet in its own natural coordinates
+    call transform_nodes(kind, nodes(:, :n))
+    do part = 1, 3                                 ! whole, a half, a sliver
+      if (shape%n_corners == 3) then
+        call polygon_points(part_of(SQUARE(:, [1, 2, 4]), part), 6, n_points, at, w)
+      else
+        call polygon_points(part_of(2 * SQUARE - 1, part), 6, n_points, at, w)
+      end if
+      do q = 1, n_points
+        call facet_shapes(kind, at(:, q), shapes(:, q), dN, ddN)
+        call transform_shapes(kind, shapes(:, q))
+      end do
+      call dual_functions(kind, merge(0.5_DP, 4.0_DP, shape%n_corners == 3), nodes(:, :n), w(:n_points), at(:, :n_points), &
+        shapes(:n, :n_points), phi(:n, :n_points), d(:n))
+      call suite%near(name // ': the sum of the duals', maxval(abs(sum(phi(:n, :n_points), dim=1) - 1)), 0.0_DP, 1.0e-10_DP)
+      if (part == 1) then
+        share = whole_share(kind)
+        call suite%near(name // ': integrals of a whole facet', maxval(abs(d(:n) - share(:n) * sum(w(:n_points)))), 0.0_DP, &
+          1.0e-13_DP)
+        call suite%that(name // ': all positive', all(d(:n) > 0))
+      end if
+      do i = 1, n
+        do j = 1, n
+          if (part == 3) exit
+          call suite%near(name // ': biorthogonal', sum(w(:n_points) * phi(i, :n_points) * shapes(j, :n_points)), &
+            merge(d(i), 0.0_DP, i == j), 1.0e-11_DP)
+        end do
+        f(:n_points) = 1 + 2 * at(1, :n_points) - 3 * at(2, :n_points)
+        call suite%near(name // ': linear functions', sum(w(:n_points) * phi(i, :n_points) * f(:n_points)), &
+          d(i) * (1 + 2 * nodes(1, i) - 3 * nodes(2, i)), 1.0e-11_DP)
+      end do
+    end do
+  end subroutine check_duals
+
+
+  !> A polygon, a large part of it, and a strip of a hundredth along its first edge.
+  pure function part_of(corners, part) result(cut)
+    real(DP), intent(in) :: corners(:, :)
+    integer, intent(in) :: part
+    real(DP) :: cut(2, size(corners, 2))
+    real(DP) :: rest
+    cut = corners
+    rest = merge(0.6_DP, 0.01_DP, part == 2)
+    if (part == 1) return
+    if (size(corners, 2) == 4) then
+      cut(:, 3:4) = corners(:, 2:1:-1) + rest * (corners(:, 3:4) - corners(:, 2:1:-1))
+    else
+      cut(:, 3) = corners(:, 1) + rest * (corners(:, 3) - corners(:, 1))
+    end if
+  end function part_of
+
+
+  !> The derivative of a vertex normal against central differences, on a bent face of a quadratic hexahedron.
+  subroutine check_normal()
+    type(mesh_type) :: mesh
+    type(facets_type) :: facets
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: d_n(:, :, :), x(:, :)
+    real(DP) :: xi(3, 20), m(3, 2), difference(3)
+    integer, allocatable :: nodes(:)
+    integer :: i, j, k, side
+    real(DP), parameter :: H = 1.0e-6_DP
+    mesh%n_nodes = 20
+    mesh%n_elements = 1
+    mesh%kind = [KIND_C3D20]
+    mesh%material = [1]
+    mesh%first = [1, 21]
+    mesh%nodes = [(i, i=1, 20)]
+    mesh%element_label = [1]
+    mesh%node_label = mesh%nodes
+    allocate (mesh%node_sets(0), mesh%element_sets(0))
+    call node_coordinates(KIND_C3D20, xi)
+    mesh%coordinates = xi
+    mesh%coordinates(3, :) = mesh%coordinates(3, :) + 0.2_DP * xi(1, :)**2 - 0.1_DP * xi(1, :) * xi(2, :)
+    call finish_mesh(mesh)
+    call build_facets(mesh, [1], [2], facets, error)
+    call suite%that('facets', .not. allocated(error))
+    if (allocated(error)) return
+    x = mesh%coordinates
+    call vertex_derivative(facets, x, facets%vertex(1), nodes, d_n)
+    do i = 1, size(nodes)
+      do k = 1, 3
+        do side = 1, 2
+          x = mesh%coordinates
+          x(k, nodes(i)) = x(k, nodes(i)) + merge(H, -H, side == 1)
+          m(:, side) = vertex_normal(facets, x, facets%vertex(1))
+          m(:, side) = m(:, side) / norm2(m(:, side))
+        end do
+        difference = (m(:, 1) - m(:, 2)) / (2 * H)
+        do j = 1, 3
+          call suite%near('derivative of a vertex normal', d_n(j, k, i), difference(j), 1.0e-8_DP)
+        end do
+      end do
+    end do
+  end subroutine check_normal
+
+end program test_mortar
