@@ -9,7 +9,7 @@
 !! | LEFT MASTER | closed slave nodes ran off their master | a larger master |
 !! | CYCLE, STICK-SLIP FLIP | the hash of all slave nodes returns | smaller increments, a finer master |
 !! | PENETRATION JUMP | a slave node went deep inside at once | smaller increments |
-!! | LIMIT POINT | the stiffness is not positive while contact rests | drive by displacement |
+!! | LIMIT POINT | the stiffness is not positive while contact rests, or is singular and was not before | drive by displacement |
 !! | SLOW | none of these | smaller increments |
 module amontons_failure
   use amontons_kinds, only: DP
@@ -26,6 +26,8 @@ module amontons_failure
 
   integer, parameter :: N_WORST = 10               !< nodes listed
   integer, parameter :: N_NAMED = 8                !< nodes named in the reason
+  character(*), parameter :: LIMIT_POINT = 'LIMIT POINT: the stiffness is not positive: the structure buckles, snaps ' // &
+    'through, or softens.'
 
 contains
 
@@ -43,6 +45,7 @@ contains
         ' turned inside out, or its material found no answer.'
     case (TROUBLE_SOLVER)
       reason = 'LINEAR SOLVER: the stiffness matrix is singular: a body is free to move, or the structure has buckled.'
+      if (state%old%total_time > 0.0_DP .and. system%n_shifted > newton%n_shifted) reason = LIMIT_POINT   ! it was stable before
       if (size(state%new%slaves) > 0 .and. all(state%new%slaves%status == STATUS_OPEN)) reason = &
         'FREE BODY: no slave node touches its master any more, and nothing else holds a body.'
     case (TROUBLE_NOT_FINITE)
@@ -52,8 +55,7 @@ contains
         text_of(model%mesh%node_label(max(1, newton%farthest))) // '.'
     case default
       reason = contact_reason(model, system, state, newton)
-      if (reason == '' .and. system%n_shifted > newton%n_shifted) reason = 'LIMIT POINT: the stiffness is not positive: ' // &
-        'the structure buckles, snaps through, or softens.'
+      if (reason == '' .and. system%n_shifted > newton%n_shifted) reason = LIMIT_POINT
       if (reason == '' .and. verdict == VERDICT_DIVERGES) &
         reason = 'SLOW: the force imbalance grows from iteration to iteration.'
       if (reason == '') reason = 'SLOW: the force imbalance does not fall any more.'
