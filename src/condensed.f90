@@ -121,7 +121,7 @@ contains
     associate (matrix => self%matrix, bulk => self%bulk)
       matrix%n_rows = bulk%n_rows
       matrix%n_columns = bulk%n_columns
-      if (allocated(matrix%first)) deallocate (matrix%first, matrix%column, matrix%value)
+      if (allocated(matrix%first)) deallocate (matrix%first, matrix%column)
       if (allocated(self%target)) deallocate (self%target)
       allocate (matrix%first(bulk%n_rows + 1), matrix%column(total), self%target(size(bulk%column)))
       n = 0
@@ -141,7 +141,6 @@ contains
       end do
       matrix%first(bulk%n_rows + 1) = n + 1
       matrix%column = matrix%column(:n)
-      allocate (matrix%value(n))
     end associate
 
   contains
@@ -183,11 +182,13 @@ contains
     n = self%bulk%n_rows
     call reduce_matrix(self%reduction, stiffness, base%map, self%bulk, error)
     if (allocated(error)) return
-    self%matrix%value = 0.0_DP
+    allocate (self%matrix%value(size(self%matrix%column)), source=0.0_DP)
     self%matrix%value(self%target) = self%bulk%value
     allocate (shift(n))
     shift = merge(abs(self%bulk%value(self%bulk%first(:n))), 0.0_DP, self%contact_of > 0)
+    deallocate (self%bulk%value)                   ! the values are not wanted again, and the factor needs the room
     call factorise(self%factor, self%matrix, status, shift, error)
+    deallocate (self%matrix%value)
     if (allocated(error) .or. status /= FACTOR_OK) return
     if (allocated(self%triangle)) deallocate (self%triangle, self%stiffness, self%shift)
     allocate (self%triangle(self%n_contact, self%n_contact), self%stiffness(self%n_contact, self%n_contact), &

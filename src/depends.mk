@@ -19,6 +19,7 @@ uses_dense = kinds
 uses_partition = errors sparse
 uses_factor = kinds errors sparse
 uses_krylov = kinds errors sparse factor
+uses_digits = kinds
 uses_store = kinds errors posix
 uses_user = kinds errors text
 
@@ -121,7 +122,7 @@ uses_columns = kinds errors history store
 uses_columns = kinds errors history store
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state nodal columns
 uses_printed = kinds errors text tensor history posix topology mesh materials steps model state nodal sections
-uses_frd = kinds errors version history posix topology mesh materials steps model state nodal printed
+uses_frd = kinds errors version history posix digits topology mesh materials steps model state nodal printed
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state system newton stepper

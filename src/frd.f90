@@ -12,6 +12,7 @@
 module amontons_frd
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
+  use amontons_digits, only: rows_as_text
   use amontons_posix, only: cut_file, sync_file
   use amontons_topology, only: element_kind, kind_type, FAMILY_MASS, FAMILY_SOLID
   use amontons_mesh, only: mesh_type
@@ -177,14 +178,9 @@ contains
     type(frd_type), intent(inout) :: frd
     type(mesh_type), intent(in) :: mesh
     character(90) :: line
-    integer :: i
     write (line, '(a,18x,i12,37x,i1)') '    2C', size(frd%nodes), 1
     call put(frd, line)
-    do i = 1, size(frd%nodes)
-      write (line, '(a,i10,1p,3e12.5)') ' -1', mesh%node_label(frd%nodes(i)), &
-        printable(mesh%coordinates(:, frd%nodes(i)))
-      call put(frd, line)
-    end do
+    call put_rows(frd, mesh%node_label, mesh%coordinates)
     call put(frd, ' -3')
   end subroutine write_nodes
 
@@ -369,10 +365,7 @@ contains
       call put(frd, line)
     end do
     if (head%kind == KIND_VECTOR) call put(frd, ' -5  ALL         1    2    0    0    1ALL')
-    do i = 1, size(frd%nodes)
-      write (line, '(a,i10,1p,6e12.5)') ' -1', labels(frd%nodes(i)), printable(values(:, frd%nodes(i)))
-      call put(frd, line)
-    end do
+    call put_rows(frd, labels, values)
     call put(frd, ' -3')
   end subroutine write_block
 
@@ -389,13 +382,20 @@ contains
   end function place
 
 
-  !> A value whose exponent has two digits, as the columns want it.
-  elemental real(DP) function printable(value)
-    real(DP), intent(in) :: value
-    printable = value
-    if (abs(value) < 1.0e-99_DP) printable = 0
-    if (abs(value) > 9.9e99_DP) printable = sign(9.9e99_DP, value)
-  end function printable
+  !> A row per node that is written, many rows at a time.
+  subroutine put_rows(frd, labels, values)
+    type(frd_type), intent(inout) :: frd
+    integer, intent(in) :: labels(:)               !< (n_nodes)
+    real(DP), intent(in) :: values(:, :)           !< (width, n_nodes)
+    integer, parameter :: AT_A_TIME = 10000
+    integer :: i, status
+    do i = 1, size(frd%nodes), AT_A_TIME
+      associate (nodes => frd%nodes(i:min(i + AT_A_TIME - 1, size(frd%nodes))))
+        write (frd%unit, '(a)', iostat=status) rows_as_text(labels(nodes), values(:, nodes))
+      end associate
+      if (frd%status == 0) frd%status = status
+    end do
+  end subroutine put_rows
 
 
   !> Writes a line; the first trouble is kept.

@@ -23,6 +23,7 @@ module amontons_settle
   integer, parameter :: MOST_ROUNDS = 30           !< corrections of one direction
   integer, parameter :: MOST_HALVINGS = 4
   real(DP), parameter :: SETTLED = 1.0e-2_DP       !< part of the merit at u that may be left at u + du [-]
+  real(DP), parameter :: NEGLIGIBLE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any case [-]
 
   !> Where the direction starts, to come back to.
   type :: start_type
@@ -69,12 +70,13 @@ contains
     call foresee(system, model, state, start%u, start%force, du)
     do
       call note_best(system, state, du, best)
-      if (system%contact%n_changed == 0 .and. system%merit <= SETTLED * start%merit) exit
+      if (system%contact%n_changed == 0 .and. system%merit <= max(SETTLED * start%merit, &
+        NEGLIGIBLE * step%controls%r_n * system%largest_force)) exit
       if (n_rounds == MOST_ROUNDS) exit
       n_rounds = n_rounds + 1
       call correct_direction(system, model, step, state, correction, trouble, error)
       if (allocated(error)) return
-      if (trouble /= TROUBLE_NONE) exit
+      if (trouble /= TROUBLE_NONE .or. all(correction == 0.0_DP)) exit   ! GMRES finds nothing worth correcting
       call advance(system, model, start, correction, state, du)
     end do
     du = best%du

@@ -727,6 +727,7 @@ contains
       return
     end if
     call single_values(relation, scale)
+    if (.not. allocated(reduced%value)) allocate (reduced%value(size(reduced%column)))
     reduced%value = 0
     do i = 1, matrix%n_rows
       if (relation%first(i + 1) - relation%first(i) /= 1) cycle

@@ -133,7 +133,7 @@ static int permute_pattern(cholesky *self, int n, int *first, int *column)
 {
   cholmod_common *c = &self->common;
   const int *order = self->factor->Perm;
-  self->permuted = cholmod_allocate_sparse(n, n, first[n], 0, 1, -1, CHOLMOD_REAL, c);
+  self->permuted = cholmod_allocate_sparse(n, n, first[n], 0, 1, -1, CHOLMOD_PATTERN, c);
   self->target = cholmod_malloc(first[n], sizeof(int), c);
   int *place = cholmod_malloc(n, sizeof(int), c), *next = cholmod_calloc(n, sizeof(int), c);
   self->n_entries = first[n];
@@ -234,14 +234,20 @@ int amontons_cholesky_factorise(void *handle, const double *value, const double 
   cholmod_common *c = &self->common;
   cholmod_factor *l = self->factor;
   const int n = (int)l->n, *first = self->permuted->p, *order = l->Perm;
-  double *x = self->permuted->x, no_shift[2] = {0, 0};
+  double *x = malloc(self->n_entries * sizeof *x), no_shift[2] = {0, 0};
   *ratio = 0;
   *unknown = -1;
+  if (!x) return NO_MEMORY;
   for (size_t k = 0; k < self->n_entries; k++) x[self->target[k]] = value[k];
   if (shift)
     for (int k = 0; k < n; k++) x[first[k]] += shift[order[k]];
-  if (!all_finite(x, self->n_entries)) return NOT_FINITE;
-  if (!give_room(self)) return NO_MEMORY;
+  int is_finite = all_finite(x, self->n_entries);
+  if (!is_finite || !give_room(self)) {
+    free(x);
+    return is_finite ? NO_MEMORY : NOT_FINITE;
+  }
+  self->permuted->x = x; /* for this factorisation only: the room is wanted for other things afterwards */
+  self->permuted->xtype = CHOLMOD_REAL;
   quiet before;
   begin_quiet(&before);
   c->status = CHOLMOD_OK;
@@ -249,6 +255,9 @@ int amontons_cholesky_factorise(void *handle, const double *value, const double 
   if (c->status == CHOLMOD_OK) *ratio = smallest_pivot(self, unknown);
   if (c->status == CHOLMOD_NOT_POSDEF) *unknown = order[l->minor];
   end_quiet(&before);
+  self->permuted->x = NULL;
+  self->permuted->xtype = CHOLMOD_PATTERN;
+  free(x);
   return status_of_cholmod(c->status);
 }
 
