@@ -65,6 +65,11 @@ contains
       material%has_elastic = .true.              ! it may have stood in place of ELASTIC, and is told
       return
     end if
+    if (is_second_law(reader%table%entries(reader%cards%cards(c)%entry)%key, material)) then
+      call complain(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // ''' has a law of stress before ' // &
+        'this card; give one.')
+      return
+    end if
     select case (reader%table%entries(reader%cards%cards(c)%entry)%key)
     case ('ELASTIC')
       call read_elastic(reader, c, material)
@@ -90,6 +95,24 @@ contains
       call read_depvar(reader, c, material)
     end select
   end subroutine read_property
+
+
+  !> Whether a card gives a law of stress to a material that has one: rubber or foam after any, UMAT after UMAT, ELASTIC
+  !! after rubber.
+  pure logical function is_second_law(key, material)
+    character(*), intent(in) :: key
+    type(material_type), intent(in) :: material
+    select case (key)
+    case ('HYPERELASTIC', 'HYPERFOAM')
+      is_second_law = material%has_elastic
+    case ('ELASTIC')
+      is_second_law = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
+    case ('USERMATERIAL')
+      is_second_law = material%is_user
+    case default
+      is_second_law = .false.
+    end select
+  end function is_second_law
 
 
   !> Whether a card is one that we do not read.

@@ -321,6 +321,9 @@ def test_killed_jobs_with_umat_resume(program: Path, run: Run, tmp_path: Path) -
     ("*USER MATERIAL, CONSTANTS=2, TYPE=THERMAL\n1., 2.\n", "no heat transfer"),
     ("*ELASTIC\n1., 0.3\n*DEPVAR\n2\n", "no \\*USER MATERIAL"),
     ("*USER MATERIAL, CONSTANTS=2\n1., 2.\n*DEPVAR\n0\n", "DEPVAR needs"),
+    ("*USER MATERIAL, CONSTANTS=1\n1.\n*USER MATERIAL, CONSTANTS=1\n1.\n", "give one"),
+    ("*HYPERELASTIC, NEO HOOKE\n1., 1.\n*HYPERELASTIC, NEO HOOKE\n1., 1.\n", "give one"),
+    ("*ELASTIC\n1., 0.3\n*HYPERFOAM\n1., 1., 0.\n", "give one"),
 ])  # fmt: skip
 def test_cards_that_are_wrong(run: Run, tmp_path: Path, card: str, sentence: str) -> None:
     """USER MATERIAL and DEPVAR tell what is wrong, with the line."""
