@@ -93,6 +93,8 @@ contains
     type(integer_list_type) :: elements, numbers
     type(kind_type) :: entry
     integer :: i, k, n, e, f
+    allocate (element(0), face(0))
+    if (any(mesh%nodes < 1)) return              ! an element names a node that is not there: that was told
     call index_faces(faces, mesh)
     do i = 1, size(members)
       entry = element_kind(mesh%kind(members(i)))
@@ -118,8 +120,10 @@ contains
     integer, intent(out) :: n_without            !< of them, that lie on no face
     type(integer_list_type) :: elements, numbers
     integer :: i, n, e, f, n_corners
-    call index_faces(faces, mesh)
+    allocate (element(0), face(0))
     n_without = 0
+    if (any(mesh%nodes < 1)) return              ! an element names a node that is not there: that was told
+    call index_faces(faces, mesh)
     do i = 1, size(members)
       associate (nodes => reader%left_nodes(reader%left_first(members(i)):reader%left_first(members(i) + 1) - 1))
         n_corners = size(nodes)

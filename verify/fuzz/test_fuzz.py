@@ -49,3 +49,12 @@ def test_calls(library: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("AMONTONS_LIBRARY", str(library))
     tally = fuzz.fuzz_calls(6, 5)
     assert tally.findings == [], tally.report()
+
+
+def test_a_surface_of_elements_with_missing_nodes(program: Path, tmp_path: Path) -> None:
+    """Found by the fuzzer: the free faces of elements that name a node that is not there overwrote memory."""
+    (tmp_path / "job.inp").write_text("*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n*ELEMENT, TYPE=C3D4, ELSET=E\n1, 1, 2, 3, 77\n"
+                                      "*SURFACE, NAME=S\nE,\n")  # fmt: skip
+    done = fuzz.execute(program, tmp_path, "--check", "job")
+    assert done.returncode == 3, done.stderr
+    assert b"77" in done.stdout
