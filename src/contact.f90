@@ -27,8 +27,7 @@ module amontons_contact
   private
   public :: contact_type, slip_view_type, create_contact, begin_contact_step, set_supports, &
     begin_contact_increment, evaluate_contact
-  public :: touching_row, origin_row, row_imbalance, contact_slip_vector, farthest_travel, commit_slip, elastic_trial, &
-    shear_most, is_cornered
+  public :: touching_row, origin_row, row_imbalance, contact_slip_vector, commit_slip, elastic_trial, shear_most, is_cornered
 
   real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
   real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
@@ -833,44 +832,6 @@ contains
     end if
     call spread_force(row, slave%force + slave%shear, contact_force)
   end subroutine add_contact_force
-
-
-  !> How far a change of displacement moves the slave nodes along their master, in facets, at most. A facet is as long as it is
-  !! in the direction of the motion: a long and narrow one is crossed where it is narrow.
-  pure real(DP) function farthest_travel(contact, model, slaves, du) result(farthest)
-    type(contact_type), intent(in) :: contact
-    type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
-    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
-    type(contact_row_type) :: row
-    real(DP) :: d(3)
-    integer :: s
-    farthest = 0.0_DP
-    do s = 1, size(slaves)
-      associate (slave => slaves(s))
-        if (slave%facet == 0 .or. contact%is_small(slave%pair)) cycle
-        call touching_row(contact, slave, row)
-        d = relative_position(row, du)
-        d = d - dot_product(slave%normal, d) * slave%normal
-        if (norm2(d) <= 0.0_DP) cycle
-        associate (facets => contact%facets(slave%pair))
-          farthest = max(farthest, norm2(d) / width_along(model%mesh%coordinates(:, facets%nodes(facets%first(slave%facet): &
-            facets%first(slave%facet + 1) - 1)), d / norm2(d), facets%edge_length(slave%facet)))
-        end associate
-      end associate
-    end do
-  end function farthest_travel
-
-
-  !> The extent of points along a direction; another length where they have none.
-  pure real(DP) function width_along(points, direction, otherwise) result(width)
-    real(DP), intent(in) :: points(:, :)           !< (3, :) [length]
-    real(DP), intent(in) :: direction(3), otherwise
-    real(DP) :: along(size(points, 2))
-    along = matmul(direction, points)
-    width = maxval(along) - minval(along)
-    if (width <= 1.0e-6_DP * otherwise) width = otherwise
-  end function width_along
 
 
   !> At the end of a converged increment: gather the slip, and the work that friction took.

@@ -110,11 +110,12 @@ uses_audit_motion = kinds errors text lookup tensor dense topology steps model r
 uses_audit = kinds errors text lookup topology loads steps model element state constraints bonds contact audit_words audit_contact audit_bodies audit_motion
 
 # 6 solution: the increment, the steps, the results
+uses_travel = kinds model rows state contact
 uses_converge = kinds steps
 uses_settle = kinds errors steps model state contact system
-uses_line_search = kinds steps model slip state contact system
+uses_line_search = kinds steps model slip state contact system travel
 uses_forensics = kinds state
-uses_newton = kinds errors history steps model state contact system converge settle line_search forensics
+uses_newton = kinds errors history steps model state system travel converge settle line_search forensics
 uses_stepper = kinds steps converge
 uses_nodal = kinds topology mesh shapes element
 uses_sections = kinds tensor topology mesh surfaces shapes state nodal

@@ -18,7 +18,7 @@ module amontons_failure
   use amontons_state, only: state_type, slave_type, STATUS_OPEN
   use amontons_forensics, only: find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
   use amontons_converge, only: VERDICT_DIVERGES
-  use amontons_newton, only: newton_type, TROUBLE_FREE
+  use amontons_newton, only: newton_type, TROUBLE_FREE, TROUBLE_THROUGH
   use amontons_system, only: system_type, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
   implicit none
   private
@@ -53,6 +53,9 @@ contains
     case (TROUBLE_FREE)
       reason = 'FREE BODY: nothing holds a body against its load; it would fly off at node ' // &
         text_of(model%mesh%node_label(max(1, newton%farthest))) // '.'
+    case (TROUBLE_THROUGH)
+      reason = 'PENETRATION JUMP: node ' // text_of(model%mesh%node_label(newton%farthest)) // &
+        ' passed through its master within the increment.'
     case default
       reason = contact_reason(model, system, state, newton)
       if (reason == '' .and. system%n_shifted > newton%n_shifted) reason = LIMIT_POINT

@@ -7,18 +7,19 @@ module amontons_newton
   use amontons_steps, only: step_type
   use amontons_history, only: iteration_record_type
   use amontons_state, only: state_type, slave_type
-  use amontons_contact, only: farthest_travel
+  use amontons_travel, only: farthest_travel, passed_through
   use amontons_forensics, only: forensics_type, note_slaves
-  use amontons_converge, only: progress_type, judge, VERDICT_GO_ON, VERDICT_DIVERGES
+  use amontons_converge, only: progress_type, judge, VERDICT_GO_ON, VERDICT_DIVERGES, VERDICT_CONVERGED
   use amontons_line_search, only: search_type, search_line
   use amontons_settle, only: settle_contact
   use amontons_system, only: system_type, begin_increment, evaluate, find_direction, TROUBLE_NONE, &
     TROUBLE_ELEMENT
   implicit none
   private
-  public :: newton_type, begin_newton, iterate, TROUBLE_FREE
+  public :: newton_type, begin_newton, iterate, TROUBLE_FREE, TROUBLE_THROUGH
 
   integer, parameter :: TROUBLE_FREE = 4            !< a body flies off: newton%farthest is a node of it
+  integer, parameter :: TROUBLE_THROUGH = 5         !< a slave passed through its master: newton%farthest is its node
   real(DP), parameter :: FAR_OFF = 100.0_DP         !< a displacement of this many sizes of the model in an increment is none [-]
 
   real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times the largest of the job so far [-]
@@ -99,7 +100,24 @@ contains
     call note_residual(newton, system)
     call note_step(newton, system, state, search, system%n_krylov - n_krylov)
     verdict = judge(step%controls, newton%progress)
+    if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)
   end subroutine iterate
+
+
+  !> A balance in which a slave node has passed through its master within the increment is none.
+  subroutine watch_masters(newton, system, model, state, verdict)
+    type(newton_type), intent(inout) :: newton
+    type(system_type), intent(in) :: system
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    integer, intent(inout) :: verdict
+    integer :: s
+    s = passed_through(system%contact, model%mesh%coordinates + state%new%u, state%old%slaves, state%new%slaves)
+    if (s == 0) return
+    newton%trouble = TROUBLE_THROUGH
+    newton%farthest = state%new%slaves(s)%node
+    verdict = VERDICT_DIVERGES
+  end subroutine watch_masters
 
 
   !> A body that moves by many times the size of the model in one increment is held by nothing.

@@ -156,6 +156,11 @@ ANSWERS = {"DISP", "STRESS", "FORC", "TOSTRAIN", "NDTEMP"}
 KNOWN = {
     "patch_c3d8i": "the release does not reproduce it",
 }
+#: References with another mesh than the deck.
+OTHER_MESH = {
+    "contactdeleteelement": "the reference holds 26 of the 52 nodes of the deck, and the release crashes on it",
+    "scheibe2n2f": "coordinates of the reference differ from those of the deck in the sixth figure, which is not understood",
+}
 
 
 def records(path: Path) -> tuple[list[str], list[tuple[str, ...]]]:
@@ -181,6 +186,8 @@ def test_form_of_calculix(run: Run, tmp_path: Path, reference: Path) -> None:
     these agree within 1 % of their largest value (displacements and stresses are judged with the decks)."""
     name = reference.name.split(".")[0]
     deck = reference.with_name(name + ".inp")
+    if name in OTHER_MESH:
+        pytest.skip(OTHER_MESH[name])
     if re.search(r"type\s*=\s*C(PS|PE|AX)", deck.read_text(errors="replace"), re.I):
         pytest.skip("CalculiX expands plane elements into solids")
     if deck.stat().st_size > 150_000:

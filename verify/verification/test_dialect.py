@@ -250,7 +250,7 @@ def test_amplitudes(run_deck: Run, tmp_path: Path, name: str, value: str) -> Non
     ("DEFINITION=PERIODIC\n2, 3., .2, .5\n1., 2.", "PERIODIC needs the number n"),
     ("DEFINITION=PERIODIC\n2, 3.", "at least 4 numbers"),
     ("DEFINITION=DECAY\n1., 2., 3., -1.", "a positive td"),
-    ("DEFINITION=USER\n1.", "Give a table"),
+    ("DEFINITION=USER\n1.", "at most 0 can stand here"),
     ("DEFINITION=DECAY, SHIFTX=1.\n1., 2., 3., 1.", "shift tables"),
     ("\n0., 1., 0., 2.", "must ascend"),
     ("\n0., 1., 2.", "odd number"),

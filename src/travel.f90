@@ -1,0 +1,77 @@
+!> Travel: how far slave nodes go over their master within an increment, and whether one has passed through it.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_travel
+  use amontons_kinds, only: DP
+  use amontons_model, only: model_type
+  use amontons_state, only: slave_type
+  use amontons_rows, only: contact_row_type, relative_position
+  use amontons_contact, only: contact_type, touching_row
+  implicit none
+  private
+  public :: farthest_travel, passed_through
+
+  real(DP), parameter :: OUT_OF_SIGHT = 3.0_DP    !< a node deeper than this times the longest edge of its master is not found [-]
+
+contains
+
+  !> How far a change of displacement moves the slave nodes along their master, in facets, at most. A facet is as long as it is
+  !! in the direction of the motion: a long and narrow one is crossed where it is narrow.
+  pure real(DP) function farthest_travel(contact, model, slaves, du) result(farthest)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
+    type(contact_row_type) :: row
+    real(DP) :: d(3)
+    integer :: s
+    farthest = 0.0_DP
+    do s = 1, size(slaves)
+      associate (slave => slaves(s))
+        if (slave%facet == 0 .or. contact%is_small(slave%pair)) cycle
+        call touching_row(contact, slave, row)
+        d = relative_position(row, du)
+        d = d - dot_product(slave%normal, d) * slave%normal
+        if (norm2(d) <= 0.0_DP) cycle
+        associate (facets => contact%facets(slave%pair))
+          farthest = max(farthest, norm2(d) / width_along(model%mesh%coordinates(:, facets%nodes(facets%first(slave%facet): &
+            facets%first(slave%facet + 1) - 1)), d / norm2(d), facets%edge_length(slave%facet)))
+        end associate
+      end associate
+    end do
+  end function farthest_travel
+
+
+  !> The extent of points along a direction; another length where they have none.
+  pure real(DP) function width_along(points, direction, otherwise) result(width)
+    real(DP), intent(in) :: points(:, :)           !< (3, :) [length]
+    real(DP), intent(in) :: direction(3), otherwise
+    real(DP) :: along(size(points, 2))
+    along = matmul(direction, points)
+    width = maxval(along) - minval(along)
+    if (width <= 1.0e-6_DP * otherwise) width = otherwise
+  end function width_along
+
+
+  !> The first slave that stood before its master at the start of the increment and is now so far behind that place that the
+  !! search does not see it: it has passed through. 0 if there is none.
+  !!
+  !! Depth is measured from the point of the master where the node stood, along the normal there. A node that went over the
+  !! edge of its master as far as that in one increment is taken for one that passed through: the path between is not known.
+  pure integer function passed_through(contact, x, old, new) result(found)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates at the end of the increment [length]
+    type(slave_type), intent(in) :: old(:)         !< (n_slaves) at the start of the increment
+    type(slave_type), intent(in) :: new(:)         !< (n_slaves) at its end
+    type(contact_row_type) :: row
+    integer :: s
+    do s = 1, size(new)
+      if (old(s)%facet == 0 .or. new(s)%facet > 0 .or. contact%is_removed(new(s)%pair)) cycle
+      call touching_row(contact, old(s), row)
+      if (dot_product(old(s)%normal, relative_position(row, x)) >= -OUT_OF_SIGHT * contact%edge(old(s)%pair)) cycle
+      found = s
+      return
+    end do
+    found = 0
+  end function passed_through
+
+end module amontons_travel
