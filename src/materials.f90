@@ -11,7 +11,7 @@ module amontons_materials
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
   public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK
-  public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_STATE
+  public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_TURN, USER_STATE
   public :: SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL
 
   integer, parameter :: LAW_HENCKY = 1          !< Kirchhoff stress linear in the logarithmic strain (abaqus dialect)
@@ -39,12 +39,13 @@ module amontons_materials
   integer, parameter :: HISTORY_INELASTIC = 3   !< 3 to 8: plastic and creep strain, logarithmic, reference placement [-]
   integer, parameter :: HISTORY_BACK = 9        !< 9 to 14: back stress in the reference placement [stress]
   integer, parameter :: MAX_HISTORY = 14
-  ! After these, of a user's material alone; components 11 22 33 12 13 23, in its local axes at small strain.
+  ! After these, of a user's material alone; components 11 22 33 12 13 23, in its local axes if it has an orientation.
   integer, parameter :: USER_STRESS = 15        !< 15 to 20: Cauchy stress [stress]
   integer, parameter :: USER_STRAIN = 21        !< 21 to 26: STRAN, engineering shears [-]
   integer, parameter :: USER_GRADIENT = 27      !< 27 to 35: displacement gradient, column by column [-]
   integer, parameter :: USER_ENERGY = 36        !< 36 to 38: SSE, SPD, SCD [stress]
-  integer, parameter :: USER_STATE = 39         !< from here on: STATEV
+  integer, parameter :: USER_TURN = 39          !< 39 to 47: rotation of the local axes since the start, less 1 [-]
+  integer, parameter :: USER_STATE = 48         !< from here on: STATEV
 
   integer, parameter :: SYSTEM_RECTANGULAR = 1, SYSTEM_CYLINDRICAL = 2
 

@@ -6,13 +6,18 @@
 !! the middle configuration x, G = dd/dx, DSTRAN = sym G, DROT = (1 - W/2)^-1 (1 + W/2), W = skw G; stress and strain at
 !! the start are turned by DROT. DDSDDE is (1/J) d(J s)/de of Jaumann's rate; the tangent that the element wants is that
 !! of the Lie derivative of tau = J s: c : D = J DDSDDE : D - D tau - tau D, of which the symmetric part is taken.
+!!
+!! With an orientation all components are those in the local axes, which the increments of rotation carry along: UMAT then
+!! gets stress and strain as they were, DROT = 1, DSTRAN in the axes at the end, and Q^T F Q with the axes Q of the start
+!! for DFGRD0, of the end for DFGRD1.
 !! References: T. J. R. Hughes, J. Winget, Int. J. Numer. Meth. Engng 15 (1980) 1862-1867; Abaqus User Subroutines
 !! Reference Guide, UMAT. Theory: doc/theory/materials.md.
 module amontons_user_material
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_log_strain, only: transform_matrix
-  use amontons_materials, only: material_type, USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_STATE
+  use amontons_materials, only: material_type, USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, &
+    USER_TURN, USER_STATE
   use amontons_tensor, only: IDENTITY, determinant_minus_one, invert, pack_voigt, unpack_voigt
   use amontons_user, only: umat_type, call_umat, CALL_NAME
   implicit none
@@ -22,6 +27,7 @@ module amontons_user_material
   !> What a point of a user's material brings along and takes away beside strain and stress.
   type :: user_point_type
     type(umat_type) :: values                      !< in: times, place, numbers; the rest is set here
+    logical :: has_axes = .false.                  !< local axes of an orientation, which turn with the material
     real(DP) :: thermal(6, 2) = 0                  !< thermal strain at start and end, tensor components [-]
     real(DP), allocatable :: past(:)               !< committed, from USER_STRESS on, first is 1
     real(DP), allocatable :: history(:)            !< at the end of the increment
@@ -38,20 +44,21 @@ contains
     logical, intent(in) :: is_nlgeom
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
     real(DP), intent(in) :: strain(6)              !< small strain, tensor components; not used under NLGEOM [-]
-    real(DP), intent(in) :: frame(3, 3)            !< local axes in columns; small strain
+    real(DP), intent(in) :: frame(3, 3)            !< local axes in columns, at the start of the job
     type(user_point_type), intent(inout) :: user
     real(DP), intent(out) :: stress(6)             !< small strain: stress; finite: Kirchhoff stress [stress]
     real(DP), intent(out) :: tangent(6, 6)         !< its derivative, spatial at finite strain [stress]
     logical, intent(out) :: is_taken               !< .false.: UMAT wants a smaller increment, or gave no finite number
-    real(DP) :: volume
+    real(DP) :: volume, axes(3, 3)
     character(CALL_NAME) :: name
     name = material%name
     user%history = user%past
     associate (values => user%values, history => user%history)
       values%energies = history(USER_ENERGY - BASE:USER_ENERGY - BASE + 2)
       if (is_nlgeom) then
-        call set_finite_increment(H, user)
+        call set_finite_increment(H, frame, user, axes)
       else
+        axes = frame
         call set_small_increment(strain, frame, user)
       end if
       call call_umat(material%routines, name, material%props, history(USER_STATE - BASE:), values)
@@ -65,14 +72,15 @@ contains
       stress = values%stress(PLACE)
       tangent = values%ddsdde(PLACE, PLACE)
     end associate
+    if (user%has_axes .or. .not. is_nlgeom) then
+      stress = pack_voigt(turned(axes, unpack_voigt(stress)))
+      tangent = matmul(transform_matrix(axes), matmul(tangent, transpose(transform_matrix(axes))))
+    end if
     if (is_nlgeom) then
       volume = 1 + determinant_minus_one(H)
       stress = volume * stress
       tangent = volume * tangent
       call subtract_turning(stress, tangent)
-    else
-      stress = pack_voigt(matmul(frame, matmul(unpack_voigt(stress), transpose(frame))))
-      tangent = matmul(transform_matrix(frame), matmul(tangent, transpose(transform_matrix(frame))))
     end if
     tangent = 0.5_DP * (tangent + transpose(tangent))
   end subroutine update_user
@@ -95,10 +103,12 @@ contains
   end subroutine set_small_increment
 
 
-  !> The increment at finite strain; stress and strain at the start are turned with the material.
-  pure subroutine set_finite_increment(H, user)
+  !> The increment at finite strain; stress and strain at the start are turned with the material, or the axes are.
+  pure subroutine set_finite_increment(H, frame, user, axes)
     real(DP), intent(in) :: H(3, 3)
+    real(DP), intent(in) :: frame(3, 3)            !< local axes in columns, at the start of the job
     type(user_point_type), intent(inout) :: user
+    real(DP), intent(out) :: axes(3, 3)            !< local axes at the end of the increment
     real(DP) :: inverse(3, 3), change(3, 3), G(3, 3), W(3, 3), Q(3, 3), det
     associate (values => user%values, past => user%past)
       values%dfgrd0 = IDENTITY + reshape(past(USER_GRADIENT - BASE:USER_GRADIENT - BASE + 8), [3, 3])
@@ -110,12 +120,42 @@ contains
       W = 0.5_DP * (G - transpose(G))
       call invert(IDENTITY - 0.5_DP * W, inverse, det)
       Q = matmul(inverse, IDENTITY + 0.5_DP * W)
+      G = 0.5_DP * (G + transpose(G))
+      if (user%has_axes) then
+        call turn_axes(Q, frame, user, axes)
+        values%dstran = engineering(turned(transpose(axes), G) - &
+          turned(transpose(frame), unpack_voigt(user%thermal(:, 2) - user%thermal(:, 1))))
+        return
+      end if
+      axes = IDENTITY
       values%drot = Q
       values%stress = tensorial(turned(Q, from_abaqus(past(USER_STRESS - BASE:USER_STRESS - BASE + 5), 1.0_DP)))
       values%stran = engineering(turned(Q, from_abaqus(past(USER_STRAIN - BASE:USER_STRAIN - BASE + 5), 0.5_DP)))
-      values%dstran = engineering(0.5_DP * (G + transpose(G)) - unpack_voigt(user%thermal(:, 2) - user%thermal(:, 1)))
+      values%dstran = engineering(G - unpack_voigt(user%thermal(:, 2) - user%thermal(:, 1)))
     end associate
   end subroutine set_finite_increment
+
+
+  !> The local axes go on with the material; stress, strain and deformation in them.
+  pure subroutine turn_axes(Q, frame, user, axes)
+    real(DP), intent(in) :: Q(3, 3)                !< rotation of the increment
+    real(DP), intent(in) :: frame(3, 3)            !< axes at the start of the job
+    type(user_point_type), intent(inout) :: user
+    real(DP), intent(out) :: axes(3, 3)            !< at the end of the increment
+    real(DP) :: turn(3, 3), before(3, 3)
+    associate (values => user%values, past => user%past)
+      turn = IDENTITY + reshape(past(USER_TURN - BASE:USER_TURN - BASE + 8), [3, 3])
+      before = matmul(turn, frame)
+      turn = matmul(Q, turn)
+      axes = matmul(turn, frame)
+      user%history(USER_TURN - BASE:USER_TURN - BASE + 8) = reshape(turn - IDENTITY, [9])
+      values%drot = IDENTITY
+      values%stress = past(USER_STRESS - BASE:USER_STRESS - BASE + 5)
+      values%stran = past(USER_STRAIN - BASE:USER_STRAIN - BASE + 5)
+      values%dfgrd0 = turned(transpose(before), values%dfgrd0)
+      values%dfgrd1 = turned(transpose(axes), values%dfgrd1)
+    end associate
+  end subroutine turn_axes
 
 
   !> Q T Q^T.

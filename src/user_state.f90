@@ -41,6 +41,7 @@ contains
       call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
       associate (user => points%user(p), values => points%user(p)%values)
         user%past = state%old%history(USER_STRESS:n_history, first + p - 1)
+        if (allocated(model%element_orientation)) user%has_axes = model%element_orientation(e) > 0
         values%time = [state%new%step_time - dt, state%old%total_time]
         values%dtime = dt
         values%temp = sum(state%old%temperature(nodes(:n_nodes))) / real(n_nodes, DP)

@@ -24,6 +24,7 @@ PLASTIC = "*ELASTIC\n210000., 0.3\n*PLASTIC\n200., 0.\n2200., 1.\n"
 J2 = "*USER MATERIAL, CONSTANTS=4\n210000., 0.3, 200., 2000.\n*DEPVAR\n1\n1, PEEQ, equivalent plastic strain\n"
 RUBBER = "*HYPERELASTIC, NEO HOOKE\n0.5, 0.4\n"
 USER_RUBBER = "*USER MATERIAL, CONSTANTS=2\n0.5, 0.4\n"
+STRETCH = np.array([0.001, -0.0003, -0.0003])
 
 
 def solid_deck(kind: str, material: str, *, nlgeom: bool = False, top: tuple[float, float] = (0.01, -0.006)) -> str:
@@ -118,19 +119,15 @@ def test_rubber_by_umat_is_hyperelastic(run: Run, tmp_path: Path, kind: str) -> 
         assert np.abs(energy - b["AMONTONS/integration_points/energy"][:]).max() <= 1e-8 * energy.max()
 
 
-def test_stress_turns_with_the_material(run: Run, tmp_path: Path) -> None:
-    """A rate law under NLGEOM: a cube is pulled, then turned by a quarter in 45 increments of 2 degrees. Its stress turns
-    with it; Hughes and Winget's rotation makes an error of the order of the cube of an increment's angle each."""
+def turning_deck(material: str, angles: np.ndarray, orientation: str = "") -> str:
+    """A cube that is pulled in the first increment, then turned about z: an affine motion of all its nodes."""
     corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
-    stretch = np.array([0.001, -0.0003, -0.0003])
     lines = ["*NODE"] + [f"{i}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(corners, 1)]
-    lines += ["*ELEMENT, TYPE=C3D8, ELSET=BODY", "1, 1, 2, 4, 3, 5, 6, 8, 7", "*MATERIAL, NAME=STUFF",
-              "*USER MATERIAL, CONSTANTS=4", "210000., 0.3, 1e9, 1.", "*DEPVAR", "1",
-              "*SOLID SECTION, ELSET=BODY, MATERIAL=STUFF"]  # fmt: skip
-    angles = np.radians(np.arange(0, 91, 2))
+    lines += ["*ELEMENT, TYPE=C3D8, ELSET=BODY", "1, 1, 2, 4, 3, 5, 6, 8, 7", orientation.strip(), "*MATERIAL, NAME=STUFF",
+              material.strip(), "*SOLID SECTION, ELSET=BODY, MATERIAL=STUFF" + (", ORIENTATION=AXES" if orientation else "")]  # fmt: skip
     tables = []
     for i, place in enumerate(corners):
-        stretched = place * (1 + stretch)
+        stretched = place * (1 + STRETCH)
         for k in range(3):
             values = [(0.0, 0.0)]
             for time, angle in enumerate(angles, 1):
@@ -142,18 +139,81 @@ def test_stress_turns_with_the_material(run: Run, tmp_path: Path) -> None:
     for i in range(8):
         for k in range(3):
             lines.append(f"*BOUNDARY, AMPLITUDE=A{3 * i + k}\n{i + 1}, {k + 1}, {k + 1}, 1.")
-    (tmp_path / "job.inp").write_text("\n".join([*lines, "*END STEP", ""]))
+    return "\n".join([line for line in lines if line] + ["*END STEP", ""])
+
+
+def mean_stresses(results: Path) -> np.ndarray:
+    """The mean over the eight points of the cube, frame by frame: xx yy zz xy yz xz."""
+    with h5py.File(results) as file:
+        return file["AMONTONS/integration_points/S"][:].reshape(-1, 8, 6).mean(axis=1)
+
+
+def as_tensor(stress: np.ndarray) -> np.ndarray:
+    """Six components as a symmetric matrix."""
+    xx, yy, zz, xy, yz, xz = stress
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def test_stress_turns_with_the_material(run: Run, tmp_path: Path) -> None:
+    """A rate law under NLGEOM: a cube is pulled, then turned by a quarter in 45 increments of 2 degrees. Its stress turns
+    with it; Hughes and Winget's rotation makes an error of the order of the cube of an increment's angle each."""
+    angles = np.radians(np.arange(0, 91, 2))
+    law = "*USER MATERIAL, CONSTANTS=4\n210000., 0.3, 1e9, 1.\n*DEPVAR\n1\n"
+    (tmp_path / "job.inp").write_text(turning_deck(law, angles))
     done = run(["job", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout
-    with h5py.File(tmp_path / "job.vtkhdf") as file:
-        stress = file["AMONTONS/integration_points/S"][:].reshape(-1, 8, 6)
-    pulled, turned = stress[1].mean(axis=0), stress[-1].mean(axis=0)
+    stress = mean_stresses(tmp_path / "job.vtkhdf")
+    pulled, turned = stress[1], stress[-1]
     lame, shear = 210000 * 0.3 / 1.3 / 0.4, 210000 / 2.6
-    expected = lame * stretch.sum() + 2 * shear * stretch
+    expected = lame * STRETCH.sum() + 2 * shear * STRETCH
     assert np.abs(pulled[:3] - expected).max() < 1.5e-3 * expected.max()  # the strains are logarithms, to their order
     angle = np.radians(2)
     bound = len(angles) * angle**3 / 12 * np.abs(pulled).max() + 1e-9
     assert np.abs(turned[[1, 0, 2, 3, 4, 5]] - pulled).max() < 2 * bound
+
+
+FIBRES = "*ORIENTATION, NAME=AXES\n2., 1., 0.5, -1., 2., 0.3\n"
+WOOD = "12000., 900., 1100., 800., 500., 1000., 700., 650., 80.\n"
+
+
+def test_local_axes_turn_with_the_material(run: Run, tmp_path: Path) -> None:
+    """An orthotropic law in local axes that stand askew, NLGEOM: the cube is pulled, then turned by a quarter in
+    increments of 30 degrees. Pulled it has the stress that our own orthotropic law has at small strain, to the order of
+    the strain; turned it has R s R^T to rounding, because the rotation of a rigid turn is exact. The routine stops the job
+    if DROT is not 1."""
+    angles = np.radians([0.0, 30.0, 60.0, 90.0])
+    (tmp_path / "turned.inp").write_text(turning_deck("*USER MATERIAL, CONSTANTS=9\n" + WOOD.replace(" 80.", "\n80."), angles, FIBRES))
+    done = run(["turned", f"user={ROUTINES / 'orthotropic.f'}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    small = turning_deck("*ELASTIC, TYPE=ORTHO\n" + WOOD.replace(" 80.", "\n80."), angles[:1], FIBRES).replace(", NLGEOM", "")
+    (tmp_path / "small.inp").write_text(small)
+    assert run(["small"], cwd=tmp_path).returncode == 0
+    pulled, expected = mean_stresses(tmp_path / "turned.vtkhdf")[1], mean_stresses(tmp_path / "small.vtkhdf")[1]
+    assert np.abs(pulled - expected).max() < 2e-3 * np.abs(expected).max()
+    assert np.abs(pulled[3:]).min() > 0.01 * np.abs(pulled).max()  # the axes do stand askew
+    for k, angle in enumerate(angles):
+        c, s = np.cos(angle), np.sin(angle)
+        rotation = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        stress = as_tensor(mean_stresses(tmp_path / "turned.vtkhdf")[k + 1])
+        assert np.abs(stress - rotation @ as_tensor(pulled) @ rotation.T).max() < 1e-10 * np.abs(pulled).max()
+
+
+@pytest.mark.parametrize("system", [FIBRES, "*ORIENTATION, NAME=AXES, SYSTEM=CYLINDRICAL\n-1., 0., 0., -1., 0.2, 1.\n"])
+def test_local_axes_do_not_matter_to_what_is_isotropic(run: Run, tmp_path: Path, system: str) -> None:
+    """Rubber from DFGRD1 and plasticity from DSTRAN, at shears of 0.4, both with axes that stand askew: what HYPERELASTIC
+    gives, and what the same routine gives without the axes; so DFGRD1 is Q^T F Q, and the tangent is turned back."""
+    top = (0.5, -0.2)
+    theirs = solid_deck("C3D8", USER_RUBBER, nlgeom=True, top=top)
+    theirs = theirs.replace("*MATERIAL", system + "*MATERIAL").replace("MATERIAL=STUFF", "MATERIAL=STUFF, ORIENTATION=AXES")
+    ours = solid_deck("C3D8", RUBBER, nlgeom=True, top=top)
+    assert_equal(*run_two(run, tmp_path, ours, theirs, ROUTINES / "neo_hooke.f90"), 1e-8)
+    plain = solid_deck("C3D8", J2, nlgeom=True, top=(0.2, -0.1))
+    turned = plain.replace("*MATERIAL", system + "*MATERIAL").replace("MATERIAL=STUFF", "MATERIAL=STUFF, ORIENTATION=AXES")
+    for name, deck in (("plain", plain), ("turned", turned)):
+        (tmp_path / f"{name}.inp").write_text(deck)
+        done = run([name, f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout
+    assert_equal(tmp_path / "plain.vtkhdf", tmp_path / "turned.vtkhdf", 1e-8)
 
 
 def test_a_shared_library(run: Run, tmp_path: Path) -> None:
