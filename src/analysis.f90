@@ -98,6 +98,7 @@ contains
     end if
     call journal%complain(analysis%complaints)
     if (allocated(error)) return
+    analysis%options%is_check = options%is_check .or. analysis%model%is_checked_only
     call start_routines(analysis%model, options, error)
     if (allocated(error)) return
     call fasten_model(analysis%model, error)
@@ -108,7 +109,7 @@ contains
     call create_system(analysis%system, analysis%model, analysis%state, error)
     if (allocated(error)) return
     if (.not. options%is_resumed) call audit(analysis, journal, error)
-    if (allocated(error) .or. options%is_check) return
+    if (allocated(error) .or. analysis%options%is_check) return
     call note_commit(analysis)
     if (options%is_resumed) then
       call resume(analysis, journal, error)
@@ -314,6 +315,7 @@ contains
     if (.not. analysis%is_step_start) return
     if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has begun
     call open_step(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
+    analysis%state%old%total_time = analysis%stepper%total_time   ! a step may set the clock
     call change_model(analysis%model, analysis%stepper%step)
     call bear_elements(analysis%model, analysis%stepper%step, analysis%state)
     call begin_step(analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), analysis%state, error)
@@ -667,7 +669,9 @@ contains
   !> How much of the time of all steps is done.
   pure real(DP) function done_fraction(analysis) result(fraction)
     type(analysis_type), intent(in) :: analysis
-    fraction = analysis%stepper%total_time / sum(analysis%model%steps%period)
+    associate (steps => analysis%model%steps, stepper => analysis%stepper)
+      fraction = (sum(steps(:max(0, stepper%step - 1))%period) + stepper%step_time) / sum(steps%period)
+    end associate
   end function done_fraction
 
 

@@ -110,6 +110,7 @@ contains
     call table%refuse_words('CUTTING SURFACE|REVOLUTION|CYLINDER|SEGMENTS|USER|EULERIAN MATERIAL', &
       'Mesh the body and give its element faces.')
     call table%option('INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
+    call table%option('TRIM|PROPERTY|DEFINITION', VALUE_TEXT, '', status=STATUS_NOTED)
     call table%option('COMBINE|CROP|SCALE|FILLET RADIUS|MAX RATIO', VALUE_TEXT, 'Give element faces.', &
       status=STATUS_REFUSED)
   end subroutine describe_mesh
@@ -265,8 +266,13 @@ contains
     call table%option('NSET', VALUE_NAME, 'The nodes; or')
     call table%option('ELSET', VALUE_NAME, 'the elements whose nodes are taken.')
     call table%option('ROT NODE', VALUE_NAME, 'A node whose displacement is the rotation vector.')
-    call table%option('PIN NSET|TIE NSET|ANALYTICAL SURFACE|ISOTHERMAL|POSITION|DENSITY|OFFSET|NODAL THICKNESS', &
-      VALUE_TEXT, 'Name the nodes with NSET.', status=STATUS_REFUSED)
+    call table%option('PIN NSET', VALUE_NAME, 'The nodes: those of solids have no rotations, and a pin is as good as a weld.')
+    call table%option('TIE NSET', VALUE_NAME, 'The same.')
+    call table%option('POSITION', VALUE_WORD, 'Where the reference node is: where *NODE says.', allowed='INPUT', default='INPUT')
+    call table%refuse_words('CENTER OF MASS', 'Give the reference node its place.')
+    call table%option('ISOTHERMAL|DENSITY|OFFSET|NODAL THICKNESS', VALUE_TEXT, 'A rigid body has neither mass nor thickness.', &
+      status=STATUS_NOTED)
+    call table%option('ANALYTICAL SURFACE', VALUE_TEXT, 'Name the nodes with NSET.', status=STATUS_REFUSED)
 
     call table%card('COUPLING', IN_MODEL, 'Couples a surface to a reference node; *KINEMATIC or *DISTRIBUTING follows.')
     call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
@@ -334,7 +340,9 @@ contains
     call table%refuse_words('VELOCITY|ACCELERATION', 'Prescribe displacements.')
     call table%option('TIME DELAY', VALUE_REAL, LATER, default='0')
     call table%option('USER', VALUE_NONE, 'The routine DISP of the user gives the displacements.')
-    call table%option('SUBMODEL|STEP|DATA SET|LOAD CASE|REGION TYPE|BASE NAME|MASSLESS', VALUE_TEXT, &
+    call describe_case(table)
+    call table%option('MASSLESS|MODEL', VALUE_TEXT, 'Inertia does not count.', status=STATUS_NOTED)
+    call table%option('SUBMODEL|STEP|DATA SET|REGION TYPE|BASE NAME', VALUE_TEXT, &
       'Give the displacements themselves.', status=STATUS_REFUSED)
 
     call table%card('CLOAD', IN_STEP, 'Forces on nodes.', data='node or node set, degree of freedom (1 to 3), force')
@@ -342,8 +350,10 @@ contains
       default='MOD')
     call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the force grows linearly over the step.')
     call table%option('TIME DELAY', VALUE_REAL, LATER, default='0')
-    call table%option('FOLLOWER|USER|SUBMODEL|STEP|DATA SET|LOAD CASE|SECTOR|OMEGA0|CYCLIC MODE|REGION TYPE', &
-      VALUE_TEXT, 'Give forces that keep their direction.', status=STATUS_REFUSED)
+    call describe_case(table)
+    call table%option('OMEGA0', VALUE_TEXT, 'The sectors do not turn.', status=STATUS_NOTED)
+    call table%option('FOLLOWER|USER|SUBMODEL|STEP|DATA SET|CYCLIC MODE|REGION TYPE', VALUE_TEXT, &
+      'Give forces that keep their direction.', status=STATUS_REFUSED)
 
     call table%card('DLOAD', IN_STEP, 'Pressure on element faces, positive when it pushes into the element, gravity, ' // &
       'rotation and body forces.', data='element or element set, P1 to P6, pressure; or surface, P, pressure; or ' // &
@@ -356,6 +366,17 @@ contains
   end subroutine describe_loads
 
 
+  !> What loads and supports share: the words for vibrations and for sectors, of which statics has the first.
+  subroutine describe_case(table)
+    type(card_table_type), intent(inout) :: table
+    call table%option('LOAD CASE', VALUE_WORD, 'The real part of a load; in statics there is no other.', allowed='1', &
+      default='1')
+    call table%refuse_words('2', 'Only vibrations have an imaginary part.')
+    call table%option('SECTOR', VALUE_WORD, 'The sector of a cyclic structure.', allowed='1', default='1')
+    call table%refuse_words('2|3|4|5|6|7|8|9|10|11|12', 'All sectors are loaded alike.')
+  end subroutine describe_case
+
+
   !> What DLOAD and DSLOAD share.
   subroutine describe_distributed(table)
     type(card_table_type), intent(inout) :: table
@@ -365,7 +386,8 @@ contains
     call table%option('FOLLOWER', VALUE_WORD, 'Under NLGEOM a pressure follows the face.', allowed='YES', default='YES')
     call table%refuse_words('NO', 'A pressure follows its face.')
     call table%option('TIME DELAY', VALUE_REAL, 'The amplitude runs this much later.', default='0')
-    call table%option('SUBMODEL|STEP|DATA SET|LOAD CASE|SECTOR|CYCLIC MODE|REGION TYPE|ORIENTATION|CONSTANT ' // &
+    call describe_case(table)
+    call table%option('SUBMODEL|STEP|DATA SET|CYCLIC MODE|REGION TYPE|ORIENTATION|CONSTANT ' // &
       'RESULTANT|REF NODE', VALUE_TEXT, 'Give pressures on faces.', status=STATUS_REFUSED)
   end subroutine describe_distributed
 
@@ -382,11 +404,15 @@ contains
       allowed='RAMP|STEP', default='RAMP')
     call table%option('NAME', VALUE_TEXT, '', status=STATUS_NOTED)
     call table%option('UNSYMM|CONVERT SDI|EXTRAPOLATION|SOLVER', VALUE_TEXT, NOT_NEEDED, status=STATUS_NOTED)
-    call table%option('PERTURBATION', VALUE_NONE, 'All steps are general steps.', status=STATUS_REFUSED)
+    call table%option('PERTURBATION', VALUE_NONE, 'Write a general step: its loads, and all those that the step before had.', &
+      status=STATUS_REFUSED)
+    call table%option('THERMAL STEADY STATE', VALUE_TEXT, 'There is no flow of heat.', status=STATUS_NOTED)
 
     call table%card('STATIC', IN_STEP, 'The step is quasi-static.', &
       data='first increment, length of the step, least increment, largest increment; all optional')
     call describe_static(table)
+    call table%card('NO ANALYSIS', IN_STEP, 'The deck is read and checked, as by amontons --check; nothing is solved.')
+
     call table%card('VISCO', IN_STEP, 'The step is quasi-static, and materials creep.', &
       data='first increment, length of the step, least increment, largest increment; all optional')
     call describe_static(table)
@@ -417,8 +443,17 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', allowed='NO STOP')
     call table%option('SOLVER', VALUE_TEXT, 'The solver is our own.', status=STATUS_NOTED)
-    call table%option('FULLY PLASTIC|RIKS|STABILIZE|ALLSDTOL|CONTINUE|FACTOR|ADIABATIC|LONG TERM|TIME RESET|' // &
-      'TOTAL TIME AT START', VALUE_TEXT, 'Leave it out.', status=STATUS_REFUSED)
+    call table%option('TIME RESET', VALUE_NONE, 'The total time at the end of the step is that at its start.')
+    call table%option('TOTAL TIME AT START', VALUE_REAL, 'The total time at the start of the step.', default= &
+      'that at the end of the step before')
+    call table%option('EXPLICIT', VALUE_TEXT, 'There is no flow.', status=STATUS_NOTED)
+    call table%option('STABILIZE|ALLSDTOL|CONTINUE|FACTOR', VALUE_TEXT, 'No damping is added: a structure that does not ' // &
+      'stand without it ends with its reason.', status=STATUS_NOTED)
+    call table%option('LONG TERM|ADIABATIC', VALUE_TEXT, 'Only viscoelasticity and heat use it, which are refused.', &
+      status=STATUS_NOTED)
+    call table%option('RIKS', VALUE_NONE, 'Prescribe the displacement of the loaded nodes in place of their force to go ' // &
+      'past a limit point.', status=STATUS_REFUSED)
+    call table%option('FULLY PLASTIC', VALUE_TEXT, 'Choose the length of the step instead.', status=STATUS_REFUSED)
   end subroutine describe_static
 
 
@@ -490,6 +525,8 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
       default='1')
+    call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=STATUS_NOTED)
+    call table%option('MODE|LAST MODE', VALUE_TEXT, 'There are no eigenmodes.', status=STATUS_NOTED)
     call table%option('TOTALS', VALUE_WORD, 'Prints the sum too, or only the sum.', allowed='NO|YES|ONLY', default='NO')
     call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
   end subroutine describe_print
@@ -507,6 +544,7 @@ contains
         'dialect job.frd holds those asked for.', data='variables: U, RF, NT; S, E, PEEQ, ENER; CDIS, CSTR')
       call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
       call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
+      call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=STATUS_NOTED)
       call table%option('NSET|ELSET|SET|SLAVE|MASTER|SURFACE|INTERACTION', VALUE_NAME, ALL_FIELDS, status=STATUS_NOTED)
       call table%option('GLOBAL|OUTPUT|OUTPUT ALL|POSITION|VARIABLE|DIRECTIONS|LAST ITERATIONS|CONTACT ELEMENTS|' // &
         'EXTERIOR|SECTION FORCES|TOTALS|MODE|REBAR|ELASTIC', VALUE_TEXT, '', status=STATUS_NOTED)
@@ -533,7 +571,7 @@ contains
       'ELECTRICAL CONDUCTIVITY|JOULE HEAT FRACTION|MAGNETIC PERMEABILITY|FLUID CONSTANTS|SPECIFIC GAS CONSTANT|' // &
       'PHYSICAL CONSTANTS|ABSOLUTE ZERO|GAP CONDUCTANCE|GAP HEAT GENERATION|EMISSIVITY', 'There is no flow of ' // &
       'heat here, so it has no effect.')
-    call table%cards_with(STATUS_NOTED, 'DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
+    call table%cards_with(STATUS_NOTED, 'DASHPOT|DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
       'FIXED MASS SCALING', 'Rates do not count in a quasi-static step, so it has no effect.')
     call table%cards_with(STATUS_NOTED, 'CONTACT CONTROLS|CONTACT FORMULATION|CONTACT STABILIZATION|SECTION ' // &
       'CONTROLS|SOLUTION TECHNIQUE|SOLVER CONTROLS', 'Contact and the solver are our own and need no such help.')
@@ -571,7 +609,7 @@ contains
       'ELECTROMAGNETICS|GREEN|HCF|CRACK PROPAGATION|SENSITIVITY|ROBUST DESIGN|FEASIBLE DIRECTION|SUBSTRUCTURE ' // &
       'GENERATE|GEOSTATIC|SOILS|ANNEAL|DIRECT CYCLIC|RANDOM RESPONSE|RESPONSE SPECTRUM|MASS DIFFUSION|ACOUSTIC|' // &
       'PIEZOELECTRIC|COUPLED THERMAL-ELECTRICAL|STEADY STATE TRANSPORT|MATRIX GENERATE|MATRIX ASSEMBLE|COMPLEX ' // &
-      'EIGENVALUE EXTRACTION|NO ANALYSIS|REFINE MESH|STEADY STATE DETECTION', 'Use *STATIC; to read and check a ' // &
+      'EIGENVALUE EXTRACTION|CFD|REFINE MESH|STEADY STATE DETECTION', 'Use *STATIC; to read and check a ' // &
       'deck without solving it, run amontons --check.')
     call table%cards_with(STATUS_REFUSED, 'CHANGE MATERIAL|CHANGE PLASTIC|' // &
       'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
@@ -595,7 +633,7 @@ contains
     call table%cards_with(STATUS_REFUSED, 'BEAM SECTION|BEAM GENERAL SECTION|SHELL SECTION|SHELL GENERAL SECTION|' // &
       'MEMBRANE SECTION|COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|NODAL ' // &
       'THICKNESS|NORMAL|TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|HOURGLASS STIFFNESS|REBAR|REBAR LAYER|' // &
-      'DASHPOT|GAP|ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
+      'GAP|ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
       'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'All bodies are meshed with solid elements and *SOLID SECTION.')
     call table%cards_with(STATUS_REFUSED, 'NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|PARAMETER|PARAMETER DEPENDENCE|' // &

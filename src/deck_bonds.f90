@@ -200,7 +200,7 @@ contains
   end subroutine read_rigid_body
 
 
-  !> The nodes of NSET, or of the elements of ELSET, each once.
+  !> The nodes of NSET, PIN NSET and TIE NSET and of the elements of ELSET, each once.
   subroutine body_nodes(reader, model, c, parameters, nodes, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -209,19 +209,23 @@ contains
     integer, allocatable, intent(out) :: nodes(:)
     logical, intent(inout) :: is_ok
     logical, allocatable :: is_member(:)
+    character(*), parameter :: NAMES(3) = [character(8) :: 'NSET', 'PIN NSET', 'TIE NSET']
+    integer, allocatable :: named(:)
     integer :: set, i, e
-    if (has_parameter(parameters, 'NSET')) then
-      call set_nodes(reader, model, c, parameter_text(parameters, 'NSET'), nodes, is_ok)
-      return
-    end if
-    allocate (nodes(0))
+    allocate (is_member(model%mesh%n_nodes), source=.false.)
+    do i = 1, size(NAMES)
+      if (.not. has_parameter(parameters, trim(NAMES(i)))) cycle
+      call set_nodes(reader, model, c, parameter_text(parameters, trim(NAMES(i))), named, is_ok)
+      is_member(named) = .true.
+    end do
+    nodes = pack([(i, i=1, size(is_member))], is_member)
+    if (size(nodes) > 0 .and. .not. has_parameter(parameters, 'ELSET')) return
     set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
     if (set == 0) then
+      if (is_ok) call complain(reader, reader%cards%cards(c)%line, 'The rigid body needs NSET or ELSET, the name of a set.')
       is_ok = .false.
-      call complain(reader, reader%cards%cards(c)%line, 'The rigid body needs NSET or ELSET, the name of a set.')
       return
     end if
-    allocate (is_member(model%mesh%n_nodes), source=.false.)
     do i = 1, size(model%mesh%element_sets(set)%members)
       e = model%mesh%element_sets(set)%members(i)
       is_member(model%mesh%nodes(model%mesh%first(e):model%mesh%first(e + 1) - 1)) = .true.

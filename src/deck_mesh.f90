@@ -631,6 +631,11 @@ contains
           cycle
         end if
         if (draft%kind(first) /= 0) cycle
+        if (begins(type, 'DASHPOT') .and. reader%dialect == DIALECT_CALCULIX) then
+          call note(reader, reader%cards%cards(c)%line, 'Dashpots resist rates, which do not count in a quasi-static ' // &
+            'step; they are left out.')
+          cycle
+        end if
         is_left = all(draft%material(first:last) == 0) .and. is_lower_dimensional(type)
         if (is_left) is_left = all(is_solid(draft%nodes%items(draft%first(first):draft%first(last + 1) - 1)))
         if (is_left) then
@@ -666,6 +671,7 @@ contains
     if (begins(type, 'T2D')) advice = 'Use T3D2 or T3D3 and hold the third displacement.'
     if (is_structural(type)) advice = 'Shells, beams and membranes are not there yet: mesh the body with solids (C3D8I ' // &
       'or C3D20R bend well).'
+    if (begins(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
     if (begins(type, 'GAP')) advice = 'Use *CONTACT PAIR.'
     call complain(reader, reader%cards%cards(c)%line, 'The element type ' // type // ' is not supported. ' // advice)
   end subroutine refuse_type

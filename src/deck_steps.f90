@@ -18,7 +18,7 @@ module amontons_deck_steps
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, controls_type, print_request_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, &
     SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, N_FRD
-  use amontons_text, only: text_of, squeezed, parse_integer, is_one_of, joined_words, NUMBER_OK
+  use amontons_text, only: text_of, squeezed, parse_integer, parse_real, is_one_of, joined_words, NUMBER_OK
   use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC
   implicit none
   private
@@ -119,6 +119,7 @@ contains
         reader%cards%cards(c)%line, 'INC must be at least 1.')
     end if
     progress%step%is_direct = .false.
+    progress%step%is_clock_set = .false.
     if (allocated(progress%step%is_born)) deallocate (progress%step%is_born)
     if (allocated(progress%step%interference)) deallocate (progress%step%interference, progress%step%is_shrink)
     progress%interaction = 0
@@ -162,7 +163,7 @@ contains
   !> One card of a step.
   subroutine read_step_card(reader, model, c, progress)
     type(reader_type), intent(inout) :: reader
-    type(model_type), intent(in) :: model
+    type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
     type(progress_type), intent(inout) :: progress
     if (reader%cards%cards(c)%entry == 0) return
@@ -173,6 +174,10 @@ contains
         progress%has_static = .true.
         progress%step%is_creeping = entry%key == 'VISCO'
         call read_static(reader, c, progress%step)
+        call set_clock(reader, c, progress)
+      case ('NOANALYSIS')
+        progress%has_static = .true.
+        model%is_checked_only = .true.
       case ('CONTROLS')
         call read_controls(reader, c, progress%step%controls)
       case ('LINESEARCH')
@@ -223,7 +228,7 @@ contains
     is_ok = .true.
     has_row = next_row(reader%cards, row)
     if (.not. has_row) row%n = 0
-    call need_at_most(reader, row, 4)
+    call need_at_most(reader, row, 5)            ! the fifth of CalculiX is for flow
     call need_real(reader, row, 2, 'length of the step', step%period, is_ok, 0.0_DP)
     if (step%period <= 0 .and. row%n >= 2 .and. is_ok) call note(reader, row%line, &
       'The length of the step must be positive; 1 is taken.')
@@ -240,6 +245,28 @@ contains
   end subroutine read_static
 
 
+  !> TIME RESET: the step ends at the total time at which it starts. TOTAL TIME AT START: it starts at this one.
+  subroutine set_clock(reader, c, progress)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(progress_type), intent(inout) :: progress
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    real(DP) :: clock
+    integer :: status
+    call open_card(reader, c, parameters, row)
+    clock = progress%total_time
+    if (has_parameter(parameters, 'TOTAL TIME AT START')) then
+      call parse_real(parameter_text(parameters, 'TOTAL TIME AT START'), clock, status)
+      if (status /= NUMBER_OK) return            ! told when the card was checked
+    end if
+    if (has_parameter(parameters, 'TIME RESET')) clock = clock - progress%step%period
+    progress%step%is_clock_set = abs(clock - progress%total_time) > 0
+    progress%step%clock = clock
+    progress%total_time = clock
+  end subroutine set_clock
+
+
   !> Tells times that do not fit together.
   subroutine check_times(reader, line, step)
     type(reader_type), intent(inout) :: reader
@@ -252,8 +279,11 @@ contains
     if (step%dt_initial > step%period) call complain(reader, line, 'The first increment ' // text_of(step%dt_initial) &
       //' is longer than the step, ' // text_of(step%period) // '.')
     if (step%is_direct) return
-    if (step%dt_min > step%dt_initial) call complain(reader, line, 'The least increment ' // text_of(step%dt_min) // &
-      ' is longer than the first one, ' // text_of(step%dt_initial) // '.')
+    if (step%dt_min > step%dt_initial) then
+      call note(reader, line, 'The least increment ' // text_of(step%dt_min) // ' is longer than the first one, ' // &
+        text_of(step%dt_initial) // ', which is taken for it.')
+      step%dt_min = step%dt_initial
+    end if
     if (step%dt_max < step%dt_initial) then
       call note(reader, line, 'The first increment is cut to the largest one, ' // text_of(step%dt_max) // '.')
       step%dt_initial = step%dt_max

@@ -71,7 +71,7 @@ contains
       call open_journal(job%journal, .true., PROGRESS_PLAIN, listener=deaf_type())
     end if
     call start_analysis(job%analysis, whole, job%journal, error)
-    job%is_ready = .not. (allocated(error) .or. whole%is_check)
+    job%is_ready = .not. (allocated(error) .or. job%analysis%options%is_check)
     if (allocated(error)) call add_remarks(job, error)
   end subroutine open_job
 

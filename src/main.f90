@@ -71,7 +71,7 @@ contains
     logical :: is_done
     call watch_signals()
     call start_analysis(analysis, options, journal, error)
-    if (allocated(error) .or. options%is_check) return
+    if (allocated(error) .or. .not. analysis%is_open) return   ! --check, NO ANALYSIS
     is_done = .false.
     do while (.not. (is_done .or. allocated(error)))
       call advance_analysis(analysis, journal, is_done, error)

@@ -60,6 +60,7 @@ module amontons_model
     integer, allocatable :: frame_of(:)         !< (n_nodes) index into frames of a transformed node, 0; else not allocated
     real(DP), allocatable :: frames(:, :, :)    !< (3, 3, n) directions of transformed nodes, columns
     type(step_type), allocatable :: steps(:)
+    logical :: is_checked_only = .false.        !< NO ANALYSIS: the deck is read and checked, nothing is solved
     type(routines_type) :: routines             !< of the user; opened before the start
     logical :: keeps_restart = .false.          !< RESTART, WRITE: the checkpoint stays when the job is done
   end type model_type

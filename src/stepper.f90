@@ -40,6 +40,7 @@ contains
     stepper%increment = 1
     stepper%attempt = 1
     stepper%step_time = 0.0_DP
+    if (step%is_clock_set) stepper%total_time = step%clock
     stepper%dt = min(step%dt_initial, step%period)
     stepper%n_fast = 0
   end subroutine open_step

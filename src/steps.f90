@@ -61,6 +61,8 @@ module amontons_steps
     logical :: is_nlgeom = .false.
     integer :: max_increments = 100        !< INC
     logical :: is_direct = .false.         !< DIRECT: fixed increments
+    logical :: is_clock_set = .false.      !< TIME RESET, TOTAL TIME AT START: the total time starts at clock
+    real(DP) :: clock = 0                  !< total time at the start of the step [time]
     real(DP) :: dt_initial = 1             !< [time]
     real(DP) :: period = 1                 !< [time]
     real(DP) :: dt_min = 1.0e-6_DP         !< [time]

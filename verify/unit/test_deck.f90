@@ -786,9 +786,9 @@ contains
     call expect_times(suite, model%steps(1), [0.1_DP, 1.0_DP, 1.0e-6_DP, 0.1_DP])
     call expect_error(suite, S // '2.,1.;' // STEP_END, 'longer than the step', '2.,1.')
     call expect_error(suite, S // '-.1,1.;' // STEP_END, 'must be positive')
-    call expect_error(suite, S // '.1,1.,.2;' // STEP_END, 'least increment')
+    call expect_error(suite, S // '.1,1.,-.2;' // STEP_END, 'must be positive')
     call expect_error(suite, S // 'x,1.;' // STEP_END, 'first increment')
-    call expect_error(suite, S // '.1,1.,1e-5,1.,1.;' // STEP_END, '5 values')
+    call expect_error(suite, S // '.1,1.,1e-5,1.,1.,1.;' // STEP_END, '6 values')
     call expect_error(suite, S // '.1,1.;.1,1.;' // STEP_END, 'takes no data')
     call expect_error(suite, MODEL_PART // '*STEP;*STATIC, RIKS;' // STEP_END, 'RIKS')
   end subroutine test_static

@@ -1,0 +1,182 @@
+"""Every keyword of CalculiX 2.20, and the words of its step cards: read, passed over because statics does not need it, or refused.
+
+The keywords are those of its manual (chapter "Input deck format"). None is unknown, and what is refused says what to write instead.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from conftest import Run
+
+READ = """AMPLITUDE|BOUNDARY|CHANGE FRICTION|CHANGE SOLID SECTION|CHANGE SURFACE BEHAVIOR|CLEARANCE|CLOAD|CONTACT FILE|CONTACT OUTPUT|
+CONTACT PAIR|CONTACT PRINT|CONTROLS|COUPLING|CREEP|CYCLIC HARDENING|CYCLIC SYMMETRY MODEL|DEFORMATION PLASTICITY|DENSITY|DEPVAR|
+DISTRIBUTING|DISTRIBUTION|DLOAD|DSLOAD|ELASTIC|ELEMENT|ELEMENT OUTPUT|EL FILE|EL PRINT|ELSET|END STEP|EQUATION|EXPANSION|FRICTION|
+HEADING|HYPERELASTIC|HYPERFOAM|INCLUDE|INITIAL CONDITIONS|KINEMATIC|MASS|MATERIAL|MODEL CHANGE|MPC|NO ANALYSIS|NODE|NODE FILE|
+NODE OUTPUT|NODE PRINT|NSET|ORIENTATION|OUTPUT|PLASTIC|PRE-TENSION SECTION|RESTART|RIGID BODY|SECTION PRINT|SOLID SECTION|SPRING|
+STATIC|STEP|SURFACE|SURFACE BEHAVIOR|SURFACE INTERACTION|TEMPERATURE|TIE|TIME POINTS|TRANSFORM|USER MATERIAL|VISCO"""
+PASSED = """CONDUCTIVITY|CONTACT DAMPING|DAMPING|DASHPOT|ELECTRICAL CONDUCTIVITY|FACE PRINT|FILTER|FLUID CONSTANTS|GAP CONDUCTANCE|
+GAP HEAT GENERATION|MAGNETIC PERMEABILITY|MODAL DAMPING|PHYSICAL CONSTANTS|SPECIFIC GAS CONSTANT|SPECIFIC HEAT"""
+REFUSED = """BASE MOTION|BEAM GENERAL SECTION|BEAM SECTION|BUCKLE|CFD|CFLUX|CHANGE CONTACT TYPE|CHANGE MATERIAL|CHANGE PLASTIC|
+COMPLEX FREQUENCY|CONSTRAINT|CORRELATION LENGTH|COUPLED TEMPERATURE-DISPLACEMENT|CRACK PROPAGATION|DESIGN RESPONSE|DESIGN VARIABLES|
+DFLUX|DISTRIBUTING COUPLING|DYNAMIC|ELECTROMAGNETICS|FEASIBLE DIRECTION|FILM|FLUID SECTION|FREQUENCY|GAP|GEOMETRIC CONSTRAINT|
+GEOMETRIC TOLERANCES|GREEN|HCF|HEAT TRANSFER|INITIAL STRAIN INCREASE|MASS FLOW|MASS FLOW RATE|MATRIX ASSEMBLE|MEMBRANE SECTION|
+MODAL DYNAMIC|MOHR COULOMB|MOHR COULOMB HARDENING|NETWORK MPC|NODAL THICKNESS|NORMAL|OBJECTIVE|RADIATE|RANDOM FIELD|RATE DEPENDENT|
+REFINE MESH|RETAINED NODAL DOFS|ROBUST DESIGN|SELECT CYCLIC SYMMETRY MODES|SENSITIVITY|SHELL SECTION|STEADY STATE DYNAMICS|SUBMODEL|
+SUBSTRUCTURE GENERATE|SUBSTRUCTURE MATRIX OUTPUT|TRANSFORMF|UNCOUPLED TEMPERATURE-DISPLACEMENT|USER ELEMENT|USER SECTION|
+VALUES AT INFINITY|VIEWFACTOR"""
+
+
+def words(table: str) -> list[str]:
+    """The keywords of a table."""
+    return [word.strip() for word in table.split("|")]
+
+
+@pytest.mark.parametrize(("table", "told", "code"), [
+    (READ, None, None),
+    (PASSED, r"is read past\. \w.*", None),
+    (REFUSED, r"is not supported\. [A-Z].*", 3),
+], ids=["read", "passed over", "refused"])  # fmt: skip
+def test_keywords(run_deck: Run, table: str, told: str | None, code: int | None) -> None:
+    """Each keyword alone: what is told of it and how it ends."""
+    for keyword in words(table):
+        done = run_deck(f"** dialect: calculix\n*{keyword}\n")
+        text = re.sub(r"\s+", " ", done.stdout + done.stderr)
+        assert "is not known" not in text, keyword
+        if told:
+            assert re.search(rf"The card \*{keyword} {told}", text), f"{keyword}: {text}"
+        else:
+            assert f"*{keyword} is not supported" not in text, keyword
+            assert f"*{keyword} is read past" not in text, keyword
+        if code:
+            assert done.returncode == code, keyword
+
+
+CUBE = """*NODE, NSET=ALL
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+*NSET, NSET=LOW
+1, 2, 3, 4
+*NSET, NSET=HIGH
+5, 6, 7, 8
+*ELEMENT, TYPE=C3D8, ELSET=E
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.
+*SOLID SECTION, ELSET=E, MATERIAL=M
+*BOUNDARY
+LOW, 1, 3
+"""
+PRINT = "*NODE PRINT, NSET=HIGH\nU\n"
+
+
+def last_block(folder: Path) -> tuple[float, float]:
+    """Time and u_z of the first row of the last block."""
+    lines = (folder / "job.dat").read_text().split("\n")
+    heads = [i for i, line in enumerate(lines) if "displacements" in line]
+    return float(lines[heads[-1]].split()[-1]), float(lines[heads[-1] + 2].split()[3])
+
+
+@pytest.mark.parametrize(("words", "time"), [("", 3.0), (", TIME RESET", 1.0), (", TOTAL TIME AT START=7.", 9.0)])
+def test_clock(run_deck: Run, tmp_path: Path, words: str, time: float) -> None:
+    """A second step of length 2: where its total time ends, and what an amplitude in total time gives there.
+
+    The factor is the total time, so that u_z of the cube (E = 1000, four nodal forces of 1 N times the factor) is 0.004 t.
+    """
+    deck = f"""** dialect: calculix
+{CUBE}*AMPLITUDE, NAME=A, TIME=TOTAL TIME
+0., 0., 100., 100.
+*STEP
+*STATIC
+1., 1.
+*CLOAD, AMPLITUDE=A
+HIGH, 3, 1.
+{PRINT}*END STEP
+*STEP
+*STATIC{words}
+1., 2.
+{PRINT}*END STEP
+"""
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout
+    got, u = last_block(tmp_path)
+    assert got == pytest.approx(time, rel=1e-7)
+    assert u == pytest.approx(0.004 * time, rel=2e-6)  # seven digits are printed
+
+
+def test_no_analysis(run_deck: Run, tmp_path: Path) -> None:
+    """The deck is checked, and nothing is written; an error in it is told."""
+    deck = f"** dialect: calculix\n{CUBE}*STEP\n*NO ANALYSIS\n*CLOAD\nHIGH, 3, 1.\n*END STEP\n"
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout
+    assert not (tmp_path / "job.vtkhdf").exists()
+    assert run_deck(deck.replace("HIGH, 3, 1.", "NONE, 3, 1.")).returncode == 3
+
+
+@pytest.mark.parametrize(("card", "word"), [
+    ("STEP", "STEP, INC=1000"), ("STEP", "STEP, AMPLITUDE=RAMP"), ("STEP", "STEP, NLGEOM=NO"),
+    ("STATIC", "STATIC, SOLVER=PARDISO"), ("STATIC", "STATIC, SOLVER=ITERATIVE CHOLESKY"), ("STATIC", "STATIC, DIRECT"),
+    ("STATIC", "STATIC, STABILIZE=1e-4, ALLSDTOL=0.05"), ("STATIC\n1., 1.", "STATIC\n1., 1., 1e-9, 2., 0."),
+    ("STATIC\n1., 1.", "STATIC\n0.5, 1., 0.7"), ("CLOAD", "CLOAD, LOAD CASE=1"), ("CLOAD", "CLOAD, SECTOR=1"),
+    ("CLOAD", "CLOAD, OP=NEW"), ("BOUNDARY", "BOUNDARY, LOAD CASE=1"), ("NODE PRINT", "NODE PRINT, FREQUENCYF=3, GLOBAL=YES"),
+    ("NODE PRINT", "NODE PRINT, TOTALS=YES"), ("END STEP", "NODE FILE, OUTPUT=3D, NSET=HIGH\nU, RF, NT, PU\n*END STEP"),
+    ("END STEP", "EL FILE, LAST ITERATIONS, GLOBAL=NO\nS, E, ME, PEEQ, ENER, ERR, ZZS, THE, HER, SDV\n*END STEP"),
+    ("END STEP", "CONTACT FILE, CONTACT ELEMENTS\nCDIS, CSTR, PCON\n*END STEP"),
+    ("END STEP", "EL PRINT, ELSET=E\nS, E, ME, PEEQ, SDV, ENER, ELSE, EVOL, EMAS, COORD, ZZS\n*END STEP"),
+    ("NODE", "NODE, SYSTEM=R"), ("ELASTIC", "ELASTIC, TYPE=ISO"),
+])  # fmt: skip
+def test_words(run_deck: Run, tmp_path: Path, card: str, word: str) -> None:
+    """Words that change nothing of a linear step of length 1: the displacement is that of a bar, F L / (E A) = 0.004."""
+    step = f"*STEP\n*STATIC\n1., 1.\n*CLOAD\nHIGH, 3, 1.\n{PRINT}*END STEP\n"
+    deck = f"** dialect: calculix\n{CUBE}{step}"
+    assert f"*{card}" in deck
+    done = run_deck(deck.replace(f"*{card}", f"*{word}", 1))
+    assert done.returncode == 0, done.stdout
+    time, u = last_block(tmp_path)
+    assert time == pytest.approx(1.0)
+    if "TOTALS" not in word:
+        assert u == pytest.approx(0.004, rel=2e-6)
+
+
+def test_dashpots(run_deck: Run, tmp_path: Path) -> None:
+    """CalculiX's dashpots do nothing in statics; under abaqus they are refused, for there they act by the increment."""
+    more = "*ELEMENT, TYPE=DASHPOTA, ELSET=D\n9, 5, 1\n*DASHPOT, ELSET=D\n\n1e5\n"
+    step = f"*STEP\n*STATIC\n1., 1.\n*CLOAD\nHIGH, 3, 1.\n{PRINT}*END STEP\n"
+    done = run_deck(f"** dialect: calculix\n{CUBE}{more}{step}")
+    assert done.returncode == 0, done.stdout
+    assert last_block(tmp_path)[1] == pytest.approx(0.004, rel=2e-6)
+    done = run_deck(CUBE + more + step)
+    assert done.returncode == 3
+    assert "leave the dashpots out" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+
+
+@pytest.mark.parametrize("words", ["NSET=HIGH", "PIN NSET=HIGH", "TIE NSET=HIGH, POSITION=INPUT", "PIN NSET=HIGH, TIE NSET=CORNER"])
+def test_rigid_body(run_deck: Run, tmp_path: Path, words: str) -> None:
+    """The upper face as a rigid body under a force at its node: u_z = F L / (E A) everywhere."""
+    deck = f"""{CUBE}*NODE, NSET=REF
+100, .5, .5, 2.
+*NSET, NSET=CORNER
+7
+*RIGID BODY, REF NODE=REF, {words}
+*STEP
+*STATIC
+*BOUNDARY
+REF, 4, 6
+*CLOAD
+REF, 3, 4.
+{PRINT}*END STEP
+"""
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout
+    assert last_block(tmp_path)[1] == pytest.approx(0.004, rel=2e-6)
