@@ -602,7 +602,9 @@ contains
       status = merge(before, trial%status, is_frozen)
       if (status /= STATUS_OPEN .and. slave%origin_facet == 0) then
         call close_slave(contact, model, u_old, fields%u, slave)
-        d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))
+        d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))   ! since first touch: stick or slip is asked again
+        call trial_traction(imbalance, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
+        status = merge(before, trial%status, is_frozen)
       end if
       if (status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       slave%status = status

@@ -269,8 +269,6 @@ def test_shrink_fit(proof: Proof) -> None:
 # --------------------------------------------------------------------------------------------------- ironing
 
 
-@pytest.mark.xfail(strict=False, reason="at t = 1.82 the two nodes of the trailing edge, which carry a hundred-thousandth of the force, stick "
-                   "and open in turn; without settling ahead the run passes that place with other increments and ends well")
 @pytest.mark.slow
 def test_shallow_ironing(proof: Proof) -> None:
     """Fischer and Wriggers."""
