@@ -10,6 +10,7 @@ module amontons_areas
   use amontons_compliance, only: node_shares
   implicit none
   private
+  public :: mean_edge
   public :: faces_type, add_face_areas, face_area, depth_of, cover_slave, sum_shares
 
   !> Faces of elements.
@@ -209,5 +210,31 @@ contains
       call add_shares(mesh, surface%element(f), x, kind%face_kind(surface%face(f)), nodes(:n), area_vector, area)
     end do
   end subroutine sum_shares
+
+
+  !> The mean edge of the faces of a surface; of a surface of nodes another length [length].
+  pure real(DP) function mean_edge(mesh, surface, otherwise) result(edge)
+    type(mesh_type), intent(in) :: mesh
+    type(surface_type), intent(in) :: surface
+    real(DP), intent(in) :: otherwise
+    type(kind_type) :: entry
+    type(facet_kind_type) :: shape
+    real(DP) :: total
+    integer :: f, k, n, n_edges, nodes(MAX_FACE_NODES)
+    edge = otherwise
+    total = 0.0_DP
+    n_edges = 0
+    do f = 1, size(surface%element)
+      entry = element_kind(mesh%kind(surface%element(f)))
+      shape = facet_kind(entry%face_kind(surface%face(f)))
+      n = shape%n_corners
+      nodes(:n) = mesh%nodes(mesh%first(surface%element(f)) - 1 + entry%face_nodes(:n, surface%face(f)))
+      do k = 1, merge(1, n, n == 2)
+        total = total + norm2(mesh%coordinates(:, nodes(modulo(k, n) + 1)) - mesh%coordinates(:, nodes(k)))
+        n_edges = n_edges + 1
+      end do
+    end do
+    if (n_edges > 0) edge = total / real(n_edges, DP)
+  end function mean_edge
 
 end module amontons_areas

@@ -101,17 +101,20 @@ contains
     call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
     call table%option('INSTANCE', VALUE_NAME, 'In an assembly: numbers and names are those of this instance.')
 
-    call table%card('SURFACE', IN_MODEL, 'Defines a surface of element faces or of nodes.', &
+    call table%card('SURFACE', IN_MODEL, 'Defines a surface: element faces, nodes, or an analytic rigid one.', &
       data='element or element set, face S1 to S6 or nothing: all free faces, or the faces ' // &
-      'under plane elements that a mesh generator wrote with the solids; with TYPE=NODE node or node set')
+      'under plane elements that a mesh generator wrote with the solids; with TYPE=NODE node or node set; with ' // &
+      'SEGMENTS, CYLINDER, REVOLUTION the local axes, then START, LINE, CIRCL')
     call table%option('NAME', VALUE_NAME, 'Name of the surface.', default='required')
-    call table%option('TYPE', VALUE_WORD, 'Faces or nodes; a surface of nodes can only be a slave.', allowed= &
-      'ELEMENT|NODE', default='ELEMENT')
-    call table%refuse_words('CUTTING SURFACE|REVOLUTION|CYLINDER|SEGMENTS|USER|EULERIAN MATERIAL', &
+    call table%option('TYPE', VALUE_WORD, 'Faces, nodes (slaves only), or an analytic surface (masters only, with *RIGID ' // &
+      'BODY): a profile in the plane, drawn out, or turned about an axis.', allowed= &
+      'ELEMENT|NODE|SEGMENTS|CYLINDER|REVOLUTION', default='ELEMENT')
+    call table%refuse_words('CUTTING SURFACE|USER|EULERIAN MATERIAL', &
       'Mesh the body and give its element faces.')
     call table%option('INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
     call table%option('TRIM|PROPERTY|DEFINITION', VALUE_TEXT, '', status=STATUS_NOTED)
-    call table%option('COMBINE|CROP|SCALE|FILLET RADIUS|MAX RATIO', VALUE_TEXT, 'Give element faces.', &
+    call table%option('FILLET RADIUS', VALUE_REAL, 'Rounds corners between lines of an analytic surface.')
+    call table%option('COMBINE|CROP|SCALE|MAX RATIO', VALUE_TEXT, 'Give element faces.', &
       status=STATUS_REFUSED)
   end subroutine describe_mesh
 
@@ -265,6 +268,7 @@ contains
     call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
     call table%option('NSET', VALUE_NAME, 'The nodes; or')
     call table%option('ELSET', VALUE_NAME, 'the elements whose nodes are taken.')
+    call table%option('ANALYTICAL SURFACE', VALUE_NAME, 'A surface of TYPE SEGMENTS, CYLINDER or REVOLUTION that moves along.')
     call table%option('ROT NODE', VALUE_NAME, 'A node whose displacement is the rotation vector.')
     call table%option('PIN NSET', VALUE_NAME, 'The nodes: those of solids have no rotations, and a pin is as good as a weld.')
     call table%option('TIE NSET', VALUE_NAME, 'The same.')
@@ -272,7 +276,6 @@ contains
     call table%refuse_words('CENTER OF MASS', 'Give the reference node its place.')
     call table%option('ISOTHERMAL|DENSITY|OFFSET|NODAL THICKNESS', VALUE_TEXT, 'A rigid body has neither mass nor thickness.', &
       status=STATUS_NOTED)
-    call table%option('ANALYTICAL SURFACE', VALUE_TEXT, 'Name the nodes with NSET.', status=STATUS_REFUSED)
 
     call table%card('COUPLING', IN_MODEL, 'Couples a surface to a reference node; *KINEMATIC or *DISTRIBUTING follows.')
     call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')

@@ -14,10 +14,12 @@ module amontons_contact
   use amontons_constraints, only: constraints_type, condensation
   use amontons_rows, only: contact_row_type, facet_row, facet_weights, relative_position, imbalance_of, spread_force
   use amontons_areas, only: faces_type, add_face_areas, face_area, depth_of, cover_slave, &
-    sum_shares
+    sum_shares, mean_edge
+  use amontons_profiles, only: extent_of, PROFILE_FLAT
   use amontons_sparse, only: sparse_type, multiply
   use amontons_overlaps, only: overlaps_type, find_overlaps, order_slaves, free_directions, is_friction_taken
   use amontons_facets, only: facets_type, build_facets
+  use amontons_analytic, only: build_profile_facets
   use amontons_search, only: search_type, build_search
   use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar, search_margin, turned_with
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
@@ -94,7 +96,12 @@ contains
     allocate (slaves(0), contact%follower(3, 0), contact%slave_normal(3, 0), contact%mortar(size(model%pairs)))
     do p = 1, size(model%pairs)
       associate (master => model%surfaces(model%pairs(p)%master))
-        call build_facets(model%mesh, master%element, master%face, contact%facets(p), error)
+        if (allocated(master%profile)) then
+          call build_profile_facets(master%profile, mean_edge(model%mesh, model%surfaces(model%pairs(p)%slave), &
+            extent_of(master%profile)), contact%facets(p))
+        else
+          call build_facets(model%mesh, master%element, master%face, contact%facets(p), error)
+        end if
         if (.not. allocated(error)) call check_dimensions(model, p, error)
         if (allocated(error)) return
       end associate
@@ -129,6 +136,7 @@ contains
     associate (slave => model%surfaces(model%pairs(pair)%slave), master => model%surfaces(model%pairs(pair)%master), &
       kind => model%mesh%kind)
       is_solid = kind(master%element) <= N_SOLID_KINDS
+      if (allocated(master%profile)) is_solid = [master%profile%kind /= PROFILE_FLAT]
       if (.not. slave%is_node_based) is_solid = [is_solid, kind(slave%element) <= N_SOLID_KINDS]
       if (all(is_solid) .or. .not. any(is_solid)) return
       call set_error(error, EXIT_SETUP, 'The contact pair ' // slave%name // ' / ' // master%name // ' has faces of ' // &
@@ -228,7 +236,7 @@ contains
       contact%is_small(p) = model%pairs(p)%is_small_sliding .or. .not. is_nlgeom
       reach = SEARCH_REACH * contact%edge(p)
       if (model%pairs(p)%is_mortar) reach = search_margin(contact%mortar(p), reach)
-      call build_search(contact%facets(p), x, reach, contact%search(p))
+      if (.not. allocated(contact%facets(p)%profile)) call build_search(contact%facets(p), x, reach, contact%search(p))
       if (.not. model%pairs(p)%is_mortar) cycle
       if (contact%is_small(p) .and. .not. is_step_start .and. contact%mortar(p)%is_made) cycle
       if (contact%is_small(p) .and. is_nlgeom) then
@@ -328,7 +336,7 @@ contains
         if (slaves(s)%pair /= p) cycle
         if (area(slaves(s)%node) > 0.0_DP) then
           slaves(s)%area = area(slaves(s)%node)
-        else if (slaves(s)%facet > 0) then
+        else if (slaves(s)%facet > 0 .and. .not. allocated(contact%facets(p)%profile)) then
           call facet_weights(contact%facets(p), slaves(s)%facet, slaves(s)%xi, n, nodes, weights, dN)
           call face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), &
             depth_of(model%mesh, contact%facets(p)%element(slaves(s)%facet)), vector, slaves(s)%area)

@@ -7,6 +7,7 @@ module amontons_deck_bonds
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_profiles, only: carry_profile
   use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_integer, need_at_most, &
     nodes_of_field, is_card
   use amontons_loads, only: equation_type
@@ -146,6 +147,7 @@ contains
       if (is_card(reader, c, 'TIE')) call read_tie(reader, model, c)
       if (is_card(reader, c, 'PRE-TENSIONSECTION')) call read_pretension(reader, model, c)
     end do
+    call check_carried(reader, model)
     if (allocated(model%frame_of)) model%frame_of = [model%frame_of, &
       spread(0, 1, model%mesh%n_nodes - size(model%frame_of))]
   end subroutine read_bonds
@@ -174,12 +176,13 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     type(bond_type) :: bond
     integer, allocatable :: nodes(:)
-    integer :: i
+    integer :: i, surface
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     is_ok = .true.
     bond%card = 'RIGID BODY'
     bond%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    surface = rigid_surface(reader, model, c, parameters, is_ok)
     call body_nodes(reader, model, c, parameters, nodes, is_ok)
     call one_node(reader, model, c, parameter_text(parameters, 'REF NODE'), bond%reference, is_ok)
     if (has_parameter(parameters, 'ROT NODE')) call one_node(reader, model, c, &
@@ -189,15 +192,55 @@ contains
     model%mesh%is_abstract(bond%rotation) = .true.
     model%rotation_of(bond%reference) = bond%rotation
     bond%node = pack(nodes, [(nodes(i) /= bond%reference .and. nodes(i) /= bond%rotation, i=1, size(nodes))])
-    if (size(bond%node) == 0) then
+    if (surface > 0) call carry_profile(model, surface, bond)
+    if (size(bond%node) == 0 .and. surface == 0) then
       call complain(reader, reader%cards%cards(c)%line, 'The rigid body has no nodes.')
     else if (any(bond%rotation == model%mesh%nodes)) then
       call complain(reader, reader%cards%cards(c)%line, 'The ROT NODE belongs to an element; its displacement would ' // &
         'be a rotation. Name a node of its own.')
-    else
+    else if (size(bond%node) > 0) then
       model%bonds = [model%bonds, bond]
     end if
   end subroutine read_rigid_body
+
+
+  !> The analytic surface of a rigid body; 0: none.
+  integer function rigid_surface(reader, model, c, parameters, is_ok) result(surface)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c
+    type(parameter_type), intent(in) :: parameters(:)
+    logical, intent(inout) :: is_ok
+    character(:), allocatable :: name, wrong
+    surface = 0
+    if (.not. has_parameter(parameters, 'ANALYTICAL SURFACE')) return
+    name = parameter_text(parameters, 'ANALYTICAL SURFACE')
+    surface = reader%surfaces%find(name)
+    wrong = ''
+    if (surface == 0) then
+      wrong = 'There is no surface ''' // name // '''.'
+    else if (.not. allocated(model%surfaces(surface)%profile)) then
+      wrong = 'The surface ''' // name // ''' is not analytic; name the elements of the body with ELSET.'
+    else if (model%surfaces(surface)%profile%n_carriers > 0) then
+      wrong = 'The surface ''' // name // ''' belongs to another rigid body already.'
+    end if
+    if (wrong == '') return
+    is_ok = .false.
+    call complain(reader, reader%cards%cards(c)%line, wrong)
+  end function rigid_surface
+
+
+  !> An analytic surface is carried by a rigid body.
+  subroutine check_carried(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer :: s
+    do s = 1, size(model%surfaces)
+      if (.not. allocated(model%surfaces(s)%profile)) cycle
+      if (model%surfaces(s)%profile%n_carriers == 0) call complain(reader, 0, 'The analytic surface ''' // &
+        model%surfaces(s)%name // ''' needs a *RIGID BODY, ANALYTICAL SURFACE=' // model%surfaces(s)%name // ', REF NODE=.')
+    end do
+  end subroutine check_carried
 
 
   !> The nodes of NSET, PIN NSET and TIE NSET and of the elements of ELSET, each once.
@@ -222,7 +265,9 @@ contains
     if (size(nodes) > 0 .and. .not. has_parameter(parameters, 'ELSET')) return
     set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
     if (set == 0) then
-      if (is_ok) call complain(reader, reader%cards%cards(c)%line, 'The rigid body needs NSET or ELSET, the name of a set.')
+      if (has_parameter(parameters, 'ANALYTICAL SURFACE') .and. .not. has_parameter(parameters, 'ELSET')) return
+      if (is_ok) call complain(reader, reader%cards%cards(c)%line, 'The rigid body needs NSET or ELSET, the name of a set, ' // &
+        'or ANALYTICAL SURFACE.')
       is_ok = .false.
       return
     end if

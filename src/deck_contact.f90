@@ -10,7 +10,7 @@ module amontons_deck_contact
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_steps, only: step_type
-  use amontons_surfaces, only: interaction_type, contact_pair_type, is_compliant, BEHAVIOR_HARD, BEHAVIOR_LINEAR, &
+  use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, is_compliant, BEHAVIOR_HARD, BEHAVIOR_LINEAR, &
     BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, ROUGH_FRICTION, NO_SHEAR_LIMIT
   use amontons_text, only: text_of, parse_real, NUMBER_OK
   implicit none
@@ -366,8 +366,13 @@ contains
     if (pair%slave > 0 .and. pair%slave == pair%master) call complain(reader, row%line, &
       'A surface cannot be in contact with itself; name two surfaces.')
     if (pair%master > 0) then
+      call use_profile(reader, row, model%surfaces(pair%master), pair)
       if (model%surfaces(pair%master)%is_node_based) call complain(reader, row%line, 'The master surface ''' // master &
         // ''' is made of nodes; a master needs element faces.')
+    end if
+    if (pair%slave > 0) then
+      if (allocated(model%surfaces(pair%slave)%profile)) call complain(reader, row%line, 'The slave surface ''' // slave // &
+        ''' is analytic; only a master can be.')
     end if
     if (pair%slave > 0 .and. pair%is_mortar) then
       if (model%surfaces(pair%slave)%is_node_based) call complain(reader, row%line, 'The slave surface ''' // slave &
@@ -375,6 +380,19 @@ contains
     end if
     model%pairs = [model%pairs, pair]
   end subroutine read_pair
+
+
+  !> A pair with an analytic master: contact is enforced at the nodes of the slave, whatever its TYPE.
+  subroutine use_profile(reader, row, master, pair)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(surface_type), intent(in) :: master
+    type(contact_pair_type), intent(inout) :: pair
+    if (.not. allocated(master%profile)) return
+    if (pair%is_mortar) call note(reader, row%line, 'The master is analytic: contact is enforced at the nodes of the ' // &
+      'slave, as with TYPE=NODE TO SURFACE.')
+    pair%is_mortar = .false.
+  end subroutine use_profile
 
 
   !> CLEARANCE: the gap of a pair at the start, whatever the mesh says.

@@ -6,6 +6,7 @@ module amontons_deck_model
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     need_no_data, nodes_of_field, elements_of_field, is_card, check_name
+  use amontons_deck_profiles, only: read_profile, is_profile_word
   use amontons_deck_faces, only: faces_type, find_free_faces, find_left_faces
   use amontons_loads, only: amplitude_type, equation_type, COURSE_TABLE, COURSE_SMOOTH, COURSE_PERIODIC, COURSE_MODULATED, &
     COURSE_DECAY
@@ -355,7 +356,10 @@ contains
         call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // ''' is defined twice.')
         cycle
       end if
-      if (surface%is_node_based) then
+      if (allocated(surface%profile)) deallocate (surface%profile)
+      if (is_profile_word(parameter_word(parameters, 'TYPE', 'ELEMENT'))) then
+        call read_profile(reader, c, surface)
+      else if (surface%is_node_based) then
         call read_surface_nodes(reader, model%mesh, c, stamp, surface)
       else
         call read_surface_faces(reader, model%mesh, c, stamp, index, surface)

@@ -17,6 +17,7 @@ module amontons_facets
   use amontons_mesh, only: mesh_type
   use amontons_tensor, only: cross_product
   use amontons_shapes, only: facet_shapes
+  use amontons_profiles, only: profile_type
   implicit none
   private
   public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, corners_of, is_line
@@ -49,6 +50,8 @@ module amontons_facets
     integer, allocatable :: star_local(:)     !< local node number of the vertex's node in that facet
     integer, allocatable :: stencil_first(:)  !< (n + 1) start of a facet's stencil
     integer, allocatable :: stencil(:)        !< mesh nodes that move a facet's points and normals: own, then others
+    type(profile_type), allocatable :: profile   !< an analytic surface: a facet is a piece of it, its nodes the carriers;
+    !< vertices and stencils are not there
   end type facets_type
 
   !> Which facets stand at a mesh node: entries of facets%nodes by node.

@@ -7,7 +7,7 @@
 !!     n_i = m_i/|m_i|,   m_i = sum over the star of vertex i of A_0 (x,1 x x,2) there,   A_0 area of the natural facet
 !!
 !! with the unknowns xi and g. Point and normal are continuous over smooth edges, so the projection is too, and there
-!! are no dead zones between facets. `x` is always the array of the coordinates of all mesh nodes, (3, n_nodes).
+!! are no dead zones between facets. A master that is a profile is handed on to `analytic`. `x` is always the array of the coordinates of all mesh nodes, (3, n_nodes).
 module amontons_gap
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product, invert
@@ -15,16 +15,14 @@ module amontons_gap
   use amontons_shapes, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
   use amontons_search, only: search_type, near_facets
+  use amontons_places, only: projection_type, gap_derivative_type, PROJECT_ON, PROJECT_OFF, PROJECT_FAILED
+  use amontons_analytic, only: project_on_profile, find_on_profile, profile_derivative
   implicit none
   private
   public :: projection_type, gap_derivative_type
   public :: project_point, find_projection, gap_derivative, fixed_point, vertex_normal, smooth_normal, &
     vertex_derivative, excess_over_edges
   public :: PROJECT_ON, PROJECT_OFF, PROJECT_FAILED
-
-  integer, parameter :: PROJECT_ON = 0       !< the point is on a facet (or in its extension zone)
-  integer, parameter :: PROJECT_OFF = 1      !< the point is beyond a free edge or a crease that sticks out
-  integer, parameter :: PROJECT_FAILED = 2   !< no projection found: too far from the facet, or too strongly bent
 
   real(DP), parameter :: EXTENSION = 0.1_DP       !< a node this far beyond a free edge is on, over facet length [-]
   real(DP), parameter :: ON_EDGE = 1.0e-8_DP      !< a node this little beyond any edge is on the facet, same unit [-]
@@ -35,32 +33,6 @@ module amontons_gap
   real(DP), parameter :: COLLAPSED = 1.0e-12_DP   !< smallest vertex normal, over the length squared [-]
   integer, parameter :: MOST_ITERATIONS = 40      !< of Newton on one facet
   integer, parameter :: MOST_STEPS = 400          !< longest walk, in facets
-
-  !> Where a point is on a surface.
-  type :: projection_type
-    integer :: status = PROJECT_FAILED       !< PROJECT_...
-    integer :: facet = 0                     !< 0: none
-    real(DP) :: xi(2) = 0                    !< natural coordinates [-]
-    real(DP) :: gap = 0                      !< signed distance along the normal, negative is penetration [length]
-    real(DP) :: normal(3) = 0                !< unit normal out of the master [-]
-  end type projection_type
-
-  !> Exact first derivatives of projection, gap and normal by the slave node and by all nodes of the facet's stencil.
-  !! The nodes that carry weight, those of the facet, come first.
-  type :: gap_derivative_type
-    integer :: n_nodes = 0                       !< nodes of the stencil
-    integer :: n_weights = 0                     !< of them, those of the facet
-    integer, allocatable :: nodes(:)             !< (n_nodes) mesh nodes
-    real(DP), allocatable :: weights(:)          !< (n_weights) N_i(xi) [-]
-    real(DP), allocatable :: d_weights(:, :)     !< (2, n_weights) dN_i/dxi [-]
-    real(DP) :: n(3) = 0                         !< unit normal [-]
-    real(DP) :: d_gap_slave(3) = 0               !< dg/dx_s [-]
-    real(DP), allocatable :: d_gap(:, :)         !< (3, n_nodes) dg/dx_j [-]
-    real(DP) :: d_xi_slave(2, 3) = 0             !< dxi/dx_s [1/length]
-    real(DP), allocatable :: d_xi(:, :, :)       !< (2, 3, n_nodes) dxi/dx_j [1/length]
-    real(DP) :: d_n_slave(3, 3) = 0              !< dn/dx_s [1/length]
-    real(DP), allocatable :: d_n(:, :, :)        !< (3, 3, n_nodes) dn/dx_j; first index: component of n [1/length]
-  end type gap_derivative_type
 
   !> One facet in one configuration.
   type :: frame_type
@@ -103,6 +75,15 @@ contains
     type(projection_type) :: here, previous
     real(DP) :: excess(4)
     integer :: step, edge, before
+    if (allocated(facets%profile)) then
+      call project_on_profile(facets, x, point, f, here)
+      f = here%facet
+      xi = here%xi
+      g = here%gap
+      n = here%normal
+      status = here%status
+      return
+    end if
     before = 0
     do step = 1, MOST_STEPS
       here = project_on_facet(facets, x, point, f)
@@ -145,6 +126,10 @@ contains
     integer :: i, n, nearest
     logical :: is_facing, has_facing
     projection%status = PROJECT_OFF
+    if (allocated(facets%profile)) then
+      call find_on_profile(facets, x, point, max_distance, projection)
+      return
+    end if
     shortest = huge(1.0_DP)
     least = huge(1.0_DP)
     has_facing = .false.
@@ -200,6 +185,10 @@ contains
     type(place_type) :: place
     real(DP) :: inverse(3, 3), det, b(3, 3)
     integer :: j, i
+    if (allocated(facets%profile)) then
+      call profile_derivative(facets, x, f, xi, g, derivative)
+      return
+    end if
     call make_frame(facets, x, f, frame)
     call evaluate(frame, xi, place)
     call start_derivative(facets, f, frame, place, derivative)

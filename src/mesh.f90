@@ -3,7 +3,7 @@
 module amontons_mesh
   use amontons_kinds, only: DP
   use amontons_topology, only: element_kind, kind_type, MAX_NODES, KIND_SPRING1, KIND_SPRING2, FAMILY_SOLID, &
-    FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS
+    FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
   public :: mesh_type, set_type, finish_mesh, element_nodes, append_node, is_out
@@ -64,8 +64,8 @@ contains
   end subroutine finish_mesh
 
 
-  !> The displacements that no element at their node resists: the third of a node of plane elements, those across a
-  !! spring of one direction, those of a lone mass. A node without elements has none.
+  !> The displacements that no element at their node resists: the third of a node of plane elements (whatever spring or truss is
+  !! there too), those across a spring of one direction, those of a lone mass. A node without elements has none.
   subroutine find_idle(mesh)
     type(mesh_type), intent(inout) :: mesh
     logical, allocatable :: is_used(:)
@@ -82,6 +82,13 @@ contains
         associate (is_idle => mesh%is_idle(:, mesh%nodes(i)))
           is_idle = is_idle .and. .not. resisted(mesh, e, i - mesh%first(e) + 1, entry%family)
         end associate
+      end do
+    end do
+    do e = 1, mesh%n_elements
+      entry = element_kind(mesh%kind(e))
+      if (all(entry%family /= [FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC])) cycle
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        if (mesh%nodes(i) > 0) mesh%is_idle(3, mesh%nodes(i)) = .true.
       end do
     end do
   end subroutine find_idle

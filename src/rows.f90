@@ -13,6 +13,7 @@ module amontons_rows
   use amontons_topology, only: MAX_FACE_NODES
   use amontons_shapes, only: facet_shapes
   use amontons_facets, only: facets_type
+  use amontons_analytic, only: profile_weights
   implicit none
   private
   public :: contact_row_type, facet_row, facet_weights, relative_position, imbalance_of, spread_force
@@ -54,6 +55,11 @@ contains
     real(DP), intent(out) :: weights(MAX_FACE_NODES)        !< N_i [-]
     real(DP), intent(out) :: d_weights(2, MAX_FACE_NODES)   !< dN_i/dxi [-]
     real(DP) :: ddN(3, MAX_FACE_NODES)
+    if (allocated(facets%profile)) then            ! its derivatives come from `gap`
+      d_weights = 0.0_DP
+      call profile_weights(facets, f, xi, n, nodes, weights)
+      return
+    end if
     n = facets%first(f + 1) - facets%first(f)
     nodes(:n) = facets%nodes(facets%first(f):facets%first(f + 1) - 1)
     call facet_shapes(facets%kind(f), xi, weights, d_weights, ddN)

@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_surfaces
   use amontons_kinds, only: DP
+  use amontons_profiles, only: profile_type
   implicit none
   private
   public :: surface_type, interaction_type, contact_pair_type, is_compliant, pair_laws
@@ -18,13 +19,14 @@ module amontons_surfaces
 
   real(DP), parameter :: SHARP = 1.0e-8_DP         !< LINEAR of a mortar pair acts up to this gap over the root of the area [-]
 
-  !> A surface: element faces, or a list of nodes (slave side only).
+  !> A surface: element faces, a list of nodes (slave side only), or a profile (master side only).
   type :: surface_type
     character(:), allocatable :: name
     logical :: is_node_based = .false.
     integer, allocatable :: element(:)          !< (n_facets) element of each facet; empty if node based
     integer, allocatable :: face(:)             !< (n_facets) its face number 1 to 6
-    integer, allocatable :: nodes(:)            !< its nodes, each once, ascending (both kinds)
+    integer, allocatable :: nodes(:)            !< its nodes, each once, ascending; of a profile the carriers
+    type(profile_type), allocatable :: profile  !< analytic and rigid
   end type surface_type
 
   !> What happens between two surfaces that touch. The laws are those of `compliance`.

@@ -27,6 +27,7 @@ contains
     logical :: on_edge(3)
     integer :: f, k, d
     integer, allocatable :: entries(:)
+    if (allocated(facets%profile)) return
     if (.not. allocated(facets%in_plane)) allocate (facets%in_plane(3, facets%n_vertices))
     facets%in_plane = 1.0_DP
     do f = 1, facets%n

@@ -5,6 +5,7 @@ module amontons_travel
   use amontons_model, only: model_type
   use amontons_state, only: slave_type
   use amontons_rows, only: contact_row_type, relative_position
+  use amontons_analytic, only: bending_at
   use amontons_contact, only: contact_type, touching_row
   implicit none
   private
@@ -15,7 +16,8 @@ module amontons_travel
 contains
 
   !> How far a change of displacement moves the slave nodes along their master, in facets, at most. A facet is as long as it is
-  !! in the direction of the motion: a long and narrow one is crossed where it is narrow.
+  !! in the direction of the motion: a long and narrow one is crossed where it is narrow. On a profile half the radius of its
+  !! curvature counts, so where it is flat there is no limit.
   pure real(DP) function farthest_travel(contact, model, slaves, du) result(farthest)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -33,6 +35,10 @@ contains
         d = d - dot_product(slave%normal, d) * slave%normal
         if (norm2(d) <= 0.0_DP) cycle
         associate (facets => contact%facets(slave%pair))
+          if (allocated(facets%profile)) then
+            farthest = max(farthest, norm2(d) * bending_at(facets, slave%facet, slave%xi))
+            cycle
+          end if
           farthest = max(farthest, norm2(d) / width_along(model%mesh%coordinates(:, facets%nodes(facets%first(slave%facet): &
             facets%first(slave%facet + 1) - 1)), d / norm2(d), facets%edge_length(slave%facet)))
         end associate
