@@ -36,6 +36,8 @@ module amontons_contact
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
   real(DP), parameter :: SUPPORTED = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
 
+  real(DP), parameter :: LED = 1.0e-9_DP          !< a node that supports lead farther than this times the edge slides [-]
+
   !> What the slip procedure looks at, for all slave nodes at one configuration.
   type :: slip_view_type
     real(DP), allocatable :: imbalance_t(:, :)    !< (3, n_slaves) Rt [force]
@@ -603,7 +605,12 @@ contains
       mu = contact%friction(s) / share
       most = contact%laws(slave%pair)%shear_limit * slave%area
       d = 0.0_DP
-      if (slave%origin_facet > 0) d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))
+      if (slave%origin_facet > 0) d = contact_slip_vector(contact, model, fields%u, slave)
+      if (is_led(free, d - dot_product(slave%normal, d) * slave%normal, contact%edge(slave%pair))) then
+        contact%friction(s) = 0.0_DP
+        mu = 0.0_DP
+      end if
+      d = matmul(free, d)
       gap = slave%gap                              ! an open node that grazes its master stays open: it would only chatter
       if (before == STATUS_OPEN) gap = gap + GRAZE * contact%edge(slave%pair)
       call trial_traction(imbalance, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
@@ -627,6 +634,16 @@ contains
       call count_changes(contact, before, s, slave)
     end associate
   end subroutine evaluate_slave
+
+
+  !> Whether supports alone move a slave along its master: none of its directions along the master is free. What friction is
+  !! there the supports carry, and the node is not to be held where it first touched.
+  pure logical function is_led(free, d, edge)
+    real(DP), intent(in) :: free(3, 3)             !< its free directions
+    real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) along the master [length]
+    real(DP), intent(in) :: edge                   !< of the master [length]
+    is_led = free(1, 1) + free(2, 2) + free(3, 3) < 1.5_DP .and. norm2(d) > LED * edge
+  end function is_led
 
 
   !> Whether other pairs hold directions of a slave that supports leave free.

@@ -399,3 +399,33 @@ def test_shrink_fit_quarter(proof: Proof) -> None:
     case.true("it presses", bool(pressure.min() > 0), why="an interference of 0.02")
     case.near("pressure", pressure, pressure.mean(), 1e-6, why="every sector is a mirror image of the next", place="all slave nodes")
     case.done()
+
+
+# ------------------------------------------------------------------------------- slave nodes that supports move along
+
+
+def test_led_by_supports(proof: Proof) -> None:
+    """A block pressed sideways on a wall; supports draw the nodes that touch along it."""
+    case = proof(
+        "led-by-supports",
+        title="Slave nodes that supports draw along their master",
+        model="A block 1 x 1 (E = 2000, nu = 0, plane strain, 4 x 4 C3D8) is pressed sideways by 0.01 on a fixed wall, flat and in facets of "
+        "0.3 (1 increment), then all its nodes are drawn up by 1 (4 increments), the touching ones too; mu = 0.3, NLGEOM.",
+        formula="Nothing is left for friction: the force on the wall stays what it was, and every node that touches slides.",
+        source="the balance of one block",
+        proves="A node is not held where it first touched if supports move it on: stick would ask for both.",
+    )
+    body = sheet("BODY", between(0, 1, 4), between(0, 1, 4))
+    wall = sheet("WALL", between(-0.5, 0, 1), between(-0.5, 2.5, 10))
+    parts = [(body, (2000.0, 0.0)), (wall, (2000.0, 0.0))]
+    press = fix("WALL, 1, 3", "BODY, 3", "BODY_RIGHT, 1, 1, -0.01")
+    steps = step(press, 1, True) + step(fix("BODY, 3, 3, 1."), 4, True)
+    sets = {"WALL": np.arange(len(wall.nodes)) + len(body.nodes), "BODY": np.arange(len(body.nodes))}
+    job = case.run(plane_deck(parts, pair("BODY_LEFT", "WALL_RIGHT", 0.3), steps, sets), asked=5)
+    force = job.field("CNORMF")[:, :, 0].sum(axis=1)
+    expected = 2000 * -np.log(0.99) / 0.99
+    case.near("force on the wall", force[job.frame(1.0)], expected, 1e-6, why="uniaxial, Kirchhoff's stress by Hencky's strain", time="1")
+    case.near("force on the wall", force[-1] / force[job.frame(1.0)], 1.0, 1e-6, why="the wall is flat; Newton's tolerance", time="2")
+    slides = job.last("CSTATUS")[body.node_sets["BODY_LEFT"]] == 2
+    case.true("all that touch slide", bool(slides.all()), why="supports move them", time="2")
+    case.done()
