@@ -21,7 +21,7 @@ module amontons_analysis
   use amontons_adjust, only: adjust_slaves
   use amontons_user_job, only: start_routines, heed_routines, ask_amplitudes, recall_amplitudes
   use amontons_fasten, only: fasten_model
-  use amontons_system, only: system_type, create_system, begin_step, begin_increment
+  use amontons_system, only: plan_solver, system_type, create_system, begin_step, begin_increment
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
   use amontons_newton, only: newton_type, begin_newton, iterate
@@ -289,6 +289,9 @@ contains
     real(DP) :: dt
     call enter_step(analysis, error)
     if (allocated(error)) return
+    if (analysis%is_step_start) call plan_solver(analysis%system, analysis%model, error)
+    if (allocated(error)) return
+    call tell_solver(analysis, journal)
     associate (step => analysis%model%steps(analysis%stepper%step))
       do
         dt = min(propose_time(analysis%stepper, step), until - analysis%stepper%step_time)
@@ -300,12 +303,25 @@ contains
           if (allocated(error)) return
           if (verdict /= VERDICT_GO_ON) exit
         end do
+        call tell_solver(analysis, journal)
         if (verdict == VERDICT_CONVERGED) exit
         call give_back(analysis, step, dt, verdict, journal, error)
         if (allocated(error)) return
       end do
     end associate
   end subroutine solve_increment
+
+
+  !> Says how the equations are solved, where that is worth a word.
+  subroutine tell_solver(analysis, journal)
+    type(analysis_type), intent(inout) :: analysis
+    type(journal_type), intent(inout) :: journal
+    associate (reduced => analysis%system%reduced)
+      if (.not. allocated(reduced%news)) return
+      call journal%say(reduced%news)
+      deallocate (reduced%news)
+    end associate
+  end subroutine tell_solver
 
 
   !> The next step begins if the last one is done.

@@ -445,7 +445,8 @@ contains
   subroutine describe_static(table)
     type(card_table_type), intent(inout) :: table
     call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', allowed='NO STOP')
-    call table%option('SOLVER', VALUE_TEXT, 'The solver is our own.', status=STATUS_NOTED)
+    call table%option('SOLVER', VALUE_TEXT, 'ITERATIVE CHOLESKY, ITERATIVE SCALING: by iteration, without a factor; ' // &
+      'any other: as the program finds best.', default='as the program finds best')
     call table%option('TIME RESET', VALUE_NONE, 'The total time at the end of the step is that at its start.')
     call table%option('TOTAL TIME AT START', VALUE_REAL, 'The total time at the start of the step.', default= &
       'that at the end of the step before')

@@ -17,7 +17,8 @@ module amontons_deck_steps
     need_no_data, is_card
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, controls_type, print_request_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, &
-    SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, N_FRD
+    SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, SOLVER_AUTO, SOLVER_ITERATIVE, &
+    PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, N_FRD
   use amontons_text, only: text_of, squeezed, parse_integer, parse_real, is_one_of, joined_words, NUMBER_OK
   use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC
   implicit none
@@ -225,6 +226,7 @@ contains
     logical :: is_ok, has_row
     call open_card(reader, c, parameters, row)
     step%is_direct = has_parameter(parameters, 'DIRECT')
+    step%solver = merge(SOLVER_ITERATIVE, SOLVER_AUTO, index(parameter_word(parameters, 'SOLVER', ''), 'ITERATIVE') == 1)
     is_ok = .true.
     has_row = next_row(reader%cards, row)
     if (.not. has_row) row%n = 0

@@ -106,7 +106,9 @@ uses_overlaps = kinds facets state
 uses_contact = kinds errors profiles sparse topology surfaces steps model facets search analytic gap rows slip compliance areas mortar state constraints overlaps
 uses_adjust = kinds errors model state contact
 uses_contact_tangent = kinds errors sparse surfaces model gap rows compliance state constraints contact
-uses_system = kinds errors history sparse partition factor krylov surfaces steps model rows symmetry state changes constraints condensed follower assembly bonds supports contact contact_tangent
+uses_iterative = kinds sparse dense
+uses_reduced = kinds errors text posix sparse partition factor mesh steps constraints iterative
+uses_system = kinds errors history sparse factor krylov surfaces steps model rows symmetry state changes constraints condensed follower assembly bonds supports contact contact_tangent reduced
 uses_audit_words = errors text
 uses_audit_contact = kinds errors text lookup surfaces loads model state contact audit_words
 uses_audit_bodies = kinds text topology mesh model element
@@ -130,7 +132,7 @@ uses_printed = kinds errors text tensor history posix topology mesh materials st
 uses_frd = kinds errors version history posix digits topology mesh materials steps model state nodal printed
 
 # 7 roof: the job
-uses_restart = kinds errors posix store model state system newton stepper
+uses_restart = kinds errors posix store model state reduced system newton stepper
 uses_failure = kinds text model state system converge forensics newton
 uses_user_job = kinds errors journal user model user_material state
 uses_analysis = kinds errors text history journal posix dense factor store steps model deck state changes fasten contact adjust system audit converge newton stepper results printed frd restart failure user_job

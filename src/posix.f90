@@ -1,13 +1,13 @@
 !> Posix: what only the operating system can do: files that survive a power cut, signals, and the end of the process.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_posix
-  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_null_char
+  use, intrinsic :: iso_c_binding, only: c_double, c_char, c_int, c_int64_t, c_null_char
   use amontons_kinds, only: I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
   implicit none
   private
   public :: write_whole_file, sync_file, cut_file, checksum_of_words, checksum_of_text, reason_of
-  public :: has_memory, watch_signals, stop_signal, is_status_asked, watch_end
+  public :: has_memory, available_megabytes, watch_signals, stop_signal, is_status_asked, watch_end
 
   interface
     function write_whole_c(path, temporary, bytes, n_bytes) bind(C, name='amontons_write_whole') result(status)
@@ -64,6 +64,12 @@ module amontons_posix
       integer(c_int64_t), value :: n_bytes
       integer(c_int) :: has
     end function has_memory_c
+
+    !> Megabytes that the process can still take.
+    function available_megabytes() bind(C, name='amontons_available_megabytes') result(megabytes)
+      import :: c_double
+      real(c_double) :: megabytes
+    end function available_megabytes
 
     subroutine watch_end_c(is_on) bind(C, name='amontons_watch_end')
       import :: c_int

@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -91,6 +92,39 @@ int amontons_has_memory(int64_t n_bytes)
   void *memory = malloc((size_t)n_bytes);
   free(memory);
   return memory != NULL;
+}
+
+/* The number after a word of a file like /proc/meminfo; a word of no letters: the first number; -1 if it is not there. */
+static double number_in(const char *path, const char *word)
+{
+  char line[256];
+  double number = -1;
+  FILE *file = fopen(path, "r");
+  if (!file) return -1;
+  while (fgets(line, sizeof line, file)) {
+    if (strncmp(line, word, strlen(word)) != 0) continue;
+    if (sscanf(line + strlen(word), "%lf", &number) != 1) number = -1;
+    break;
+  }
+  fclose(file);
+  return number;
+}
+
+/* Megabytes that the process can still take: what the system has, what its group may have, and its own limit of addresses.
+   1e9 where the system does not tell. */
+double amontons_available_megabytes(void)
+{
+  double least = 1e9, found = number_in("/proc/meminfo", "MemAvailable:");
+  if (found >= 0 && found / 1024 < least) least = found / 1024;
+  double group = number_in("/sys/fs/cgroup/memory.max", ""), used = number_in("/sys/fs/cgroup/memory.current", "");
+  if (group >= 0 && used >= 0 && (group - used) / 1048576 < least) least = (group - used) / 1048576;
+  struct rlimit limit;
+  double pages = number_in("/proc/self/statm", "");
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && pages >= 0) {
+    double left = ((double)limit.rlim_cur - pages * (double)sysconf(_SC_PAGESIZE)) / 1048576;
+    if (left < least) least = left;
+  }
+  return least > 0 ? least : 0;
 }
 
 /* Brings the entry of a file in its folder to the medium. */

@@ -15,6 +15,7 @@ module amontons_restart
   use amontons_store, only: pages_type
   use amontons_state, only: state_type, fields_type, slave_type
   use amontons_system, only: system_type, begin_step
+  use amontons_reduced, only: forget_analysis
   use amontons_newton, only: newton_type
   use amontons_stepper, only: stepper_type
   implicit none
@@ -31,8 +32,8 @@ module amontons_restart
     type(stepper_type) :: stepper
     logical :: is_step_start = .true.
     real(DP) :: force_scale = 0                    !< newton%force_scale [force]
-    real(DP) :: best_entries = 0                   !< system%best_entries
-    integer, allocatable :: node_order(:)          !< system%node_order
+    real(DP) :: best_entries = 0                   !< system%reduced%best_entries
+    integer, allocatable :: node_order(:)          !< system%reduced%node_order
     real(DP), allocatable :: u_start(:, :)         !< system%u_start [length]
     integer, allocatable :: interface(:)           !< (n_nodes) bits: the node is on the interface, its unknowns 1, 2, 3 are held,
                                                    !< NLGEOM (system%is_contact, is_held, is_bulk_nlgeom)
@@ -71,9 +72,9 @@ contains
     snapshot%stepper = stepper
     snapshot%is_step_start = is_step_start
     snapshot%force_scale = newton%force_scale
-    snapshot%best_entries = system%best_entries
+    snapshot%best_entries = system%reduced%best_entries
     if (allocated(snapshot%node_order)) deallocate (snapshot%node_order)
-    if (allocated(system%node_order)) snapshot%node_order = system%node_order
+    if (allocated(system%reduced%node_order)) snapshot%node_order = system%reduced%node_order
     snapshot%u_start = system%u_start
     call note_bulk(snapshot, system)
   end subroutine take_snapshot
@@ -145,13 +146,13 @@ contains
     type(snapshot_type), intent(in) :: snapshot
     type(system_type), intent(inout) :: system
     logical :: is_same
-    is_same = allocated(snapshot%node_order) .and. allocated(system%node_order)
-    if (is_same) is_same = all(snapshot%node_order == system%node_order)
+    is_same = allocated(snapshot%node_order) .and. allocated(system%reduced%node_order)
+    if (is_same) is_same = all(snapshot%node_order == system%reduced%node_order)
     if (is_same) return
-    if (allocated(system%analysed_map%first)) deallocate (system%analysed_map%first)
-    if (allocated(system%node_order)) deallocate (system%node_order)
-    if (allocated(snapshot%node_order)) system%node_order = snapshot%node_order
-    system%best_entries = snapshot%best_entries
+    call forget_analysis(system%reduced)
+    if (allocated(system%reduced%node_order)) deallocate (system%reduced%node_order)
+    if (allocated(snapshot%node_order)) system%reduced%node_order = snapshot%node_order
+    system%reduced%best_entries = snapshot%best_entries
   end subroutine put_order_back
 
 

@@ -9,9 +9,11 @@ module amontons_steps
   public :: step_type, controls_type, print_request_type, calculix_controls, is_output_due, next_stop
   public :: SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
+  public :: SOLVER_AUTO, SOLVER_ITERATIVE
   public :: N_FRD, FRD_DISP, FRD_FORC, FRD_NDTEMP, FRD_STRESS, FRD_TOSTRAIN, FRD_PE, FRD_ENER, FRD_CONTACT
 
   integer, parameter :: SEARCH_NONE = 0, SEARCH_ALL = 1, SEARCH_GLOBAL = 2, SEARCH_NODAL = 3, SEARCH_AUTO = 4
+  integer, parameter :: SOLVER_AUTO = 0, SOLVER_ITERATIVE = 1
   integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4
   ! Fields of the .frd file, in their order there.
   integer, parameter :: N_FRD = 8, FRD_DISP = 1, FRD_FORC = 2, FRD_NDTEMP = 3, FRD_STRESS = 4, FRD_TOSTRAIN = 5, &
@@ -68,6 +70,7 @@ module amontons_steps
     real(DP) :: dt_min = 1.0e-6_DP         !< [time]
     real(DP) :: dt_max = 1                 !< [time]
     integer :: line_search = SEARCH_AUTO   !< SEARCH_...
+    integer :: solver = SOLVER_AUTO        !< SOLVER_...
     type(controls_type) :: controls
     type(prescribed_type), allocatable :: prescribed(:)
     type(concentrated_type), allocatable :: concentrated(:)

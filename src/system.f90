@@ -15,17 +15,18 @@ module amontons_system
   use amontons_errors, only: error_type
   use amontons_model, only: model_type, n_bonds
   use amontons_surfaces, only: is_compliant
-  use amontons_steps, only: step_type
+  use amontons_steps, only: step_type, SOLVER_AUTO
   use amontons_history, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: set_temperatures, state_type, fields_type, STATUS_OPEN
   use amontons_changes, only: lone_unknowns
-  use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, multiply, multiply_transpose, &
-    multiply_symmetric, product_of, transpose_of, full_of, sum_of
-  use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, lu_factorise, lu_solve, FACTOR_OK
-  use amontons_partition, only: order_unknowns, order_by_node, order_of_nodes
+  use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, product_of, transpose_of, &
+    full_of, sum_of
+  use amontons_factor, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
+  use amontons_reduced, only: reduced_type, plan_reduced, is_small, factorise_reduced, apply_reduced, give_up_iterative
   use amontons_condensed, only: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
     apply_condensed, is_interface_worth
-  use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, KRYLOV_CONVERGED
+  use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
+    conjugate_gradients, KRYLOV_CONVERGED
   use amontons_constraints, only: constraints_type, finish_constraints, condense_forces, condensation
   use amontons_bonds, only: add_curvatures, keep_supports, curved_nodes
   use amontons_supports, only: support_model
@@ -39,8 +40,8 @@ module amontons_system
     contact_matrices, contact_springs, spring_factors
   implicit none
   private
-  public :: system_type, create_system, begin_step, begin_increment, evaluate, linearise, find_direction, change_forces, &
-    foresee, correct_direction, return_to, &
+  public :: system_type, create_system, begin_step, plan_solver, begin_increment, evaluate, linearise, find_direction, &
+    change_forces, foresee, correct_direction, return_to, &
     tangent_matrix, residual_pair
   public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
 
@@ -52,11 +53,11 @@ module amontons_system
   real(DP), parameter :: KRYLOV_TOLERANCE = 1.0e-9_DP    !< of a direction, relative to the right-hand side [-]
   real(DP), parameter :: KRYLOV_SHARE = 1.0e-3_DP        !< of the residual that Newton allows: what a direction may leave [-]
   integer, parameter :: KRYLOV_MOST = 200                !< Krylov iterations of one direction
+  real(DP), parameter :: ITERATIVE_TOLERANCE = 1.0e-11_DP   !< of a direction without a factor: its error is seen less well [-]
+  real(DP), parameter :: FEW_INCREMENTS = 0.3_DP         !< first increment over the step: a factor serves fewer than that [-]
   integer, parameter :: MOST_OLD = 8                     !< Krylov iterations after which an old factor of the bulk is given up
   integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
   real(DP), parameter :: NEAR = 0.5_DP                   !< an open node nearer than this times the edge is on the interface [-]
-  real(DP), parameter :: ORDER_GROWTH = 1.15_DP          !< a factor this much larger wants a new order of the nodes [-]
-  real(DP), parameter :: SHIFT = 1.0e-4_DP               !< of the preconditioner's diagonal if A is not positive [-]
 
   !> The system, with everything that is kept between configurations.
   type :: system_type
@@ -65,12 +66,7 @@ module amontons_system
     type(constraints_type) :: base                 !< boundary conditions, equations, followers
     type(constraints_type) :: whole                !< those and the rows of the closed nodes
     type(link_type), allocatable :: links(:)       !< linearised contact forces
-    type(reduction_type) :: reduction
-    type(sparse_type) :: sprung                    !< K and the springs of compliant contact; not made without them
-    type(sparse_type) :: reduced                   !< A
-    type(sparse_type) :: analysed_sprung           !< the pattern of K with springs for which they were analysed
-    type(sparse_type) :: analysed_map              !< the pattern of C for which reduction and factor were analysed
-    type(factor_type) :: factor
+    type(reduced_type) :: reduced                  !< A and its factor
     type(condensed_type) :: condensed              !< the bulk with its interface, where that is cheaper
     logical :: is_condensed = .false.              !< the present direction goes by the condensed interface
     logical :: is_settled = .false.                !< contact has settled ahead along the present direction
@@ -79,8 +75,6 @@ module amontons_system
     logical, allocatable :: is_contact(:)          !< (n_unknowns) on the interface
     logical, allocatable :: is_held(:)             !< (n_unknowns) by the base constraints, where the bulk was analysed
     logical :: is_bulk_nlgeom = .false.            !< the factor of the bulk is one of a step with NLGEOM
-    integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while it serves
-    real(DP) :: best_entries = 0                   !< entries of the factor when that order was made
     logical, allocatable :: is_lone(:)             !< (3 n_nodes) of a node without elements
     real(DP) :: violation = 0                      !< largest of the bonds at the last evaluation, over their size [-]
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
@@ -180,6 +174,9 @@ contains
     system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain)
     system%is_assembled = .false.
     if (allocated(step%is_absent)) system%is_lone = lone_unknowns(model)
+    system%reduced%asked = step%solver
+    system%reduced%is_repeated = size(state%old%slaves) > 0 .or. &
+      (system%is_constant .and. step%dt_initial < FEW_INCREMENTS * step%period)
     call prescribe(system, model, step, state%old, error)
     if (allocated(error)) return
     call begin_contact_step(system%contact, model, step)
@@ -189,6 +186,18 @@ contains
       call find_symmetry(system%contact%facets(p), model%mesh%coordinates, reshape(system%base%owner < 0, [3, model%mesh%n_nodes]))
     end do
   end subroutine begin_step
+
+
+  !> Chooses the solver of a step before anything is computed, where the model is so large that it matters.
+  subroutine plan_solver(system, model, error)
+    type(system_type), intent(inout) :: system     !< the step has begun
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    logical :: is_clear
+    is_clear = is_small(system%base%n_free, system%reduced%is_repeated)
+    if (is_clear .and. system%reduced%asked == SOLVER_AUTO) return
+    call plan_reduced(system%reduced, system%assembly%stiffness, system%base, model%mesh, error)
+  end subroutine plan_solver
 
 
   !> An increment begins: the trial state stands at its end in time and at its start in displacement.
@@ -292,15 +301,30 @@ contains
     call start_clock(clock)
     call factorise_condensed(system, model, step, state, error)
     if (allocated(error)) return
-    if (.not. system%is_condensed) call factorise_reduced(system, trouble, error)
+    if (.not. system%is_condensed) call factorise_whole(system, model, trouble, error)
     if (allocated(error) .or. trouble /= TROUBLE_NONE) return
     call stop_clock(clock, system%seconds(PHASE_FACTOR))
     system%n_before = system%n_factorisations
     system%is_settled = .false.
-    call solve_direction(system, merge(KRYLOV_SHARE * step%controls%r_n * system%largest_force, 0.0_DP, system%is_condensed), du, &
-      trouble, error)
+    call solve_direction(system, floor_of(system, step), du, trouble, error)
+    if (trouble == TROUBLE_SOLVER .and. .not. system%is_condensed .and. system%reduced%is_iterative) then
+      call give_up_iterative(system%reduced)
+      call factorise_whole(system, model, trouble, error)
+      if (allocated(error) .or. trouble /= TROUBLE_NONE) return
+      call solve_direction(system, floor_of(system, step), du, trouble, error)
+    end if
     call stop_clock(clock, system%seconds(PHASE_KRYLOV))
   end subroutine find_direction
+
+
+  !> The residual that a direction may leave, where another Newton iteration follows and work can be saved.
+  pure real(DP) function floor_of(system, step) result(floor)
+    type(system_type), intent(in) :: system
+    type(step_type), intent(in) :: step
+    floor = 0
+    if (system%is_condensed .or. (system%reduced%is_iterative .and. .not. system%is_constant)) &
+      floor = KRYLOV_SHARE * step%controls%r_n * system%largest_force
+  end function floor_of
 
 
   !> Imbalance, contact and residual at u + du as the tangent at u foretells them: without the elements.
@@ -380,6 +404,7 @@ contains
     trouble = TROUBLE_NONE
     call start_clock(clock)
     if (.not. system%is_assembled) then
+      system%reduced%is_current = .false.
       call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
       trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
       if (failed /= 0) return
@@ -519,7 +544,7 @@ contains
     logical :: is_complete
     integer :: attempt
     system%is_condensed = .false.
-    if (size(state%new%slaves) == 0 .or. .not. system%is_dense_wanted) return
+    if (size(state%new%slaves) == 0 .or. .not. system%is_dense_wanted .or. system%reduced%is_iterative) return
     do attempt = 1, 2
       call provide_bulk(system, model, step, state, error)
       if (allocated(error) .or. .not. system%condensed%is_ready) return
@@ -599,118 +624,28 @@ contains
   end subroutine renew_bulk
 
 
-  !> K with the springs of compliant contact, for the preconditioner; K alone is used where there are none.
-  subroutine add_springs(system, error)
+  !> A and its factor, with the springs of compliant contact in K: they make it the better preconditioner.
+  subroutine factorise_whole(system, model, trouble, error)
     type(system_type), intent(inout) :: system
-    type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: springs
-    system%sprung = sparse_type()
-    if (.not. any(system%links%is_spring)) return
-    call contact_springs(system%links, system%whole%n_unknowns, springs, error)
-    if (allocated(error)) return
-    system%sprung = sum_of(system%assembly%stiffness, 1.0_DP, springs)
-  end subroutine add_springs
-
-
-  !> A = C' K C and its Cholesky factor; the analysis is kept while the pattern of C stands.
-  subroutine factorise_reduced(system, trouble, error)
-    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
     integer, intent(out) :: trouble
     type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: springs
     integer :: status
     trouble = TROUBLE_NONE
-    if (system%whole%n_free == 0) return
-    call add_springs(system, error)
-    if (allocated(error)) return
-    if (allocated(system%sprung%first)) then
-      call reduce(system, system%sprung, error)
+    if (any(system%links%is_spring)) then
+      call contact_springs(system%links, system%whole%n_unknowns, springs, error)
+      if (allocated(error)) return
+      call factorise_reduced(system%reduced, sum_of(system%assembly%stiffness, 1.0_DP, springs), .true., system%whole, &
+        model%mesh, status, error)
     else
-      call reduce(system, system%assembly%stiffness, error)
+      call factorise_reduced(system%reduced, system%assembly%stiffness, .false., system%whole, model%mesh, status, error)
     end if
-    if (allocated(error)) return
-    call factorise(system%factor, system%reduced, status, error=error)
-    if (allocated(error)) return
-    system%n_factorisations = system%n_factorisations + 1
-    if (status == FACTOR_OK) return
-    call factorise_shifted(system, status, error)
+    system%n_factorisations = system%n_factorisations + system%reduced%n_made
+    system%n_shifted = system%n_shifted + system%reduced%n_shifted
     if (allocated(error)) return
     if (status /= FACTOR_OK) trouble = TROUBLE_SOLVER
-  end subroutine factorise_reduced
-
-
-  !> A = C' K C; analysed anew if the pattern of C, or that of the springs, is not the one analysed.
-  subroutine reduce(system, stiffness, error)
-    type(system_type), intent(inout) :: system
-    type(sparse_type), intent(in) :: stiffness     !< K, or K with springs
-    type(error_type), allocatable, intent(out) :: error
-    logical :: is_known
-    is_known = is_same_pattern(system%whole%map, system%analysed_map)
-    if (allocated(system%sprung%first)) is_known = is_known .and. is_same_pattern(system%sprung, system%analysed_sprung)
-    if (.not. allocated(system%sprung%first)) is_known = is_known .and. .not. allocated(system%analysed_sprung%first)
-    if (.not. is_known) then
-      call analyse_reduction(stiffness, system%whole%map, system%reduction, system%reduced, error)
-      if (allocated(error)) return
-      call analyse_factor(system, error)
-      if (allocated(error)) return
-      system%analysed_map = system%whole%map
-      system%analysed_sprung = system%sprung
-    end if
-    call reduce_matrix(system%reduction, stiffness, system%whole%map, system%reduced, error)
-  end subroutine reduce
-
-
-  !> Analyses A in an order of the nodes. METIS makes a new order only if the last one has become too expensive.
-  subroutine analyse_factor(system, error)
-    type(system_type), intent(inout) :: system
-    type(error_type), allocatable, intent(out) :: error
-    integer, allocatable :: node(:), order(:)
-    integer :: i, n_nodes
-    n_nodes = system%whole%n_unknowns / 3
-    allocate (node(system%whole%n_free))
-    do i = 1, system%whole%n_unknowns
-      if (system%whole%free_of(i) > 0) node(system%whole%free_of(i)) = (i + 2) / 3
-    end do
-    if (allocated(system%node_order)) then
-      call analyse(system%factor, system%reduced, order_by_node(system%node_order, node), error)
-      if (allocated(error)) return
-      if (system%factor%n_entries <= ORDER_GROWTH * system%best_entries) return
-    end if
-    call order_unknowns(system%reduced, node, n_nodes, order, error)
-    if (allocated(error)) return
-    call analyse(system%factor, system%reduced, order, error)
-    system%best_entries = system%factor%n_entries
-    system%node_order = order_of_nodes(node(order), n_nodes)
-  end subroutine analyse_factor
-
-
-  !> A is singular or indefinite: its diagonal grows by a share of itself. Only the preconditioner changes, not the answer.
-  subroutine factorise_shifted(system, status, error)
-    type(system_type), intent(inout) :: system
-    integer, intent(out) :: status
-    type(error_type), allocatable, intent(out) :: error
-    real(DP), allocatable :: diagonal(:), shift_by(:)
-    integer :: attempt
-    diagonal = abs(system%reduced%value(system%reduced%first(:system%reduced%n_rows)))
-    do attempt = 0, 4
-      shift_by = SHIFT * 10.0_DP**attempt * diagonal
-      call factorise(system%factor, system%reduced, status, shift_by, error)
-      if (allocated(error)) return
-      system%n_factorisations = system%n_factorisations + 1
-      system%n_shifted = system%n_shifted + 1
-      if (status == FACTOR_OK) return
-    end do
-  end subroutine factorise_shifted
-
-
-  !> Whether two matrices have their entries at the same places.
-  pure logical function is_same_pattern(a, b) result(is_same)
-    type(sparse_type), intent(in) :: a, b
-    is_same = .false.
-    if (.not. allocated(a%first) .or. .not. allocated(b%first)) return
-    if (a%n_rows /= b%n_rows .or. a%n_columns /= b%n_columns .or. size(a%column) /= size(b%column)) return
-    is_same = all(a%first == b%first)
-    if (is_same) is_same = all(a%column == b%column)
-  end function is_same_pattern
+  end subroutine factorise_whole
 
 
   !> Solves J dv = C' (R - (K - dF_c) c) and gives du = C dv + c.
@@ -720,10 +655,6 @@ contains
     real(DP), intent(out) :: du(:, :)
     integer, intent(out) :: trouble
     type(error_type), allocatable, intent(out) :: error
-    type(tangent_type) :: tangent
-    type(preconditioner_type) :: preconditioner
-    type(krylov_options_type) :: options
-    type(krylov_report_type) :: report
     real(DP), allocatable :: b(:), v(:), start(:), flat(:)
     trouble = TROUBLE_NONE
     allocate (b(system%whole%n_free), v(system%whole%n_free), start(system%whole%n_unknowns), flat(system%whole%n_unknowns))
@@ -731,22 +662,51 @@ contains
     flat = system%whole%offset
     call right_hand_side(system, flat, b)
     if (system%whole%n_free > 0) then
-      tangent%system => system
-      preconditioner%system => system
-      options%tolerance = KRYLOV_TOLERANCE
-      options%floor = floor
-      options%max_iterations = KRYLOV_MOST
-      call gmres(tangent, preconditioner, b, v, options, report, error)
-      if (allocated(error)) return
-      system%n_krylov = system%n_krylov + report%n_iterations
-      if (system%is_condensed .and. report%n_iterations > MOST_OLD) call forget_bulk(system)
-      if (report%status /= KRYLOV_CONVERGED) call solve_whole(system, b, v, trouble, error)
+      call iterate_direction(system, floor, b, v, trouble, error)
       if (allocated(error)) return
       call multiply(system%whole%map, v, start)
       flat = flat + start
     end if
     du = reshape(flat, shape(du))
   end subroutine solve_direction
+
+
+  !> J v = b: by conjugate gradients where J is A and that is not factorised, else by GMRES.
+  subroutine iterate_direction(system, floor, b, v, trouble, error)
+    type(system_type), intent(inout), target :: system
+    real(DP), intent(in) :: floor                  !< residual that is small enough [force]
+    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
+    real(DP), intent(inout) :: v(:)                !< (n_free) [length]
+    integer, intent(out) :: trouble
+    type(error_type), allocatable, intent(out) :: error
+    type(tangent_type) :: tangent
+    type(matrix_operator_type) :: matrix
+    type(preconditioner_type) :: preconditioner
+    type(krylov_options_type) :: options
+    type(krylov_report_type) :: report
+    logical :: is_iterative
+    trouble = TROUBLE_NONE
+    is_iterative = system%reduced%is_iterative .and. .not. system%is_condensed
+    tangent%system => system
+    matrix%matrix => system%reduced%matrix
+    preconditioner%system => system
+    options%tolerance = KRYLOV_TOLERANCE
+    options%floor = floor
+    options%max_iterations = merge(system%reduced%most_iterations, KRYLOV_MOST, is_iterative)
+    if (is_iterative) options%tolerance = ITERATIVE_TOLERANCE
+    if (is_iterative .and. size(system%links) == 0 .and. .not. allocated(system%assembly%follower%matrix%first)) then
+      call conjugate_gradients(matrix, preconditioner, b, v, options, report)
+    else
+      call gmres(tangent, preconditioner, b, v, options, report, error)
+      if (allocated(error)) return
+    end if
+    system%n_krylov = system%n_krylov + report%n_iterations
+    if (system%is_condensed .and. report%n_iterations > MOST_OLD) call forget_bulk(system)
+    if (report%status == KRYLOV_CONVERGED) return
+    if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! to rounding: a slender body allows no more
+    if (is_iterative) trouble = TROUBLE_SOLVER
+    if (.not. is_iterative) call solve_whole(system, b, v, trouble, error)
+  end subroutine iterate_direction
 
 
   !> The fall-back when GMRES does not arrive: J as a matrix, factorised by UMFPACK with pivoting.
@@ -839,7 +799,7 @@ contains
     if (self%system%is_condensed) then
       call apply_condensed(self%system%condensed, x, y)
     else
-      call solve(self%system%factor, x, y)
+      call apply_reduced(self%system%reduced, x, y)
     end if
   end subroutine apply_preconditioner
 

@@ -36,7 +36,7 @@ explained
 3, 3
 4, 3
 *STEP, NLGEOM, NAME=load
-*STATIC, SOLVER=SPOOLES
+*STATIC, SOLVER=SPOOLES, EXPLICIT=1
 .25, 2.
 *CLOAD
 5, 3, 1.
@@ -75,7 +75,8 @@ def test_status_words(run: Run, tmp_path: Path) -> None:
     assert "NLGEOM: used" in step
     assert "NAME=load: ignored" in step
     assert "by default: INC=100, AMPLITUDE=RAMP" in step
-    assert "SOLVER=SPOOLES: ignored. The solver is our own." in part(text, 26)
+    assert "EXPLICIT=1: ignored. There is no flow." in part(text, 26)
+    assert "SOLVER=SPOOLES: used." in part(text, 26)
     assert "data: .25, 2." in part(text, 26)
     element = part(text, 12)
     assert "note: The elements C3D8H are taken as C3D8." in element

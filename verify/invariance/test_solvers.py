@@ -1,0 +1,132 @@
+"""The same answer with a factor and by iteration: SOLVER=ITERATIVE CHOLESKY, and a job whose factor does not fit into memory.
+
+The models are what conjugate gradients find hard: slender, nearly incompressible, of quadratic elements, plastic at large
+strain, with equations, with friction.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Run
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
+
+from make_decks import block  # noqa: E402
+from proof import Job  # noqa: E402
+from solids import as_kind, node_set  # noqa: E402
+from test_invariance import FIELDS, Saying, deck  # noqa: E402
+
+ITERATIVE = "*STATIC, SOLVER=ITERATIVE CHOLESKY"
+
+
+def cantilever(kind: str, cells: tuple[int, int, int], nu: float = 0.3, cards: str = "", step: str = "*STEP\n*STATIC\n") -> str:
+    """A bar of length 10 and section 1 x 1, clamped at z = 0, its end pushed sideways."""
+    mesh = as_kind(block(*(np.linspace(0, size, n + 1) for size, n in zip((1.0, 1.0, 10.0), cells, strict=True)), "BAR"), kind)
+    ends = [np.flatnonzero(np.isclose(mesh.nodes[:, 2], z)) for z in (0.0, 10.0)]
+    return (
+        mesh.cards()
+        + node_set("CLAMP", ends[0])
+        + node_set("TIP", ends[1])
+        + f"*MATERIAL, NAME=M\n*ELASTIC\n210000., {nu}\n{cards}*SOLID SECTION, ELSET=ALL, MATERIAL=M\n"
+        + f"{step}*BOUNDARY\nCLAMP, 1, 3\n*CLOAD\nTIP, 1, 0.1\nTIP, 3, -0.02\n*END STEP\n"
+    )
+
+
+def both(run: Run, folder: Path, text: str) -> list[Job]:
+    """The job with a factor, then the same by iteration."""
+    jobs = []
+    for name, say in (("factor", text), ("iteration", text.replace("*STATIC", ITERATIVE))):
+        (folder / f"{name}.inp").write_text(say)
+        done = run([name], cwd=folder)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert ("solved by iteration, as SOLVER asks" in done.stdout) == (name == "iteration")
+        assert "did not arrive" not in done.stdout
+        jobs.append(Job(folder / f"{name}.vtkhdf", name))
+    assert jobs[0].history["n_factorisations"].sum() > 0
+    assert jobs[1].history["n_factorisations"].sum() == 0
+    return jobs
+
+
+@pytest.mark.parametrize(
+    ("kind", "cells", "nu"),
+    [
+        ("C3D8", (4, 4, 40), 0.3),
+        ("C3D8I", (2, 2, 60), 0.3),
+        ("C3D8", (5, 5, 10), 0.49),
+        ("C3D4", (3, 3, 20), 0.3),
+        ("C3D10", (2, 2, 20), 0.3),
+        ("C3D20", (2, 2, 20), 0.3),
+    ],
+)
+def test_linear(run: Run, tmp_path: Path, kind: str, cells: tuple[int, int, int], nu: float) -> None:
+    """Displacements and stresses to 1e-7 of their largest value: the residual is 1e-11 of the load, and a bar ten times as long
+    as thick makes a thousand times as much of it in its end as in its clamp."""
+    jobs = both(run, tmp_path, cantilever(kind, cells, nu))
+    for name in ("U", "S"):
+        expected = jobs[0].last(name)
+        assert np.abs(jobs[1].last(name) - expected).max() <= 1e-7 * np.abs(expected).max(), name
+
+
+def test_plastic(run: Run, tmp_path: Path) -> None:
+    """Large strains of a material that flows: Newton's iteration takes the same way."""
+    text = cantilever(
+        "C3D8", (3, 3, 12), cards="*PLASTIC\n45., 0.\n150., 0.2\n", step="*STEP, NLGEOM\n*STATIC, DIRECT\n0.2, 1.\n"
+    )
+    jobs = both(run, tmp_path, text)
+    assert jobs[0].last("PEEQ").max() > 2e-4, "it has to flow"
+    assert abs(int(jobs[0].history["n_iterations"].sum()) - int(jobs[1].history["n_iterations"].sum())) <= 1
+    expected = jobs[0].last("U")
+    assert np.abs(jobs[1].last("U") - expected).max() <= 1e-4 * np.abs(expected).max()
+
+
+def test_friction(run: Run, tmp_path: Path) -> None:
+    """Contact with stick, slip and opening, solved to 1e-10: fields to 1e-8."""
+    jobs = both(run, tmp_path, deck(Saying()))
+    for name in FIELDS:
+        expected = jobs[0].field(name)
+        assert np.abs(jobs[1].field(name) - expected).max() <= 1e-8 * np.abs(expected).max(), name
+
+
+def test_equations(run: Run, tmp_path: Path) -> None:
+    """The end stays plane by equations: dependent unknowns are no trouble."""
+    text = cantilever("C3D8", (3, 3, 20))
+    tip = [int(word) for word in re.findall(r"\d+", text.split("NSET=TIP\n")[1].split("*")[0])]
+    rows = "".join(f"*EQUATION\n2\n{label}, 3, 1., {tip[0]}, 3, -1.\n" for label in tip[1:])
+    jobs = both(run, tmp_path, text.replace("*MATERIAL", rows + "*MATERIAL"))
+    expected = jobs[0].last("U")
+    assert np.abs(jobs[1].last("U") - expected).max() <= 1e-7 * np.abs(expected).max()
+
+
+def test_no_room_for_a_factor(program: Path, tmp_path: Path) -> None:
+    """A factor of 200 megabytes with less left: the job says so before it starts, iterates, and gives the same answer."""
+    text = cantilever("C3D8", (16, 16, 44), step="*STEP\n*STATIC, DIRECT\n0.25, 1.\n*NODE PRINT, NSET=TIP, FREQUENCY=4\nU\n")
+    (tmp_path / "job.inp").write_text(text)
+    prints = []
+    for megabytes in (None, 520):
+
+        def limit(megabytes: int | None = megabytes) -> None:
+            if megabytes:
+                resource.setrlimit(resource.RLIMIT_AS, (2**20 * megabytes, 2**20 * megabytes))
+
+        done = subprocess.run([str(program), "--no-checkpoint", "job"], cwd=tmp_path, capture_output=True, text=True,
+                              preexec_fn=limit, env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})  # fmt: skip
+        assert done.returncode == 0, done.stdout + done.stderr
+        told = re.search(r"because the factor would take (\d+) megabytes and (\d+) are free", done.stdout)
+        assert bool(told) == bool(megabytes)
+        if told:
+            assert int(told[1]) > 0.9 * int(told[2])
+            assert done.stdout.index(told[0]) < done.stdout.index("step 1")
+        prints.append(np.array([[float(word) for word in line.split()]
+                                for line in (tmp_path / "job.dat").read_text().splitlines() if len(line.split()) == 4
+                                and line.split()[0].isdigit()]))  # fmt: skip
+    assert np.abs(prints[0] - prints[1]).max() <= 1e-6 * np.abs(prints[0]).max()
