@@ -115,6 +115,8 @@ $(B)/%.o: src/%.c
 	@echo "compiling $<" && mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) $(INCLUDES) -Isrc -c $< -o $@
 
+$(B)/suitesparse_shim.o $(B)/supernodes_shim.o: src/supernodes_shim.h
+
 unit: $(UNITS) ## Build the unit test programs
 	@:
 

@@ -88,7 +88,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     analysis%options = options
     allocate (analysis%records(64), analysis%iterations(64))
-    call claim_blas(options%n_threads, error)
+    call claim_blas(error)
     if (allocated(error)) return
     call use_threads(options%n_threads)
     if (allocated(options%deck_text)) then
@@ -187,15 +187,15 @@ contains
   end subroutine resume
 
 
-  !> Kernels and threads of the BLAS, and its buffer: OpenBLAS takes it at its first call, and asks for ever if there is no room.
-  subroutine claim_blas(n_threads, error)
-    integer, intent(in) :: n_threads
+  !> Kernels of the BLAS, and its buffer: OpenBLAS takes it at its first call, and asks for ever if there is no room. It works with
+  !! one thread: threads share what is above it, and its own, which wait by asking, would only be in their way.
+  subroutine claim_blas(error)
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: kernels
     real(DP) :: values(2), vectors(2, 2)
     integer :: unused
     call choose_blas_kernels(kernels)
-    call set_blas_threads(n_threads)
+    call set_blas_threads(1)
     if (has_memory(BLAS_BUFFER)) then
       call symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), values, vectors, unused)
     else

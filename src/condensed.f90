@@ -29,6 +29,7 @@ module amontons_condensed
     is_interface_worth
 
   real(DP), parameter :: WELL_HELD = 1.0e-9_DP     !< least pivot of S over its diagonal of which an inverse is made [-]
+  integer, parameter :: LANES_OF_SPRINGS = 24      !< rows of T that are made side by side
   real(DP), parameter :: SMALL = 3.0e7_DP          !< operations that are not worth a thought [-]
 
   !> The bulk's factor and the interface's.
@@ -259,7 +260,7 @@ contains
     logical, intent(out) :: is_complete
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: spread_t, follow_t
-    integer :: status, j, k, p
+    integer :: status
     call relate(self, base, whole, is_complete, error)
     if (allocated(error) .or. .not. is_complete) return
     is_complete = self%n_reduced == self%n_contact
@@ -278,29 +279,136 @@ contains
     follow_t = transpose_of(follow_t)
     spread_t = transpose_of(self%spread)
     self%by_imbalance = empty_square(self%n_contact)
-    if (allocated(self%lu)) deallocate (self%lu)
-    if (allocated(self%response)) deallocate (self%response)
-    if (allocated(self%pivots)) deallocate (self%pivots)
-    allocate (self%lu(spread%n_columns, spread%n_columns), self%pivots(spread%n_columns))
-    allocate (self%response(self%n_contact, spread%n_columns))
-    !$omp parallel do schedule(static) private(k, p)
-    do j = 1, follow_t%n_rows
-      self%response(:, j) = 0.0_DP
-      do p = follow_t%first(j), follow_t%first(j + 1) - 1
-        self%response(:, j) = self%response(:, j) + follow_t%value(p) * self%stiffness(:, follow_t%column(p))
-      end do
-      do k = 1, spread_t%n_rows
-        self%lu(j, k) = merge(1.0_DP, 0.0_DP, j == k)
-        do p = spread_t%first(k), spread_t%first(k + 1) - 1
-          self%lu(j, k) = self%lu(j, k) - spread_t%value(p) * self%response(spread_t%column(p), j)
-        end do
-      end do
-    end do
-    !$omp end parallel do
+    call couple_springs(self, follow_t, spread_t)
     call factorise_dense(self%lu, self%pivots, status)
     is_complete = status == DENSE_OK
     self%is_by_springs = .true.
   end subroutine factorise_springs
+
+
+  !> R = (A inv(S))' and T = 1 - A inv(S) B. Threads share the springs; a column of R is taken once, and so many of them stand side by
+  !! side for the products with B.
+  subroutine couple_springs(self, follow, spread_t)
+    type(condensed_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: follow        !< A on the interface (n_springs x n_contact)
+    type(sparse_type), intent(in) :: spread_t      !< B' (n_springs x n_contact)
+    real(DP), allocatable :: lanes(:, :)
+    integer :: n, j
+    n = follow%n_rows
+    if (allocated(self%lu)) then
+      if (size(self%lu, 1) /= n) deallocate (self%lu)
+    end if
+    if (allocated(self%response)) then
+      if (size(self%response, 2) /= n) deallocate (self%response)
+    end if
+    if (allocated(self%pivots)) deallocate (self%pivots)
+    if (.not. allocated(self%lu)) allocate (self%lu(n, n))
+    if (.not. allocated(self%response)) allocate (self%response(self%n_contact, n))
+    allocate (self%pivots(n))
+    !$omp parallel private(lanes)
+    allocate (lanes(LANES_OF_SPRINGS, self%n_contact), source=0.0_DP)
+    !$omp do schedule(static)
+    do j = 1, n, LANES_OF_SPRINGS
+      call respond(follow, self%stiffness, j, min(j + LANES_OF_SPRINGS - 1, n), self%response, lanes)
+      call couple_lanes(spread_t, j, min(j + LANES_OF_SPRINGS - 1, n), lanes, self%lu)
+    end do
+    !$omp end do
+    deallocate (lanes)
+    !$omp end parallel
+  end subroutine couple_springs
+
+
+  !> The columns from j to last of R, and the same as rows of lanes.
+  subroutine respond(follow, compliance, j, last, response, lanes)
+    type(sparse_type), intent(in) :: follow        !< A (n_springs x n_contact)
+    real(DP), contiguous, intent(in) :: compliance(:, :)   !< inv(S)
+    integer, intent(in) :: j, last
+    real(DP), contiguous, intent(inout) :: response(:, :)   !< R (n_contact x n_springs)
+    real(DP), intent(inout) :: lanes(:, :)
+    integer :: i, p
+    logical :: is_node
+    i = j
+    do while (i <= last)
+      is_node = i + 2 <= last
+      if (is_node) is_node = has_same_columns(follow, i)
+      if (is_node) then
+        call respond_to_node(follow, compliance, i, response(:, i), response(:, i + 1), response(:, i + 2))
+        i = i + 3
+        cycle
+      end if
+      response(:, i) = 0.0_DP
+      do p = follow%first(i), follow%first(i + 1) - 1
+        response(:, i) = response(:, i) + follow%value(p) * compliance(:, follow%column(p))
+      end do
+      i = i + 1
+    end do
+    do i = 1, size(response, 1)
+      lanes(:last - j + 1, i) = response(i, j:last)
+    end do
+  end subroutine respond
+
+
+  !> Whether three rows, those of the springs of one node, have their entries in the same columns.
+  pure logical function has_same_columns(matrix, i) result(is_same)
+    type(sparse_type), intent(in) :: matrix
+    integer, intent(in) :: i
+    integer :: n
+    associate (first => matrix%first, column => matrix%column)
+      n = first(i + 1) - first(i)
+      is_same = first(i + 2) - first(i + 1) == n .and. first(i + 3) - first(i + 2) == n
+      if (is_same) is_same = all(column(first(i):first(i) + n - 1) == column(first(i + 1):first(i + 1) + n - 1)) .and. &
+        all(column(first(i):first(i) + n - 1) == column(first(i + 2):first(i + 2) + n - 1))
+    end associate
+  end function has_same_columns
+
+
+  !> Three columns of R, of springs that follow the same unknowns: four columns of inv(S) at a time, each read once.
+  pure subroutine respond_to_node(follow, compliance, i, x, y, z)
+    type(sparse_type), intent(in) :: follow
+    real(DP), contiguous, intent(in) :: compliance(:, :)
+    integer, intent(in) :: i                       !< first of the three
+    real(DP), contiguous, intent(out) :: x(:), y(:), z(:)
+    real(DP) :: w(4, 3)
+    integer :: c(4), n, p, k
+    x = 0.0_DP
+    y = 0.0_DP
+    z = 0.0_DP
+    n = follow%first(i + 1) - follow%first(i)
+    do p = 0, n - 1, 4
+      w = 0.0_DP
+      c = follow%column(follow%first(i))           ! a column with weight zero where less than four are left
+      do k = 1, min(4, n - p)
+        c(k) = follow%column(follow%first(i) + p + k - 1)
+        w(k, :) = follow%value(follow%first(i:i + 2) + p + k - 1)
+      end do
+      associate (a => compliance(:, c(1)), b => compliance(:, c(2)), d => compliance(:, c(3)), e => compliance(:, c(4)))
+        do k = 1, size(x)
+          x(k) = x(k) + (w(1, 1) * a(k) + w(2, 1) * b(k)) + (w(3, 1) * d(k) + w(4, 1) * e(k))
+          y(k) = y(k) + (w(1, 2) * a(k) + w(2, 2) * b(k)) + (w(3, 2) * d(k) + w(4, 2) * e(k))
+          z(k) = z(k) + (w(1, 3) * a(k) + w(2, 3) * b(k)) + (w(3, 3) * d(k) + w(4, 3) * e(k))
+        end do
+      end associate
+    end do
+  end subroutine respond_to_node
+
+
+  !> The rows from j to last of T = 1 - R' B.
+  subroutine couple_lanes(spread_t, j, last, lanes, t)
+    type(sparse_type), intent(in) :: spread_t      !< B' (n_springs x n_contact)
+    integer, intent(in) :: j, last
+    real(DP), contiguous, intent(in) :: lanes(:, :)
+    real(DP), contiguous, intent(inout) :: t(:, :)   !< (n_springs, n_springs)
+    real(DP) :: row(LANES_OF_SPRINGS)
+    integer :: k, p
+    do k = 1, spread_t%n_rows
+      row = 0.0_DP
+      do p = spread_t%first(k), spread_t%first(k + 1) - 1
+        row = row - spread_t%value(p) * lanes(:, spread_t%column(p))
+      end do
+      if (k >= j .and. k <= last) row(k - j + 1) = row(k - j + 1) + 1.0_DP
+      t(j:last, k) = row(:last - j + 1)
+    end do
+  end subroutine couple_lanes
 
 
   !> A matrix without entries.

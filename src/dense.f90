@@ -15,6 +15,9 @@ module amontons_dense
 
   integer, parameter :: DENSE_OK = 0
   integer, parameter :: DENSE_SINGULAR = 1     !< no unique solution
+  integer, parameter :: WORTH_THREADS = 400    !< unknowns of a matrix that threads share
+  integer, parameter :: BLOCK = 96             !< columns of a task
+
   integer, parameter :: DENSE_FAILED = 2       !< NaN or infinity in the matrix, or the iteration did not converge
 
   !> A x = b for one or several right-hand sides.
@@ -37,6 +40,28 @@ module amontons_dense
       integer, intent(out) :: ipiv(*), info
     end subroutine dgetrf
 
+    subroutine dlaswp(n, a, lda, k1, k2, ipiv, incx)
+      import :: DP
+      integer, intent(in) :: n, lda, k1, k2, ipiv(*), incx
+      real(DP), intent(inout) :: a(lda, *)
+    end subroutine dlaswp
+
+    subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb)
+      import :: DP
+      character(1), intent(in) :: side, uplo, transa, diag
+      integer, intent(in) :: m, n, lda, ldb
+      real(DP), intent(in) :: alpha, a(lda, *)
+      real(DP), intent(inout) :: b(ldb, *)
+    end subroutine dtrsm
+
+    subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
+      import :: DP
+      character(1), intent(in) :: transa, transb
+      integer, intent(in) :: m, n, k, lda, ldb, ldc
+      real(DP), intent(in) :: alpha, a(lda, *), b(ldb, *), beta
+      real(DP), intent(inout) :: c(ldc, *)
+    end subroutine dgemm
+
     subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
       import :: DP
       character(1), intent(in) :: trans
@@ -45,14 +70,6 @@ module amontons_dense
       real(DP), intent(inout) :: b(ldb, *)
       integer, intent(out) :: info
     end subroutine dgetrs
-
-    subroutine dtrmv(uplo, trans, diag, n, a, lda, x, incx)
-      import :: DP
-      character(1), intent(in) :: uplo, trans, diag
-      integer, intent(in) :: n, lda, incx
-      real(DP), intent(in) :: a(lda, *)
-      real(DP), intent(inout) :: x(*)
-    end subroutine dtrmv
 
     subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
       import :: DP
@@ -324,16 +341,94 @@ contains
 
   !> P A = L U in place, for a matrix with many right-hand sides to come. Cost: 2/3 n^3.
   subroutine factorise_dense(a, pivots, status)
-    real(DP), intent(inout) :: a(:, :)         !< (n, n) in: A; out: L and U
-    integer, intent(out) :: pivots(:)          !< (n)
+    real(DP), contiguous, intent(inout) :: a(:, :)   !< (n, n) in: A; out: L and U
+    integer, contiguous, intent(out) :: pivots(:)    !< (n)
     integer, intent(out) :: status             !< DENSE_OK or DENSE_SINGULAR
     integer :: n, info
     n = size(a, 1)
     status = DENSE_OK
     if (n == 0) return
-    call dgetrf(n, n, a, n, pivots, info)
+    if (is_shared(n)) then
+      call factorise_shared(a, pivots, info)
+    else
+      call dgetrf(n, n, a, n, pivots, info)
+    end if
     if (info /= 0) status = DENSE_SINGULAR
   end subroutine factorise_dense
+
+
+  !> The same by threads: columns in blocks, a block is a task, and a panel is factorised as soon as its columns are up to date. What
+  !! is done to a block does not depend on who does it: the bits are the same for any number of threads.
+  !! Reference: A. Buttari, J. Langou, J. Kurzak, J. Dongarra, Parallel Computing 35 (2009) 38.
+  subroutine factorise_shared(a, pivots, info)
+    real(DP), contiguous, intent(inout) :: a(:, :)
+    integer, contiguous, intent(out) :: pivots(:)
+    integer, intent(out) :: info
+    integer :: first((size(a, 1) - 1) / BLOCK + 2), failed((size(a, 1) - 1) / BLOCK + 1), n, n_blocks, j, k
+    n = size(a, 1)
+    n_blocks = size(failed)
+    first = [(min((k - 1) * BLOCK + 1, n + 1), k=1, n_blocks + 1)]
+    failed = 0
+    !$omp parallel
+    !$omp single
+    do k = 1, n_blocks
+      !$omp task depend(inout: failed(k)) firstprivate(k)
+      call factorise_panel(n, a, first(k), first(k + 1) - first(k), pivots, failed(k))
+      !$omp end task
+      do j = k + 1, n_blocks
+        !$omp task depend(in: failed(k)) depend(inout: failed(j)) firstprivate(j, k)
+        call update_block(n, a, first(k), first(k + 1) - first(k), pivots, first(j), first(j + 1) - first(j))
+        !$omp end task
+      end do
+    end do
+    !$omp end single
+    !$omp do schedule(dynamic)
+    do j = 1, n_blocks - 1                     ! the rows that were exchanged later, in the blocks on the left
+      call dlaswp(first(j + 1) - first(j), a(:, first(j):), n, first(j + 1), n, pivots, 1)
+    end do
+    !$omp end do
+    !$omp end parallel
+    info = maxval(failed)
+  end subroutine factorise_shared
+
+
+  !> A panel of columns from its diagonal down. Rows are exchanged in it alone; pivots are rows of the whole.
+  subroutine factorise_panel(n, a, k, width, pivots, info)
+    integer, intent(in) :: n
+    real(DP), intent(inout) :: a(n, n)
+    integer, intent(in) :: k, width            !< first column and how many
+    integer, intent(inout) :: pivots(n)
+    integer, intent(out) :: info
+    call dgetrf(n - k + 1, width, a(k, k), n, pivots(k), info)
+    pivots(k:k + width - 1) = pivots(k:k + width - 1) + k - 1
+  end subroutine factorise_panel
+
+
+  !> What a panel does to a block of columns right of it.
+  subroutine update_block(n, a, k, width, pivots, j, columns)
+    integer, intent(in) :: n
+    real(DP), intent(inout) :: a(n, n)
+    integer, intent(in) :: k, width            !< of the panel
+    integer, intent(in) :: pivots(n)
+    integer, intent(in) :: j, columns          !< of the block
+    integer :: below
+    below = n - k - width + 1
+    call dlaswp(columns, a(1, j), n, k, k + width - 1, pivots, 1)
+    call dtrsm('L', 'L', 'N', 'U', width, columns, 1.0_DP, a(k, k), n, a(k, j), n)
+    if (below > 0) call dgemm('N', 'N', below, columns, width, -1.0_DP, a(k + width, k), n, a(k, j), n, 1.0_DP, &
+      a(k + width, j), n)
+  end subroutine update_block
+
+
+  !> Whether threads share the work on a matrix.
+  logical function is_shared(n)
+!$  use omp_lib, only: omp_get_max_threads, omp_get_level
+    integer, intent(in) :: n                   !< unknowns
+    is_shared = .false.
+    if (n < WORTH_THREADS) return
+!$  is_shared = omp_get_level() == 0
+!$  if (is_shared) is_shared = omp_get_max_threads() > 1
+  end function is_shared
 
 
   !> Solves with what factorise_dense made.
@@ -347,13 +442,40 @@ contains
   end subroutine solve_dense
 
 
-  !> x = L x, or L' x, for a lower triangle.
+  !> x = L x, or L' x, for a lower triangle. Threads share blocks of its rows, or columns.
   subroutine triangle_times(l, is_transposed, x)
-    real(DP), intent(in) :: l(:, :)            !< (n, n) lower triangle
+    real(DP), contiguous, intent(in) :: l(:, :)   !< (n, n) lower triangle, zero above
     logical, intent(in) :: is_transposed
-    real(DP), intent(inout) :: x(:)            !< (n)
-    if (size(x) > 0) call dtrmv('L', merge('T', 'N', is_transposed), 'N', size(x), l, size(x), x, 1)
+    real(DP), contiguous, intent(inout) :: x(:)   !< (n)
+    real(DP) :: y(size(x))
+    integer :: n, k, last
+    n = size(x)
+    if (n == 0) return
+    y = x
+    !$omp parallel do schedule(dynamic) private(last) if(n >= WORTH_THREADS)
+    do k = 1, n, BLOCK
+      last = min(n, k + BLOCK - 1)
+      call block_times(n, l, is_transposed, k, last, x, y)
+    end do
+    !$omp end parallel do
+    x = y
   end subroutine triangle_times
+
+
+  !> The values from k to last of L x, or L' x.
+  subroutine block_times(n, l, is_transposed, k, last, x, y)
+    integer, intent(in) :: n
+    real(DP), intent(in) :: l(n, n)
+    logical, intent(in) :: is_transposed
+    integer, intent(in) :: k, last
+    real(DP), intent(in) :: x(n)
+    real(DP), intent(inout) :: y(n)
+    if (is_transposed) then
+      call dgemv('T', n - k + 1, last - k + 1, 1.0_DP, l(k, k), n, x(k), 1, 0.0_DP, y(k), 1)
+    else
+      call dgemv('N', last - k + 1, last, 1.0_DP, l(k, 1), n, x, 1, 0.0_DP, y(k), 1)
+    end if
+  end subroutine block_times
 
 
   !> S = L L' as a full symmetric matrix.
@@ -398,23 +520,34 @@ contains
 
   !> x = S x for a symmetric matrix.
   subroutine symmetric_times(s, x)
-    real(DP), intent(in) :: s(:, :)            !< (n, n)
+    real(DP), contiguous, intent(in) :: s(:, :)   !< (n, n)
     real(DP), intent(inout) :: x(:)            !< (n)
     real(DP) :: y(size(x))
     if (size(x) == 0) return
     y = 0
-    call dsymv('L', size(x), 1.0_DP, s, size(x), x, 1, 0.0_DP, y, 1)
+    if (is_shared(size(x))) then
+      call transposed_times(s, x, y)
+    else
+      call dsymv('L', size(x), 1.0_DP, s, size(x), x, 1, 0.0_DP, y, 1)
+    end if
     x = y
   end subroutine symmetric_times
 
 
-  !> y = A' x.
+  !> y = A' x. Threads share the columns.
   subroutine transposed_times(a, x, y)
-    real(DP), intent(in) :: a(:, :)            !< (m, n)
-    real(DP), intent(in) :: x(:)               !< (m)
-    real(DP), intent(out) :: y(:)              !< (n)
+    real(DP), contiguous, intent(in) :: a(:, :)   !< (m, n)
+    real(DP), contiguous, intent(in) :: x(:)   !< (m)
+    real(DP), contiguous, intent(out) :: y(:)  !< (n)
+    integer :: j, n
     y = 0
-    if (size(a) > 0) call dgemv('T', size(a, 1), size(a, 2), 1.0_DP, a, size(a, 1), x, 1, 0.0_DP, y, 1)
+    if (size(a) == 0) return
+    !$omp parallel do schedule(static) private(n) if(size(a, 2) >= WORTH_THREADS)
+    do j = 1, size(a, 2), BLOCK
+      n = min(BLOCK, size(a, 2) - j + 1)
+      call dgemv('T', size(a, 1), n, 1.0_DP, a(:, j:j + n - 1), size(a, 1), x, 1, 0.0_DP, y(j:j + n - 1), 1)
+    end do
+    !$omp end parallel do
   end subroutine transposed_times
 
 end module amontons_dense

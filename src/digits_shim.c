@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 12, MOST = 99 };
+enum { WIDTH = 12, WORTH_THREADS = 1000 };
 static const double NEAR_HALF = 1.0e-9; /* of a unit of the sixth digit */
 
 /* A power of ten in long double, from a few that are exact. */
@@ -64,12 +64,14 @@ static void put_digits(const double *values, int n, char *text)
 /* Rows of a block: ' -1', a label in ten columns, the values, the end of the line: 14 + 12 width characters a row. */
 void amontons_put_rows(const int *labels, const double *values, int width, int n, char *text)
 {
+  const size_t length = 14 + (size_t)WIDTH * (size_t)width;
+#pragma omp parallel for schedule(static) if(n > WORTH_THREADS)
   for (int i = 0; i < n; i++) {
     int label = labels[i];
-    memcpy(text, " -1          ", 13);
-    for (int k = 12; k > 2 && (label > 0 || k == 12); k--, label /= 10) text[k] = (char)('0' + label % 10);
-    put_digits(values + (size_t)i * (size_t)width, width, text + 13);
-    text += 13 + WIDTH * width;
-    *text++ = '\n';
+    char *row = text + (size_t)i * length;
+    memcpy(row, " -1          ", 13);
+    for (int k = 12; k > 2 && (label > 0 || k == 12); k--, label /= 10) row[k] = (char)('0' + label % 10);
+    put_digits(values + (size_t)i * (size_t)width, width, row + 13);
+    row[length - 1] = '\n';
   }
 }

@@ -10,6 +10,8 @@ module amontons_nodal
   private
   public :: average_at_nodes, point_volumes, point_places
 
+  integer, parameter :: N_TENSOR = 6            !< components of a symmetric tensor
+
 contains
 
   !> Extrapolates values from the integration points of each element to its nodes and takes the mean at each node.
@@ -35,17 +37,39 @@ contains
       call element_nodes(mesh, e, n, nodes)
       first = mesh%point_first(e)
       n_points = mesh%point_first(e + 1) - first
+      n_elements_at(nodes(:n)) = n_elements_at(nodes(:n)) + 1
+      if (size(values, 1) == N_TENSOR) then
+        call add_tensors(matrix(:, :, kind), values(:, first:first + n_points - 1), nodes(:n), averages)
+        cycle
+      end if
       do a = 1, n
         do p = 1, n_points
           averages(:, nodes(a)) = averages(:, nodes(a)) + matrix(a, p, kind) * values(:, first + p - 1)
         end do
-        n_elements_at(nodes(a)) = n_elements_at(nodes(a)) + 1
       end do
     end do
     do a = 1, mesh%n_nodes
       averages(:, a) = averages(:, a) / real(max(1, n_elements_at(a)), DP)
     end do
   end subroutine average_at_nodes
+
+
+  !> Extrapolates the tensors of one element and adds them at its nodes.
+  pure subroutine add_tensors(matrix, values, nodes, averages)
+    real(DP), intent(in) :: matrix(:, :)        !< (MAX_NODES, MAX_POINTS)
+    real(DP), intent(in) :: values(:, :)        !< (6, n_points)
+    integer, intent(in) :: nodes(:)
+    real(DP), intent(inout) :: averages(:, :)   !< (6, n_nodes)
+    real(DP) :: here(N_TENSOR)
+    integer :: a, p
+    do a = 1, size(nodes)
+      here = averages(:N_TENSOR, nodes(a))
+      do p = 1, size(values, 2)
+        here = here + matrix(a, p) * values(:N_TENSOR, p)
+      end do
+      averages(:N_TENSOR, nodes(a)) = here
+    end do
+  end subroutine add_tensors
 
 
   !> The places of the integration points for given places of the nodes. Points of springs and masses are in the middle.

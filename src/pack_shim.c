@@ -8,50 +8,96 @@
 #include <hdf5.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <zlib.h>
 
-enum { BYTES = 8, LEVEL = 1 };
+enum { BYTES = 8, LEVEL = 1, MOST_STORED = 65535, HEAD = 2, WORTH_THREADS = 20000, SAMPLE = 2048, EVERY = 16384 };
 static const double NOISE = 7.2; /* bits a byte: a plane with more entropy than this is left as it is */
 
-/* The entropy of a plane in bits a byte. */
+/* The entropy of a plane in bits a byte, by a sample: a stretch of SAMPLE bytes in each EVERY. */
 static double entropy(const unsigned char *plane, size_t n)
 {
-  size_t count[4][256] = {{0}}; /* four tables, so that equal neighbours do not wait for each other */
+  size_t count[4][256] = {{0}}, seen = 0; /* four tables, so that equal neighbours do not wait for each other */
   double bits = 0;
-  for (size_t i = 0; i < n; i++) count[i & 3][plane[i]]++;
+  for (size_t start = 0; start < n; start += EVERY) {
+    size_t end = start + SAMPLE < n ? start + SAMPLE : n;
+    for (size_t i = start; i < end; i++) count[i & 3][plane[i]]++;
+    seen += end - start;
+  }
   for (int k = 0; k < 256; k++) {
     size_t c = count[0][k] + count[1][k] + count[2][k] + count[3][k];
-    if (c) bits -= (double)c * log2((double)c / (double)n);
+    if (c) bits -= (double)c * log2((double)c / (double)seen);
   }
-  return bits / (double)n;
+  return bits / (double)seen;
 }
 
 /* The planes, one after the other. */
 static void shuffle(const unsigned char *values, size_t n, unsigned char *planes)
 {
+#pragma omp parallel for schedule(static) if(n > WORTH_THREADS)
   for (size_t i = 0; i < n; i++)
     for (size_t j = 0; j < BYTES; j++) planes[j * n + i] = values[BYTES * i + j];
 }
 
-/* Packs the planes into one zlib stream. Returns its length, 0 if it fails. */
-static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_t room)
+/* A plane as it is, in stored blocks: a byte 0, length and its complement, the bytes. Returns the length. */
+static size_t store(const unsigned char *plane, size_t n, unsigned char *to)
+{
+  unsigned char *start = to;
+  for (size_t done = 0; done < n;) {
+    size_t m = n - done < MOST_STORED ? n - done : MOST_STORED;
+    *to++ = 0;
+    *to++ = (unsigned char)(m & 255);
+    *to++ = (unsigned char)(m >> 8);
+    *to++ = (unsigned char)(~m & 255);
+    *to++ = (unsigned char)(~m >> 8 & 255);
+    memcpy(to, plane + done, m);
+    to += m;
+    done += m;
+  }
+  return (size_t)(to - start);
+}
+
+/* A plane deflated, up to the border of a byte, so that another piece can follow. Returns the length, 0 if it fails. */
+static size_t squeeze(unsigned char *plane, size_t n, unsigned char *to, size_t room)
 {
   z_stream z = {0};
-  if (deflateInit(&z, LEVEL) != Z_OK) return 0;
-  z.next_out = packed;
+  if (deflateInit2(&z, LEVEL, Z_DEFLATED, -MAX_WBITS, MAX_MEM_LEVEL, Z_RLE) != Z_OK) return 0;
+  z.next_in = plane;
+  z.avail_in = (uInt)n;
+  z.next_out = to;
   z.avail_out = (uInt)room;
-  int status = Z_OK;
-  for (size_t j = 0; j < BYTES && (status == Z_OK || status == Z_BUF_ERROR); j++) {
-    z.next_in = planes + j * n;
-    z.avail_in = 0;
-    status = deflateParams(&z, entropy(planes + j * n, n) > NOISE ? 0 : LEVEL, Z_DEFAULT_STRATEGY);
-    if (status != Z_OK && status != Z_BUF_ERROR) break; /* a buffer error: there was nothing to flush */
-    z.avail_in = (uInt)n;
-    status = deflate(&z, j + 1 == BYTES ? Z_FINISH : Z_NO_FLUSH);
-  }
-  size_t length = status == Z_STREAM_END ? room - z.avail_out : 0;
+  int status = deflate(&z, Z_FULL_FLUSH);
+  size_t length = status == Z_OK && z.avail_in == 0 && z.avail_out > 0 ? room - z.avail_out : 0;
   deflateEnd(&z);
   return length;
+}
+
+/* Packs the planes, each by itself, into one zlib stream (RFC 1950): threads share them, and the bytes do not depend on who did what.
+ * Each plane has `room` bytes in `packed`. Returns the length of the stream, 0 if it fails. */
+static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_t room)
+{
+  size_t length[BYTES];
+  uLong sum[BYTES];
+#pragma omp parallel for schedule(dynamic) if(n > WORTH_THREADS)
+  for (int j = 0; j < BYTES; j++) {
+    unsigned char *plane = planes + (size_t)j * n, *to = packed + HEAD + (size_t)j * room;
+    length[j] = entropy(plane, n) > NOISE ? 0 : squeeze(plane, n, to, room);
+    if (length[j] == 0) length[j] = store(plane, n, to);
+    sum[j] = adler32_z(1, plane, n);
+  }
+  size_t total = HEAD;
+  uLong check = sum[0];
+  packed[0] = 0x78; /* deflate with a window of 32 kB */
+  packed[1] = 0x01;
+  for (int j = 0; j < BYTES; j++) {
+    memmove(packed + total, packed + HEAD + (size_t)j * room, length[j]);
+    total += length[j];
+    if (j > 0) check = adler32_combine(check, sum[j], (z_off_t)n);
+  }
+  packed[total++] = 0x03; /* an empty block, the last one */
+  packed[total++] = 0x00;
+  for (int k = 24; k >= 0; k -= 8) packed[total++] = (unsigned char)(check >> k & 255);
+  return total;
 }
 
 /* Writes n doubles as one whole chunk at an offset (in C's order of dimensions) of a data set with the filters shuffle and
@@ -62,9 +108,9 @@ int amontons_write_chunk(hid_t data_set, const hsize_t *offset, const double *va
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
   return 1;
 #endif
-  const size_t room = BYTES * n + BYTES * n / 512 + 4096; /* stored blocks have 5 bytes for 65535; slack for the small ones */
-  if (n == 0 || room > 0x7fffffff) return 1;
-  unsigned char *planes = malloc(BYTES * n), *packed = malloc(room);
+  const size_t room = n + n / 512 + 4096; /* stored blocks have 5 bytes for 65535; slack for the small ones */
+  if (n == 0 || room > 0x7fffffff / BYTES) return 1;
+  unsigned char *planes = malloc(BYTES * n), *packed = malloc(BYTES * room + 2 * HEAD + 8);
   size_t length = 0;
   int status = 1;
   if (planes && packed) {

@@ -567,7 +567,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
     type(error_type), allocatable, intent(out) :: error
-    real(DP), allocatable :: reals(:, :), at_points(:, :), contact_reals(:, :)
+    real(DP), allocatable :: reals(:, :), contact_reals(:, :)
     integer, allocatable :: integers(:, :), contact_integers(:, :)
     if (.not. allocated(results%contact)) call create_contact(results, fields%slaves, error)
     if (allocated(error)) return
@@ -576,13 +576,7 @@ contains
       return
     end if
     allocate (reals(N_POINT_REALS, results%n_nodes), integers(N_POINT_INTEGERS, results%n_nodes))
-    allocate (at_points(sum(results%integration_columns%width), results%n_points))
-    at_points(:6, :) = fields%stress
-    at_points(7:12, :) = fields%strain
-    at_points(13, :) = fields%energy
-    at_points(14, :) = history_row(fields, HISTORY_PEEQ)
-    if (size(at_points, 1) > N_INTEGRATION_REALS) at_points(N_INTEGRATION_REALS + 1:, :) = fields%history(USER_STATE:, :)
-    call check_finite('integration point', results%integration_columns, at_points, error)
+    call check_points(results, fields, error)
     if (allocated(error)) return
     call point_fields(mesh, fields, results%far, reals, integers)
     call check_finite('node', results%point_columns, reals, error)
@@ -592,13 +586,46 @@ contains
     if (allocated(error)) return
     associate (store => results%store)
       call append_columns(store, results%point_columns, integers, reals, results%point, error)
-      if (.not. allocated(error)) call append_columns(store, results%integration_columns, integers, &
-        at_points, results%integration, error)
+      if (.not. allocated(error)) call append_points(results, fields, error)
       if (.not. allocated(error)) call append_columns(store, CONTACT_COLUMNS, contact_integers, contact_reals, &
         results%contact, error)
     end associate
     if (.not. allocated(error)) call write_step(results, fields%total_time, error)
   end subroutine write_frame
+
+
+  !> An error if a value at an integration point is NaN or infinite.
+  subroutine check_points(results, fields, error)
+    type(results_type), intent(in) :: results
+    type(fields_type), intent(in) :: fields
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: WHERE = 'integration point'
+    associate (columns => results%integration_columns)
+      call check_finite(WHERE, columns(1:1), fields%stress, error)
+      if (.not. allocated(error)) call check_finite(WHERE, columns(2:2), fields%strain, error)
+      if (.not. allocated(error)) call check_finite(WHERE, columns(3:3), reshape(fields%energy, [1, results%n_points]), error)
+      if (allocated(error) .or. size(fields%history, 1) == 0) return
+      call check_finite(WHERE, columns(4:4), reshape(history_row(fields, HISTORY_PEEQ), [1, results%n_points]), error)
+      if (.not. allocated(error) .and. size(columns) > 4) call check_finite(WHERE, columns(5:), &
+        fields%history(USER_STATE:, :), error)
+    end associate
+  end subroutine check_points
+
+
+  !> The fields at the integration points, each from where it is.
+  subroutine append_points(results, fields, error)
+    type(results_type), intent(inout) :: results
+    type(fields_type), intent(in) :: fields
+    type(error_type), allocatable, intent(out) :: error
+    associate (store => results%store, table => results%integration)
+      call append_rows(store, table(1), fields%stress, error)
+      if (.not. allocated(error)) call append_rows(store, table(2), fields%strain, error)
+      if (.not. allocated(error)) call append_rows(store, table(3), reshape(fields%energy, [1, results%n_points]), error)
+      if (.not. allocated(error)) call append_rows(store, table(4), &
+        reshape(history_row(fields, HISTORY_PEEQ), [1, results%n_points]), error)
+      if (.not. allocated(error) .and. size(table) > 4) call append_rows(store, table(5), (fields%history(USER_STATE:, :)), error)
+    end associate
+  end subroutine append_points
 
 
   !> The contact tables, and which slave stands in which row.
@@ -657,13 +684,20 @@ contains
     integer :: i
     reals(:3, :) = fields%u
     reals(4:6, :) = fields%reaction_force
+    !$omp parallel sections
+    !$omp section
     call average_at_nodes(mesh, fields%stress, reals(7:12, :))
+    !$omp section
     call average_at_nodes(mesh, fields%strain, reals(13:18, :))
+    !$omp end parallel sections
+    !$omp parallel do schedule(static)
     do i = 1, mesh%n_nodes
       reals(19, i) = von_mises(reals(7:12, i))
     end do
+    !$omp end parallel do
     reals(20:, :) = 0
-    call average_at_nodes(mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, mesh%n_points]), reals(34:34, :))
+    if (size(fields%history, 1) > 0) call average_at_nodes(mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, mesh%n_points]), &
+      reals(34:34, :))
     reals(35, :) = fields%temperature
   end subroutine pack_solid
 

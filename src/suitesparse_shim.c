@@ -12,11 +12,16 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #ifdef _OPENMP
 #include <omp.h>
 #endif
 #include <cholmod.h>
 #include <umfpack.h>
+#include "supernodes_shim.h"
+
+enum { HUGE_PAGE = 2097152 }; /* the system gives large rooms in pages of this size if it is asked to */
+static const double WORTH_THREADS = 3.0e7; /* operations of a factorisation */
 
 /* The status codes that factor.f90 knows. */
 enum { DONE = 0, NOT_POSITIVE = 1, NEARLY_SINGULAR = 2, NOT_FINITE = 3, NO_MEMORY = 4, TOO_LARGE = 5, INVALID = 6 };
@@ -24,12 +29,12 @@ enum { DONE = 0, NOT_POSITIVE = 1, NEARLY_SINGULAR = 2, NOT_FINITE = 3, NO_MEMOR
 typedef struct {
   cholmod_common common;
   cholmod_factor *factor;
+  supernode_plan *plan;     /* which thread does what */
   double *value;            /* the numbers of the factor: ours, so that they outlive an analysis */
   size_t capacity;          /* of value */
   cholmod_sparse *permuted; /* lower triangle of P A P', the diagonal entry first in each column */
   int *target;              /* where an entry of the caller's matrix stands in permuted */
   size_t n_entries;         /* of the caller's matrix */
-  cholmod_dense *y, *e;     /* workspace of the solves */
 } cholesky;
 
 typedef struct {
@@ -111,11 +116,11 @@ static void forget_matrix(cholesky *self)
 {
   cholmod_common *c = &self->common;
   if (self->factor) self->factor->x = NULL;
+  amontons_plan_free(self->plan);
+  self->plan = NULL;
   cholmod_free_factor(&self->factor, c);
   cholmod_free_sparse(&self->permuted, c);
   self->target = cholmod_free(self->n_entries, sizeof(int), self->target, c);
-  cholmod_free_dense(&self->y, c);
-  cholmod_free_dense(&self->e, c);
 }
 
 void amontons_cholesky_free(void *handle)
@@ -162,6 +167,15 @@ static int permute_pattern(cholesky *self, int n, int *first, int *column)
   return c->status;
 }
 
+/* Threads for a factorisation of so many operations. */
+static int threads_worth(double operations)
+{
+#ifdef _OPENMP
+  if (operations > WORTH_THREADS) return omp_get_max_threads();
+#endif
+  return 1;
+}
+
 /* Orders and analyses a symmetric matrix: upper triangle by rows, every diagonal entry present. Without a permutation
  * (NULL) METIS orders the unknowns. Statistics: entries of L; multiplications and additions; bytes needed for factor,
  * permuted matrix and work; supernodes. */
@@ -179,8 +193,6 @@ int amontons_cholesky_analyse(void *handle, int n, int *first, int *column, int 
   if (self->factor && c->status == CHOLMOD_OK) permute_pattern(self, n, first, column);
   if (self->factor && c->status == CHOLMOD_OK) {
     const cholmod_factor *l = self->factor;
-    self->y = cholmod_allocate_dense(n, 1, n, CHOLMOD_REAL, c);
-    self->e = cholmod_allocate_dense(l->maxesize, 1, l->maxesize, CHOLMOD_REAL, c);
     statistics[0] = c->lnz;
     statistics[1] = c->fl;
     statistics[2] = 8.0 * l->xsize + 4.0 * l->ssize + 8.0 * l->maxcsize + 16.0 * first[n] + 60.0 * n;
@@ -188,6 +200,8 @@ int amontons_cholesky_analyse(void *handle, int n, int *first, int *column, int 
   }
   end_quiet(&before);
   if (!self->factor && c->status == CHOLMOD_OK) return INVALID;
+  if (c->status == CHOLMOD_OK) self->plan = amontons_plan_new(self->factor, threads_worth(c->fl));
+  if (c->status == CHOLMOD_OK && !self->plan) return NO_MEMORY;
   return status_of_cholmod(c->status);
 }
 
@@ -198,9 +212,14 @@ static int give_room(cholesky *self)
   cholmod_factor *l = self->factor;
   if (self->capacity < l->xsize) {
     free(self->value);
+    self->value = NULL;
     self->capacity = l->xsize + l->xsize / 16;
-    self->value = malloc(self->capacity * sizeof(double));
+    size_t bytes = (self->capacity * sizeof(double) + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
+    if (posix_memalign((void **)&self->value, HUGE_PAGE, bytes) != 0) self->value = NULL;
     if (!self->value) self->capacity = 0;
+#ifdef MADV_HUGEPAGE
+    if (self->value && bytes >= 8 * HUGE_PAGE) madvise(self->value, bytes, MADV_HUGEPAGE);
+#endif
   }
   l->x = self->value;
   l->xtype = self->value ? CHOLMOD_REAL : CHOLMOD_PATTERN;
@@ -231,10 +250,9 @@ static double smallest_pivot(const cholesky *self, int *unknown)
 int amontons_cholesky_factorise(void *handle, const double *value, const double *shift, int *unknown, double *ratio)
 {
   cholesky *self = handle;
-  cholmod_common *c = &self->common;
   cholmod_factor *l = self->factor;
   const int n = (int)l->n, *first = self->permuted->p, *order = l->Perm;
-  double *x = malloc(self->n_entries * sizeof *x), no_shift[2] = {0, 0};
+  double *x = malloc(self->n_entries * sizeof *x);
   *ratio = 0;
   *unknown = -1;
   if (!x) return NO_MEMORY;
@@ -248,40 +266,34 @@ int amontons_cholesky_factorise(void *handle, const double *value, const double 
   }
   self->permuted->x = x; /* for this factorisation only: the room is wanted for other things afterwards */
   self->permuted->xtype = CHOLMOD_REAL;
-  quiet before;
-  begin_quiet(&before);
-  c->status = CHOLMOD_OK;
-  cholmod_super_numeric(self->permuted, NULL, no_shift, l, c);
-  if (c->status == CHOLMOD_OK) *ratio = smallest_pivot(self, unknown);
-  if (c->status == CHOLMOD_NOT_POSDEF) *unknown = order[l->minor];
-  end_quiet(&before);
+  fenv_t environment;
+  feholdexcept(&environment);
+  int broken = amontons_plan_factorise(self->plan, self->permuted, l);
+  if (broken == 0) *ratio = smallest_pivot(self, unknown);
+  if (broken > 0) *unknown = order[broken - 1];
+  fesetenv(&environment);
   self->permuted->x = NULL;
   self->permuted->xtype = CHOLMOD_PATTERN;
   free(x);
-  return status_of_cholmod(c->status);
+  return broken < 0 ? NO_MEMORY : broken > 0 ? NOT_POSITIVE : DONE;
 }
 
-/* Solves A X = B for n_columns right-hand sides; all at once, or one by one if there is no memory for that. */
+/* Solves A X = B for n_columns right-hand sides, one after the other. */
 int amontons_cholesky_solve(void *handle, int n_columns, const double *b, double *x)
 {
   cholesky *self = handle;
   const size_t n = self->factor->n;
-  quiet before;
-  begin_quiet(&before);
-  int is_done = 0;
-  for (int width = n_columns; !is_done && width > 0; width = width > 1 ? 1 : 0) {
-    is_done = 1;
-    for (int k = 0; k < n_columns && is_done; k += width) {
-      cholmod_dense right = {.nrow = n, .ncol = width, .nzmax = n * width, .d = n, .x = (double *)b + n * k,
-        .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
-      cholmod_dense left = right, *solution = &left;
-      left.x = x + n * k;
-      is_done = cholmod_solve2(CHOLMOD_A, self->factor, &right, NULL, &solution, NULL, &self->y, &self->e,
-                               &self->common);
-    }
+  const int *order = self->factor->Perm;
+  double *permuted = malloc((n + 1) * sizeof *permuted);
+  int is_done = permuted != NULL;
+  for (int c = 0; c < n_columns && is_done; c++, b += n, x += n) {
+    for (size_t k = 0; k < n; k++) permuted[k] = b[order[k]];
+    is_done = amontons_plan_forward(self->plan, self->factor, permuted) &&
+              amontons_plan_backward(self->plan, self->factor, permuted);
+    for (size_t k = 0; k < n; k++) x[order[k]] = permuted[k];
   }
-  end_quiet(&before);
-  return is_done ? DONE : status_of_cholmod(self->common.status);
+  free(permuted);
+  return is_done ? DONE : NO_MEMORY;
 }
 
 /* The order in which the unknowns are eliminated: order[k] comes k-th. */
@@ -311,17 +323,10 @@ void amontons_cholesky_trailing(void *handle, int m, double *block)
 int amontons_cholesky_half_solve(void *handle, int is_backward, const double *b, double *x)
 {
   cholesky *self = handle;
-  const size_t n = self->factor->n;
-  quiet before;
-  begin_quiet(&before);
-  cholmod_dense right = {.nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = (double *)b, .xtype = CHOLMOD_REAL,
-    .dtype = CHOLMOD_DOUBLE};
-  cholmod_dense left = right, *solution = &left;
-  left.x = x;
-  int is_done = cholmod_solve2(is_backward ? CHOLMOD_Lt : CHOLMOD_L, self->factor, &right, NULL, &solution, NULL,
-                               &self->y, &self->e, &self->common);
-  end_quiet(&before);
-  return is_done ? DONE : status_of_cholmod(self->common.status);
+  memcpy(x, b, self->factor->n * sizeof *x);
+  int is_done = is_backward ? amontons_plan_backward(self->plan, self->factor, x)
+                            : amontons_plan_forward(self->plan, self->factor, x);
+  return is_done ? DONE : NO_MEMORY;
 }
 
 static void forget_lu(lu *self)

@@ -4,7 +4,7 @@ program test_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
   use amontons_dense, only: solve_small, symmetric_eigen, singular_values, rank_of, null_space, least_squares, invert_positive, &
-    symmetric_times, transposed_times, &
+    symmetric_times, transposed_times, triangle_times, factorise_dense, solve_dense, &
     DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
   use check, only: suite_type
   implicit none
@@ -24,6 +24,7 @@ program test_dense
   call test_null_space()
   call test_least_squares()
   call test_positive()
+  call test_threads()
   call suite%finish()
 
 contains
@@ -235,5 +236,51 @@ contains
     call invert_positive(a, 1.0e-9_DP, status)
     call suite%that('positive: negative', status == DENSE_SINGULAR)
   end subroutine test_positive
+
+
+  !> An LU and products of a matrix large enough for threads: right as matmul is, the same bits twice, and alike for all numbers of them.
+  subroutine test_threads()
+    use omp_lib, only: omp_set_num_threads, omp_get_max_threads
+    integer, parameter :: N = 501
+    real(DP), allocatable :: a(:, :), lu(:, :), again(:, :), l(:, :), x(:), y(:), z(:)
+    integer :: pivots(N), pivots_again(N), status, n_threads, before, i
+    allocate (a(N, N), x(N), y(N), z(N))
+    call random_number(a)
+    call random_number(x)
+    l = a
+    do i = 2, N
+      l(:i - 1, i) = 0.0_DP
+    end do
+    before = omp_get_max_threads()
+    do n_threads = 1, 3
+      call omp_set_num_threads(n_threads)
+      lu = a
+      call factorise_dense(lu, pivots, status)
+      again = a
+      call factorise_dense(again, pivots_again, status)
+      call suite%that('threads: LU', status == DENSE_OK)
+      call suite%that('threads: the same bits', all(abs(lu - again) <= 0) .and. all(pivots == pivots_again))
+      y = matmul(a, x)
+      call solve_dense(lu, pivots, y)
+      call suite%near('threads: solution', norm2(matmul(a, y) - matmul(a, x)) / (norm_1(a) * norm2(x) * N * epsilon(1.0_DP)), &
+        0.0_DP, 30.0_DP)
+      y = x
+      call triangle_times(l, .false., y)
+      call suite%near('threads: triangle', maxval(abs(y - matmul(l, x))), 0.0_DP, N * epsilon(1.0_DP) * N)
+      y = x
+      call triangle_times(l, .true., y)
+      call suite%near('threads: triangle turned', maxval(abs(y - matmul(x, l))), 0.0_DP, N * epsilon(1.0_DP) * N)
+      y = x
+      call symmetric_times(a + transpose(a), y)
+      call suite%near('threads: symmetric', maxval(abs(y - matmul(a + transpose(a), x))), 0.0_DP, N * epsilon(1.0_DP) * N)
+      call transposed_times(a, x, z)
+      call suite%near('threads: turned', maxval(abs(z - matmul(x, a))), 0.0_DP, N * epsilon(1.0_DP) * N)
+      lu = a
+      lu(:, N) = 0.0_DP
+      call factorise_dense(lu, pivots, status)
+      call suite%that('threads: singular', status == DENSE_SINGULAR)
+    end do
+    call omp_set_num_threads(before)
+  end subroutine test_threads
 
 end program test_dense

@@ -6,7 +6,7 @@ program test_factor
   use amontons_errors, only: error_type, EXIT_INTERNAL, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, from_triplets, full_of, multiply, multiply_symmetric
   use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, &
-    set_blas_threads, choose_blas_kernels, FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
+    elimination_order, choose_blas_kernels, FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -128,22 +128,24 @@ contains
   end subroutine test_kernels
 
 
-  !> The same matrix twice in one factor and once in another: the same bits, for one and for two BLAS threads.
+  !> The same matrix twice in one factor and once in another: the same bits, for one thread and for more, which agree to rounding.
   subroutine test_repeat()
+    use omp_lib, only: omp_set_num_threads, omp_get_max_threads
     type(sparse_type) :: matrix
     type(factor_type) :: factor, other
     type(error_type), allocatable :: error
-    real(DP), allocatable :: b(:), x(:), again(:)
-    logical :: is_known
-    integer :: status, n_threads
+    real(DP), allocatable :: b(:), x(:), again(:), alone(:)
+    integer :: status, n_threads, before
     call laplacian(20, .true., matrix)
-    allocate (b(matrix%n_rows), x(matrix%n_rows), again(matrix%n_rows))
+    allocate (b(matrix%n_rows), x(matrix%n_rows), again(matrix%n_rows), alone(matrix%n_rows))
     call random_number(b)
-    do n_threads = 1, 2
-      call set_blas_threads(n_threads, is_known)
+    before = omp_get_max_threads()
+    do n_threads = 1, 3
+      call omp_set_num_threads(n_threads)
       call analyse(factor, matrix, error=error)
       call factorise(factor, matrix, status, error=error)
       call solve(factor, b, x)
+      if (n_threads == 1) alone = x
       call factorise(factor, matrix, status, error=error)
       call solve(factor, b, again)
       call suite%that('the same factor: bitwise', all(abs(x - again) <= 0))
@@ -151,8 +153,42 @@ contains
       call factorise(other, matrix, status, error=error)
       call solve(other, b, again)
       call suite%that('another factor: bitwise', all(abs(x - again) <= 0))
+      call suite%near('threads agree', maxval(abs(x - alone)), 0.0_DP, 1.0e-12_DP * maxval(abs(alone)))
+      call omp_set_num_threads(1)
+      call solve(factor, b, again)
+      call suite%near('a factor of more threads serves one', maxval(abs(again - alone)), 0.0_DP, 1.0e-12_DP * maxval(abs(alone)))
+      call test_broken_together(n_threads)
     end do
+    call omp_set_num_threads(before)
   end subroutine test_repeat
+
+
+  !> A matrix that stops being definite in its last elimination steps, where threads work together, or in its first.
+  subroutine test_broken_together(n_threads)
+    use omp_lib, only: omp_set_num_threads
+    integer, intent(in) :: n_threads
+    type(sparse_type) :: matrix
+    type(factor_type) :: factor
+    type(error_type), allocatable :: error
+    integer, allocatable :: order(:)
+    integer :: status, k
+    call omp_set_num_threads(n_threads)
+    call laplacian(16, .true., matrix)
+    call analyse(factor, matrix, error=error)
+    allocate (order(matrix%n_rows))
+    call elimination_order(factor, order)
+    do k = 1, size(order), size(order) - 1
+      associate (diagonal => matrix%value(matrix%first(order(k))))
+        diagonal = -diagonal
+        call factorise(factor, matrix, status, error=error)
+        call suite%that('broken: told', status == FACTOR_NOT_POSITIVE .and. .not. factor%is_ready)
+        call suite%that('broken: where', factor%weakest == order(k))
+        diagonal = -diagonal
+      end associate
+    end do
+    call factorise(factor, matrix, status, error=error)
+    call suite%that('broken: whole again', status == FACTOR_OK)
+  end subroutine test_broken_together
 
 
   subroutine test_shift()
