@@ -608,6 +608,7 @@ contains
     integer :: n, m, p, k, nodes(MAX_NODES)
     points%section = model%mesh%section(e)
     points%directions = model%mesh%directions(:, e)
+    if (allocated(model%mesh%spring)) call bring_spring(model, state, e, points)
     if (model%materials(material_of(model%mesh, e))%is_plain) return
     call element_nodes(model%mesh, e, n, nodes)
     p = model%mesh%point_first(e)
@@ -623,6 +624,21 @@ contains
     points%has_frame = allocated(state%new%frame)
     if (points%has_frame) points%frame(:, :, :m) = state%new%frame(:, :, p:p + m - 1)
   end subroutine bring_along
+
+
+  !> The law of a spring, and the temperatures of its nodes.
+  pure subroutine bring_spring(model, state, e, points)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    integer, intent(in) :: e
+    type(points_type), intent(inout) :: points
+    integer :: n, nodes(MAX_NODES)
+    if (allocated(points%spring)) deallocate (points%spring)
+    if (model%mesh%spring(e) == 0) return
+    points%spring = model%springs(model%mesh%spring(e))
+    call element_nodes(model%mesh, e, n, nodes)
+    points%temperature(:n) = state%new%temperature(nodes(:n))
+  end subroutine bring_spring
 
 
   !> The point values of an element into the fields.

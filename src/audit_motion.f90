@@ -171,7 +171,10 @@ contains
         entry = element_kind(mesh%kind(e))
         do i = mesh%first(e), mesh%first(e + 1) - 1
           if (entry%family == FAMILY_AXISYMMETRIC) call hold(mesh%nodes(i), 1)
-          if (mesh%kind(e) == KIND_SPRING1) call hold(mesh%nodes(i), mesh%directions(1, e))
+          if (mesh%kind(e) /= KIND_SPRING1) cycle
+          do k = 1, 3                              ! 0: it acts in a direction that is no axis
+            if (mesh%directions(1, e) == k .or. mesh%directions(1, e) == 0) call hold(mesh%nodes(i), k)
+          end do
         end do
       end do
     end associate

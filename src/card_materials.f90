@@ -155,13 +155,20 @@ contains
       'The elements are chosen by their type alone.', status=STATUS_NOTED)
     call table%option('COMPOSITE|SYMMETRIC', VALUE_TEXT, 'Layered solids do not exist here.', status=STATUS_REFUSED)
     call table%option('REF NODE', VALUE_TEXT, 'Generalised plane strain does not exist here.', status=STATUS_REFUSED)
-    call table%card('SPRING', IN_MODEL, 'Gives springs their constant.', data= &
-      'SPRING1, SPRING2: direction at the first node, at the second; then, and for SPRINGA at once: spring constant')
+    call table%card('SPRING', IN_MODEL, 'Gives springs their constant, or with NONLINEAR their force over the elongation.', data= &
+      'SPRING1, SPRING2: direction at the first node, at the second; then, and for SPRINGA at once: spring constant, a ' // &
+      'field that is passed over, temperature; NONLINEAR: force, elongation, temperature, constant outside the table')
     call table%option('ELSET', VALUE_NAME, 'The springs.', default='required')
-    call table%option('NONLINEAR', VALUE_NONE, 'Springs are linear.', status=STATUS_REFUSED)
-    call table%option('ORIENTATION|DEPENDENCIES|COMPLEX STIFFNESS', VALUE_TEXT, 'Springs act along global axes and ' // &
-      'are the same at all times.', status=STATUS_REFUSED)
+    call table%option('NONLINEAR', VALUE_NONE, 'The data are tables of force and elongation.')
+    call table%option('ORIENTATION', VALUE_NAME, 'Directions 1 to 3 are those of these axes, which are rectangular.')
+    call table%option('DEPENDENCIES|COMPLEX STIFFNESS', VALUE_TEXT, 'Springs depend on elongation and temperature alone.', &
+      status=STATUS_REFUSED)
     call table%option('RTOL', VALUE_TEXT, '', status=STATUS_NOTED)
+    call table%card('GAP', IN_MODEL, 'Gives gaps (GAPUNI) their clearance: the second node may come nearer to the first by so ' // &
+      'much, along the direction from the first to the second; closed, the gap is a stiff spring.', data= &
+      'clearance, direction x, y, z (none: the line of the nodes), a field that is passed over, stiffness (default ' // &
+      '1e12), force of the open gap (default 1e-3)')
+    call table%option('ELSET', VALUE_NAME, 'The gaps.', default='required')
     call table%card('MASS', IN_MODEL, 'Gives point masses their mass; it counts for gravity.', data='mass')
     call table%option('ELSET', VALUE_NAME, 'The masses.', default='required')
     call table%option('ALPHA|COMPOSITE|TYPE|ORIENTATION|DEPENDENCIES', VALUE_TEXT, 'A mass is one number.', &

@@ -80,7 +80,7 @@ contains
     call table%card('ELEMENT', IN_MODEL, 'Defines elements; a row of nodes may go on in further lines.', &
       data='number, node, node, ...')
     call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; ' // &
-      'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; MASS.', default='required')
+      'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.', default='required')
     call table%option('ELSET', VALUE_NAME, 'Puts the elements into this element set as well.')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
     call table%differ('abaqus: C3D8, CPE4 and CAX4 have a mean dilatation; calculix: they are integrated in full.')
@@ -637,7 +637,7 @@ contains
     call table%cards_with(STATUS_REFUSED, 'BEAM SECTION|BEAM GENERAL SECTION|SHELL SECTION|SHELL GENERAL SECTION|' // &
       'MEMBRANE SECTION|COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|NODAL ' // &
       'THICKNESS|NORMAL|TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|HOURGLASS STIFFNESS|REBAR|REBAR LAYER|' // &
-      'GAP|ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
+      'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
       'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'All bodies are meshed with solid elements and *SOLID SECTION.')
     call table%cards_with(STATUS_REFUSED, 'NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|PARAMETER|PARAMETER DEPENDENCE|' // &

@@ -7,8 +7,7 @@ module amontons_deck
     IN_MODEL, IN_STEP, IN_BOTH, STATUS_USED, STATUS_NOTED, &
     STATUS_REFUSED
   use amontons_card_table, only: make_card_table
-  use amontons_deck_mesh, only: draft_type, read_nodes, read_elements, read_sections, read_constants, &
-    keep_elements
+  use amontons_deck_mesh, only: draft_type, read_nodes, read_elements, read_sections, keep_elements
   use amontons_deck_conditions, only: read_orientations, read_initial_conditions
   use amontons_deck_materials, only: read_materials, finish_materials
   use amontons_deck_model, only: read_heading, read_amplitudes, read_surfaces, read_equations
@@ -17,6 +16,7 @@ module amontons_deck
   use amontons_deck_parts, only: flatten_parts
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
   use amontons_explain, only: explain_cards
+  use amontons_deck_springs, only: read_springs
   use amontons_deck_sectors, only: read_sectors
   use amontons_deck_sets, only: read_sets
   use amontons_deck_times, only: read_time_points
@@ -107,7 +107,7 @@ contains
     call read_sets(reader, draft, model%mesh)
     call read_materials(reader, model)
     call read_sections(reader, model, draft)
-    call read_constants(reader, model, draft)
+    call read_springs(reader, model, draft)
     call keep_elements(reader, model, draft)
     call read_amplitudes(reader, model)
     call read_time_points(reader)

@@ -20,7 +20,7 @@ module amontons_deck_bonds
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
   implicit none
   private
-  public :: read_transforms, read_bonds
+  public :: read_transforms, read_bonds, find_orientation
 
 contains
 
@@ -255,13 +255,13 @@ contains
     character(*), parameter :: NAMES(3) = [character(8) :: 'NSET', 'PIN NSET', 'TIE NSET']
     integer, allocatable :: named(:)
     integer :: set, i, e
-    allocate (is_member(model%mesh%n_nodes), source=.false.)
+    allocate (is_member(0:model%mesh%n_nodes), source=.false.)   ! 0: a node that the deck has not; its error is told
     do i = 1, size(NAMES)
       if (.not. has_parameter(parameters, trim(NAMES(i)))) cycle
       call set_nodes(reader, model, c, parameter_text(parameters, trim(NAMES(i))), named, is_ok)
       is_member(named) = .true.
     end do
-    nodes = pack([(i, i=1, size(is_member))], is_member)
+    nodes = pack([(i, i=1, model%mesh%n_nodes)], is_member(1:))
     if (size(nodes) > 0 .and. .not. has_parameter(parameters, 'ELSET')) return
     set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
     if (set == 0) then
@@ -275,7 +275,7 @@ contains
       e = model%mesh%element_sets(set)%members(i)
       is_member(model%mesh%nodes(model%mesh%first(e):model%mesh%first(e + 1) - 1)) = .true.
     end do
-    nodes = pack([(i, i=1, size(is_member))], is_member)
+    nodes = pack([(i, i=1, model%mesh%n_nodes)], is_member(1:))
   end subroutine body_nodes
 
 

@@ -1,4 +1,4 @@
-!> Deck mesh: the cards NODE, ELEMENT, SOLID SECTION, SPRING and MASS to nodes, elements and their sections.
+!> Deck mesh: the cards NODE, ELEMENT and SOLID SECTION to nodes, elements and their sections.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Elements are first gathered as they stand (drafts), also those of kinds that we do not have: mesh generators write
@@ -16,11 +16,11 @@ module amontons_deck_mesh
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: text_of, plural, NUMBER_OK
   use amontons_topology, only: kind_type, element_kind, kind_of_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_CPE4, &
-    KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_SPRING1, KIND_SPRING2, FAMILY_SOLID, &
+    KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS
   implicit none
   private
-  public :: draft_type, read_nodes, read_elements, read_sections, read_constants, keep_elements
+  public :: draft_type, read_nodes, read_elements, read_sections, keep_elements, is_of, NOT_GIVEN
 
   real(DP), parameter :: NOT_GIVEN = -huge(1.0_DP)   !< spring constant or mass
 
@@ -36,6 +36,7 @@ module amontons_deck_mesh
     integer, allocatable :: material(:)          !< (n) index of the material, 0: no section
     real(DP), allocatable :: section(:)          !< (n) thickness, cross-section, spring constant, mass; or NOT_GIVEN
     integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
+    integer, allocatable :: spring(:)            !< (n) index into model%springs, 0: none
     integer, allocatable :: kept(:)              !< (n) index in the mesh, 0: dropped
     integer, allocatable :: node_first(:)        !< (n_cards) first node of a NODE card
     integer, allocatable :: node_last(:)         !< (n_cards) last node of a NODE card
@@ -177,6 +178,7 @@ contains
     allocate (draft%material(draft%n), source=0)
     allocate (draft%section(draft%n), source=1.0_DP)
     allocate (draft%directions(2, draft%n), source=0)
+    allocate (draft%spring(draft%n), source=0)
     if (draft%n == 0) call complain(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
   end subroutine read_elements
 
@@ -379,96 +381,6 @@ contains
   end function needs_thickness
 
 
-  !> Reads all SPRING and MASS cards: element to constant and directions.
-  subroutine read_constants(reader, model, draft)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(in) :: model        !< with the element sets of drafts
-    type(draft_type), intent(inout) :: draft
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    integer :: c, set, e
-    do e = 1, draft%n
-      if (is_of(draft%kind(e), FAMILY_SPRING) .or. is_of(draft%kind(e), FAMILY_MASS)) draft%section(e) = NOT_GIVEN
-    end do
-    do c = 1, reader%cards%n_cards
-      if (.not. (is_card(reader, c, 'SPRING') .or. is_card(reader, c, 'MASS'))) cycle
-      call open_card(reader, c, parameters, row)
-      set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
-      if (set == 0) then
-        call complain(reader, reader%cards%cards(c)%line, 'There is no element set ''' // &
-          parameter_text(parameters, 'ELSET') // '''.')
-      else
-        call read_constant(reader, c, model%mesh%element_sets(set)%members, row, draft)
-      end if
-    end do
-  end subroutine read_constants
-
-
-  !> The data of one SPRING or MASS card: directions of SPRING1 and SPRING2, then the constant.
-  subroutine read_constant(reader, c, members, row, draft)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    integer, intent(in) :: members(:)            !< drafts
-    type(row_type), intent(inout) :: row
-    type(draft_type), intent(inout) :: draft
-    real(DP) :: constant
-    integer :: i, n, family, directions(2)
-    logical :: is_ok
-    family = merge(FAMILY_SPRING, FAMILY_MASS, is_card(reader, c, 'SPRING'))
-    directions = 0
-    n = 0                                        ! directions to read
-    do i = 1, size(members)
-      associate (kind => draft%kind(members(i)))
-        if (kind == KIND_SPRING1) n = max(n, 1)
-        if (kind == KIND_SPRING2) n = 2
-        if (is_of(kind, family)) cycle
-        call complain(reader, reader%cards%cards(c)%line, 'The element ' // text_of(draft%label(members(i))) // &
-          ' is no ' // trim(merge('spring', 'mass  ', family == FAMILY_SPRING)) // '.')
-        return
-      end associate
-    end do
-    draft%section(members) = 1                   ! named by a card, whatever its data are worth
-    is_ok = next_row(reader%cards, row)
-    if (is_ok .and. n > 0) then
-      call read_directions(reader, row, n, directions, is_ok)
-      if (.not. is_ok) return
-      is_ok = next_row(reader%cards, row)
-    end if
-    if (.not. is_ok) then
-      call complain(reader, reader%cards%cards(c)%line, 'The data are missing: ' // trim(merge( &
-        'directions (SPRING1, SPRING2), then the spring constant.', &
-        'the mass.                                               ', family == FAMILY_SPRING)))
-      return
-    end if
-    call need_real(reader, row, 1, 'constant', constant, is_ok)
-    if (.not. is_ok) return
-    if (next_row(reader%cards, row)) call complain(reader, row%line, 'One constant is all that can stand here; it does ' &
-      //'not depend on temperature or elongation.')
-    draft%section(members) = constant
-    draft%directions(:, members) = spread(directions, 2, size(members))
-  end subroutine read_constant
-
-
-  !> The directions of SPRING1 or SPRING2: 1 to 3.
-  subroutine read_directions(reader, row, n, directions, is_ok)
-    type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
-    integer, intent(in) :: n                     !< 1 or 2
-    integer, intent(out) :: directions(2)
-    logical, intent(out) :: is_ok
-    integer :: i
-    directions = 0
-    is_ok = .true.
-    do i = 1, n
-      call need_integer(reader, row, i, 'direction', directions(i), is_ok, 1)
-      if (.not. is_ok) return
-      if (directions(i) >= 1 .and. directions(i) <= 3) cycle
-      call complain(reader, row%line, 'A spring acts in direction 1, 2 or 3; nodes do not turn.')
-      directions(i) = 1
-    end do
-  end subroutine read_directions
-
-
   !> Whether a kind belongs to a family.
   pure function is_of(kind, family) result(is_so)
     integer, intent(in) :: kind                  !< KIND_..., 0: unknown
@@ -555,6 +467,7 @@ contains
     integer, parameter :: MIDDLE_LAST(3) = [1, 3, 2]   ! a deck gives the middle node of T3D3 as the second
     mesh%n_elements = n
     allocate (mesh%section(n), mesh%directions(2, n))
+    if (any(draft%spring > 0)) allocate (mesh%spring(n), source=0)
     allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n))
     n_nodes = 0
     do e = 1, draft%n
@@ -570,6 +483,7 @@ contains
       mesh%material(k) = max(0, draft%material(e))
       mesh%section(k) = draft%section(e)
       mesh%directions(:, k) = draft%directions(:, e)
+      if (allocated(mesh%spring)) mesh%spring(k) = draft%spring(e)
       start = mesh%first(k)
       mesh%first(k + 1) = start + draft%first(e + 1) - draft%first(e)
       mesh%nodes(start:mesh%first(k + 1) - 1) = draft%nodes%items(draft%first(e):draft%first(e + 1) - 1)
@@ -592,6 +506,7 @@ contains
       do e = draft%element_first(c), draft%element_last(c)
         if (draft%kind(e) == 0) cycle
         if (is_of(draft%kind(e), FAMILY_SPRING)) card = 'SPRING'
+        if (draft%kind(e) == KIND_GAPUNI) card = 'GAP'
         if (is_of(draft%kind(e), FAMILY_MASS)) card = 'MASS'
         if (merge(draft%material(e) /= 0, draft%section(e) > NOT_GIVEN, card == 'SOLID SECTION')) cycle
         n = n + 1
@@ -659,7 +574,7 @@ contains
     reader%has_refused_kinds = .true.
     if (type == '') return
     advice = 'The kinds are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; CPS, CPE, CAX with 3, 4, 4R, ' // &
-      '6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; MASS.'
+      '6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
     if (begins(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking, or C3D8I.'
     if (begins(type, 'C3D20')) advice = 'Use C3D20 or C3D20R.'
     if (begins(type, 'C3D10')) advice = 'Use C3D10.'
@@ -672,7 +587,7 @@ contains
     if (is_structural(type)) advice = 'Shells, beams and membranes are not there yet: mesh the body with solids (C3D8I ' // &
       'or C3D20R bend well).'
     if (begins(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
-    if (begins(type, 'GAP')) advice = 'Use *CONTACT PAIR.'
+    if (begins(type, 'GAP')) advice = 'Use GAPUNI, or *CONTACT PAIR.'
     call complain(reader, reader%cards%cards(c)%line, 'The element type ' // type // ' is not supported. ' // advice)
   end subroutine refuse_type
 

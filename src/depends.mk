@@ -28,11 +28,12 @@ uses_user = kinds errors text
 uses_topology =
 uses_mesh = kinds topology
 uses_materials = kinds user
+uses_springs = kinds materials
 uses_surfaces = kinds profiles
 uses_loads = kinds
 uses_ties = kinds tensor
 uses_steps = kinds surfaces loads
-uses_model = kinds user mesh materials surfaces loads ties steps
+uses_model = kinds user mesh materials springs surfaces loads ties steps
 
 # 3 reading: text to cards, cards to model
 uses_cards = kinds errors text lookup
@@ -51,12 +52,13 @@ uses_deck_conditions = kinds text lookup mesh materials loads model cards card_f
 uses_deck_contact = kinds text mesh surfaces steps model cards card_form deck_reader deck_model
 uses_deck_bonds = kinds text tensor topology mesh loads ties model cards card_form deck_reader deck_profiles
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
+uses_deck_springs = kinds text topology materials springs ties model cards card_form deck_reader deck_mesh deck_bonds
 uses_deck_sectors = kinds text tensor model cards card_form deck_reader
 uses_deck_times = kinds text cards card_form deck_reader
 uses_deck_changes = text topology mesh steps model cards card_form deck_reader
 uses_deck_steps = kinds text topology steps model cards card_form card_table deck_reader deck_conditions deck_contact deck_loads deck_times deck_changes
 uses_explain = kinds text topology materials surfaces loads steps model cards card_form deck_reader
-uses_deck = errors text model cards card_form card_table deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_sectors deck_times deck_steps explain
+uses_deck = errors text model cards card_form card_table deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_springs deck_sectors deck_times deck_steps explain
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -67,12 +69,12 @@ uses_hyperelastic = kinds materials principal
 uses_log_strain = kinds tensor principal
 uses_user_material = kinds errors tensor user materials log_strain
 uses_material_point = kinds tensor materials principal stress plastic hyperelastic log_strain user_material
-uses_points = kinds tensor topology materials user_material material_point
+uses_points = kinds tensor topology materials springs user_material material_point
 uses_condition = kinds tensor materials stress material_point points
 uses_hourglass = kinds tensor topology
 uses_enhanced = kinds tensor topology
 uses_plane = kinds tensor topology materials shapes stress material_point points condition hourglass
-uses_discrete = kinds topology materials shapes stress material_point points condition
+uses_discrete = kinds topology materials springs shapes stress material_point points condition
 uses_batch = kinds topology materials shapes stress
 uses_element = kinds tensor topology materials shapes principal stress material_point points condition hourglass enhanced plane discrete
 uses_facets = kinds errors tensor profiles topology mesh shapes

@@ -2,8 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! A truss carries uniaxial stress by the law of its material; its cross-section changes as the law says, and under
-!! NLGEOM it turns freely. A spring has a constant. A mass resists nothing; it has weight.
-!! Theory: doc/theory/elements.md, section "Trusses, springs and masses".
+!! NLGEOM it turns freely. A spring has a constant, or a law of its own. A mass resists nothing; it has weight.
+!! Theory: doc/theory/elements.md, section "Trusses, springs, gaps and masses".
 module amontons_discrete
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
@@ -12,9 +12,10 @@ module amontons_discrete
   use amontons_materials, only: material_type
   use amontons_points, only: points_type, begin_point, end_point, ELEMENT_OK, ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
+  use amontons_springs, only: spring_force
   use amontons_shapes, only: shape_functions, quadrature
   use amontons_stress, only: STRESS_OK, LARGEST_GRADIENT
-  use amontons_topology, only: KIND_SPRINGA, KIND_SPRING2, MAX_NODES, MAX_POINTS
+  use amontons_topology, only: KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, MAX_NODES, MAX_POINTS
   implicit none
   private
   public :: truss_element, truss_volumes, truss_body_force, spring_element
@@ -163,67 +164,105 @@ contains
   !! | SPRINGA | change of the distance of its nodes; its line turns with them under NLGEOM        |
   !! | SPRING1 | displacement of its node in one direction, fixed in space                         |
   !! | SPRING2 | displacement of node 1 in one direction less that of node 2 in another or the same |
+  !! | GAPUNI  | displacement of node 2 less that of node 1, in one direction fixed in space       |
   pure subroutine spring_element(kind, X, u, is_nlgeom, force, points, status, stiffness)
-    integer, intent(in) :: kind                    !< KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2
+    integer, intent(in) :: kind                    !< KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom
     real(DP), intent(out) :: force(3, MAX_NODES)   !< [force]
-    type(points_type), intent(in) :: points        !< section is the spring constant [force/length]; directions
+    type(points_type), intent(in) :: points        !< section is the spring constant [force/length], if there is no law
     integer, intent(out) :: status                 !< ELEMENT_...
     real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
-    real(DP) :: row(6), tension
+    real(DP) :: row(6), tension, slope
     integer :: i, j, n
     n = size(X, 2)
     force = 0
     status = ELEMENT_NOT_FINITE
     if (.not. all(ieee_is_finite(u))) return
+    if (kind == KIND_SPRINGA) then
+      call axial_spring(X, u, points, is_nlgeom, force, status, stiffness)
+      return
+    end if
+    row = elongation_row(kind, X, points)
+    status = ELEMENT_DEGENERATE
+    if (.not. any(abs(row) > 0)) return            ! a gap without a direction
     status = ELEMENT_OK
-    associate (constant => points%section, directions => points%directions)
-      if (kind == KIND_SPRINGA) then
-        call axial_spring(X, u, constant, is_nlgeom, force, status, stiffness)
-        return
-      end if
-      row = 0
-      row(directions(1)) = 1
-      tension = constant * u(directions(1), 1)
-      if (kind == KIND_SPRING2) then
-        row(3 + directions(2)) = -1
-        tension = constant * (u(directions(1), 1) - u(directions(2), 2))
-      end if
-      force(:, :n) = reshape(tension * row(:3 * n), [3, n])
-      if (.not. present(stiffness)) return
-      do j = 1, 3 * n
-        do i = 1, 3 * n
-          stiffness(i, j) = constant * row(i) * row(j)
-        end do
+    call pull(points, n, dot_product(row(:3 * n), [u]), tension, slope)
+    force(:, :n) = reshape(tension * row(:3 * n), [3, n])
+    if (.not. present(stiffness)) return
+    do j = 1, 3 * n
+      do i = 1, 3 * n
+        stiffness(i, j) = slope * row(i) * row(j)
       end do
-    end associate
+    end do
   end subroutine spring_element
 
 
+  !> Tension and its derivative: by the law if there is one, else by the constant.
+  pure subroutine pull(points, n, elongation, tension, slope)
+    type(points_type), intent(in) :: points
+    integer, intent(in) :: n                       !< nodes
+    real(DP), intent(in) :: elongation             !< [length]
+    real(DP), intent(out) :: tension, slope        !< [force], [force/length]
+    if (allocated(points%spring)) then
+      call spring_force(points%spring, elongation, sum(points%temperature(:n)) / real(n, DP), tension, slope)
+    else
+      tension = points%section * elongation
+      slope = points%section
+    end if
+  end subroutine pull
+
+
+  !> The elongation as a row times the displacements of the nodes. A gap without a direction acts along the line of its nodes.
+  pure function elongation_row(kind, X, points) result(row)
+    integer, intent(in) :: kind
+    real(DP), intent(in) :: X(:, :)
+    type(points_type), intent(in) :: points
+    real(DP) :: row(6), axes(3, 2)
+    axes = 0
+    if (allocated(points%spring)) axes = points%spring%axes
+    if (kind /= KIND_GAPUNI .and. .not. any(abs(axes) > 0)) then
+      axes(points%directions(1), 1) = 1
+      if (kind == KIND_SPRING2) axes(points%directions(2), 2) = 1
+    end if
+    select case (kind)
+    case (KIND_SPRING1)
+      row = [axes(:, 1), 0.0_DP, 0.0_DP, 0.0_DP]
+    case (KIND_SPRING2)
+      row = [axes(:, 1), -axes(:, 2)]
+    case default
+      if (.not. any(abs(axes) > 0)) axes(:, 1) = X(:, 2) - X(:, 1)
+      axes(:, 1) = axes(:, 1) / max(norm2(axes(:, 1)), tiny(1.0_DP))
+      row = [-axes(:, 1), axes(:, 1)]
+    end select
+  end function elongation_row
+
+
   !> A spring along the line of its two nodes.
-  pure subroutine axial_spring(X, u, constant, is_nlgeom, force, status, stiffness)
-    real(DP), intent(in) :: X(:, :), u(:, :), constant
+  pure subroutine axial_spring(X, u, points, is_nlgeom, force, status, stiffness)
+    real(DP), intent(in) :: X(:, :), u(:, :)
+    type(points_type), intent(in) :: points
     logical, intent(in) :: is_nlgeom
     real(DP), intent(inout) :: force(3, MAX_NODES)
     integer, intent(out) :: status
     real(DP), intent(inout), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
-    real(DP), parameter :: SLOPE(2) = [-1.0_DP, 1.0_DP]
-    real(DP) :: line(3), change(3), length, now, tension
+    real(DP), parameter :: ENDS(2) = [-1.0_DP, 1.0_DP]
+    real(DP) :: line(3), change(3), length, now, tension, slope
     line = X(:, 2) - X(:, 1)
     change = u(:, 2) - u(:, 1)
     length = norm2(line)
     status = ELEMENT_DEGENERATE
     if (.not. length > 0) return
-    tension = constant * dot_product(line, change) / length
     now = length
     if (is_nlgeom) then
       now = norm2(line + change)
       status = ELEMENT_INVERTED
       if (.not. now > 0) return
-      tension = constant * dot_product(change, 2 * line + change) / (now + length)
+      call pull(points, 2, dot_product(change, 2 * line + change) / (now + length), tension, slope)
       line = line + change
+    else
+      call pull(points, 2, dot_product(line, change) / length, tension, slope)
     end if
     status = ELEMENT_OK
     line = line / now
@@ -232,7 +271,7 @@ contains
     if (.not. present(stiffness)) return
     if (.not. is_nlgeom) tension = 0
     stiffness(:6, :6) = 0
-    call add_bar(2, 1.0_DP, tension / now, constant - tension / now, line, SLOPE, stiffness)
+    call add_bar(2, 1.0_DP, tension / now, slope - tension / now, line, ENDS, stiffness)
   end subroutine axial_spring
 
 end module amontons_discrete

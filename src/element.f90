@@ -25,7 +25,7 @@ module amontons_element
     pack_voigt
   use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_NODES, MAX_POINTS, &
     MAX_FACE_NODES, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_C3D10, KIND_C3D15, &
-    KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CAX8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING2, KIND_MASS, &
+    KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CAX8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, &
     N_SOLID_KINDS
   implicit none
   private
@@ -103,7 +103,7 @@ contains
       call plane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_T3D2, KIND_T3D3)
       call truss_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
-    case (KIND_SPRINGA:KIND_SPRING2)
+    case (KIND_SPRINGA:KIND_GAPUNI)
       call spring_element(kind, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_MASS)
       force = 0

@@ -5,7 +5,8 @@ module amontons_materials
   use amontons_user, only: routines_type
   implicit none
   private
-  public :: material_type, table_type, curve_type, orientation_type, evaluate_table, evaluate_curves
+  public :: material_type, table_type, curve_type, orientation_type, evaluate_table, evaluate_curves, &
+    evaluate_curve, find_interval
   public :: LAW_HENCKY, LAW_SAINT_VENANT
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER

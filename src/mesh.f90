@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_mesh
   use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, kind_type, MAX_NODES, KIND_SPRING1, KIND_SPRING2, FAMILY_SOLID, &
+  use amontons_topology, only: element_kind, kind_type, MAX_NODES, KIND_SPRINGA, FAMILY_SOLID, &
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
@@ -30,6 +30,7 @@ module amontons_mesh
     real(DP), allocatable :: section(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
     !< constant [force/length] or mass [mass], by the kind; else 1
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
+    integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: section says all; not there: 0
     logical, allocatable :: is_abstract(:)         !< (n_nodes) its displacement is none: a rotation vector, a pre-tension
     logical, allocatable :: has_elements(:)        !< (n_nodes)
     logical, allocatable :: is_idle(:, :)          !< (3, n_nodes) has elements, but none resists this displacement
@@ -107,7 +108,7 @@ contains
       resists = .false.
     case (FAMILY_SPRING)
       resists = .true.
-      if (mesh%kind(e) /= KIND_SPRING1 .and. mesh%kind(e) /= KIND_SPRING2) return
+      if (mesh%kind(e) == KIND_SPRINGA .or. mesh%directions(1, e) == 0) return
       resists = .false.
       if (mesh%directions(a, e) > 0) resists(mesh%directions(a, e)) = .true.
     case default

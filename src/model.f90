@@ -7,6 +7,7 @@ module amontons_model
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
   use amontons_loads, only: amplitude_type, equation_type
   use amontons_ties, only: bond_type, tie_type, spread_type
+  use amontons_springs, only: spring_type
   use amontons_steps, only: step_type
   use amontons_user, only: routines_type
   implicit none
@@ -42,6 +43,7 @@ module amontons_model
     character(:), allocatable :: deck_text      !< all lines read, includes in place, joined by newline
     type(mesh_type) :: mesh
     type(material_type), allocatable :: materials(:)
+    type(spring_type), allocatable :: springs(:)      !< laws that are more than a constant; not there: none
     type(surface_type), allocatable :: surfaces(:)
     type(interaction_type), allocatable :: interactions(:)
     type(contact_pair_type), allocatable :: pairs(:)

@@ -4,6 +4,7 @@ module amontons_points
   use amontons_kinds, only: DP
   use amontons_material_point, only: point_type
   use amontons_materials, only: material_type, MAX_HISTORY
+  use amontons_springs, only: spring_type
   use amontons_tensor, only: IDENTITY, determinant_minus_one
   use amontons_topology, only: MAX_NODES, MAX_POINTS
   use amontons_user_material, only: user_point_type
@@ -23,6 +24,7 @@ module amontons_points
     ! comes in: the section; the past, committed, and the temperature
     real(DP) :: section                            !< thickness [length], cross-section [length^2], spring constant
     integer :: directions(2)                       !< of SPRING1, SPRING2
+    type(spring_type), allocatable :: spring       !< law of a spring or gap that is more than a constant
     logical :: has_frame                           !< frame is set; else the axes are the global ones
     real(DP) :: frame(3, 3, MAX_POINTS)            !< local axes of the material in columns
     real(DP) :: past(MAX_HISTORY, MAX_POINTS)      !< committed history

@@ -171,7 +171,7 @@ contains
     integer :: p
     system%u_start = state%old%u
     system%is_nlgeom = step%is_nlgeom
-    system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain)
+    system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain) .and. .not. allocated(model%mesh%spring)
     system%is_assembled = .false.
     if (allocated(step%is_absent)) system%is_lone = lone_unknowns(model)
     system%reduced%asked = step%solver
@@ -463,7 +463,7 @@ contains
     logical, allocatable :: is_contact(:)
     logical :: is_kept
     if (size(state%new%slaves) == 0) return
-    is_kept = all(model%materials%is_plain) .and. system%base%n_rows == 0 .and. &
+    is_kept = all(model%materials%is_plain) .and. .not. allocated(model%mesh%spring) .and. system%base%n_rows == 0 .and. &
       (.not. step%is_nlgeom .or. size(step%distributed) == 0)
     if (is_kept .and. is_step_start) is_kept = is_same_bulk(system) .and. .not. (allocated(step%is_absent) .or. &
       allocated(step%material))

@@ -11,7 +11,7 @@ module amontons_topology
   public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
   public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
   public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R
-  public :: KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_MASS
+  public :: KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, KIND_MASS
   public :: N_KINDS, N_SOLID_KINDS
   public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
     FAMILY_MASS
@@ -54,8 +54,9 @@ module amontons_topology
   integer, parameter :: KIND_SPRINGA = 33     !< spring along the line between two nodes
   integer, parameter :: KIND_SPRING1 = 34     !< spring between a node and the ground, in one direction
   integer, parameter :: KIND_SPRING2 = 35     !< spring between two nodes, in one direction of each
-  integer, parameter :: KIND_MASS = 36        !< point mass
-  integer, parameter :: N_KINDS = 36
+  integer, parameter :: KIND_GAPUNI = 36      !< gap between two nodes, in one direction
+  integer, parameter :: KIND_MASS = 37        !< point mass
+  integer, parameter :: N_KINDS = 37
 
   ! What the nodes of an element resist.
   integer, parameter :: FAMILY_SOLID = 1, FAMILY_PLANE_STRESS = 2, FAMILY_PLANE_STRAIN = 3, FAMILY_AXISYMMETRIC = 4, &
@@ -132,6 +133,8 @@ contains
       entry = kind_type(name='SPRING1', family=FAMILY_SPRING, n_nodes=1, vtk_type=1)
     case (KIND_SPRING2)
       entry = kind_type(name='SPRING2', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
+    case (KIND_GAPUNI)
+      entry = kind_type(name='GAPUNI', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
     case (KIND_MASS)
       entry = kind_type(name='MASS', family=FAMILY_MASS, n_nodes=1, vtk_type=1)
     end select

@@ -7,12 +7,14 @@ program test_discrete
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
-    KIND_MASS, MAX_NODES
+    KIND_GAPUNI, KIND_MASS, MAX_NODES
+  use amontons_springs, only: spring_type
   use check, only: suite_type
   implicit none
   integer, parameter :: N_DOF = 3 * MAX_NODES
   type(suite_type) :: suite
   type(material_type) :: material
+  type(spring_type), allocatable :: spring       ! law that points get
   integer :: kind, law
 
   material%youngs_modulus = 210000
@@ -24,6 +26,7 @@ program test_discrete
     end do
     call check_derivatives(kind, .false.)
   end do
+  call check_laws()
   call check_hencky_bar(KIND_T3D2)
   call check_hencky_bar(KIND_T3D3)
   call check_green_bar()
@@ -49,7 +52,43 @@ contains
     type(points_type), intent(out) :: points
     points%section = 0.25_DP
     points%directions = [3, 1]
+    points%temperature = 30
+    if (allocated(spring)) points%spring = spring
   end subroutine equip
+
+
+  !> Springs with laws: two tables over the temperature, constants over the temperature, a closed and an open gap.
+  subroutine check_laws()
+    integer :: i
+    allocate (spring)
+    allocate (spring%force(2))
+    do i = 1, 2
+      spring%force(i)%temperature = 100.0_DP * real(i - 1, DP)
+      spring%force(i)%strain = [-2.0_DP, -0.01_DP, 0.02_DP, 2.0_DP]
+      spring%force(i)%stress = real(i, DP) * [-5.0_DP, -1.0_DP, 1.0_DP, 9.0_DP]
+    end do
+    do i = KIND_SPRINGA, KIND_SPRING2
+      call check_derivatives(i, .true.)
+      call check_derivatives(i, .false.)
+    end do
+    deallocate (spring%force)
+    spring%constant%temperature = [0.0_DP, 100.0_DP]
+    spring%constant%value = reshape([2.0_DP, 7.0_DP], [1, 2])
+    spring%axes = reshape([0.6_DP, 0.8_DP, 0.0_DP, 0.0_DP, -0.6_DP, 0.8_DP], [3, 2])
+    do i = KIND_SPRINGA, KIND_SPRING2
+      call check_derivatives(i, .false.)
+    end do
+    spring%is_gap = .true.
+    spring%stiffness = 3
+    spring%pull = 0.1_DP
+    do i = -1, 1
+      spring%clearance = 0.5_DP * real(i, DP)                ! the elongation is -0.34
+      call check_derivatives(KIND_GAPUNI, .true.)
+    end do
+    spring%axes = 0
+    call check_derivatives(KIND_GAPUNI, .false.)
+    deallocate (spring)
+  end subroutine check_laws
 
 
   !> The tangent is the derivative of the force, and the force of a truss that of its energy.
