@@ -201,6 +201,7 @@ contains
       largest = maxval(abs(u), mask=is_known)
       idle = integer_list_type()
       do k = 1, size(model%equations)
+        if (model%equations(k)%last_step < i) cycle
         call add_equation(model, k, largest, constraints, verdict)
         if (verdict == ROW_CONFLICT .and. .not. is_whole) cycle
         if (verdict == ROW_CONFLICT .and. told(k) < ROW_CONFLICT) call complain(report, 'In step ' // text_of(i) // &

@@ -14,7 +14,7 @@ module amontons_card_table
 
   character(*), parameter :: NODE_VARIABLES = 'U|RF|NT|COOR'      !< what NODE PRINT knows
   character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< what SECTION PRINT knows, each asks for all
-  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR' !< what EL PRINT knows
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR' !< what EL PRINT knows
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS' !< what CONTACT PRINT knows
 
 contains
@@ -196,6 +196,13 @@ contains
     call table%option('ADD', VALUE_OPTIONAL_WORD, 'Puts back; elements start free of strain where their nodes are then, or ' // &
       'with the strain since the start of the job.', allowed='STRAIN FREE|WITH STRAIN', default='STRAIN FREE')
     call table%option('REMOVE', VALUE_NONE, 'Takes out; nodes without elements then stay where they are.')
+    call table%card('CHANGE MATERIAL', IN_STEP, 'Changes a material from this step on; CHANGE PLASTIC follows.')
+    call table%option('NAME', VALUE_NAME, 'The material.', default='required')
+    call table%card('CHANGE PLASTIC', IN_STEP, 'Changes the hardening curve from this step on.', parent='CHANGE MATERIAL', &
+      data='yield stress, equivalent plastic strain (the first 0), temperature')
+    call table%option('HARDENING', VALUE_WORD, 'As with PLASTIC, which must have the same.', &
+      allowed='ISOTROPIC|KINEMATIC|COMBINED', default='ISOTROPIC')
+    call table%refuse_words('USER', 'Give a table.')
     call table%card('CHANGE SOLID SECTION', IN_STEP, 'Gives the elements of a set another material from this step on.')
     call table%option('ELSET', VALUE_NAME, 'The elements.', default='required')
     call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
@@ -238,10 +245,12 @@ contains
       'STEP TIME|TOTAL TIME', default='STEP TIME')
     call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of times.')
 
-    call table%card('EQUATION', IN_MODEL, 'Sums of displacements that are zero; the first term is the one ' // &
-      'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term')
+    call table%card('EQUATION', IN_BOTH, 'Sums of displacements that are zero; the first term is the one ' // &
+      'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term; with REMOVE, in a step: ' // &
+      'node or node set, first and last degree of freedom')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
-    call table%option('REMOVE', VALUE_TEXT, 'Equations hold in all steps.', status=STATUS_REFUSED)
+    call table%option('REMOVE', VALUE_OPTIONAL_WORD, 'In a step: the equations whose first term is named hold no more, or all.', &
+      allowed='ALL')
   end subroutine describe_amplitude_and_equation
 
 
@@ -319,6 +328,10 @@ contains
     call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
     call table%option('ORIENTATION', VALUE_NAME, 'Directions at the nodes.')
 
+    call table%card('DISTRIBUTING COUPLING', IN_MODEL, 'Calculix dialect: the displacement of a node is the weighted mean of ' // &
+      'others; its force spreads over them by their weights.', data='node or node set, weight')
+    call table%option('ELSET', VALUE_NAME, 'Set of one element DCOUP3D, whose node is the one bound.', default='required')
+
     call table%card('PRE-TENSION SECTION', IN_MODEL, 'Cuts a body open at the faces of a surface; the first ' // &
       'displacement of the pre-tension node is the overlap along the normal, a force on it the pre-tension.', &
       data='normal; optional: the mean normal of the faces')
@@ -361,7 +374,7 @@ contains
     call table%card('DLOAD', IN_STEP, 'Pressure on element faces, positive when it pushes into the element, gravity, ' // &
       'rotation and body forces.', data='element or element set, P1 to P6, pressure; or surface, P, pressure; or ' // &
       'element or element set, GRAV, acceleration, direction x, y, z; CENTRIF, square of the angular velocity, point ' // &
-      'x, y, z and direction x, y, z of the axis; BX, BY or BZ, force per volume')
+      'x, y, z and direction x, y, z of the axis; BX, BY or BZ, force per volume; without a region the whole model')
     call describe_distributed(table)
     call table%card('DSLOAD', IN_STEP, 'Pressure on a surface, positive when it pushes into the body.', &
       data='surface, P, pressure')
@@ -494,7 +507,7 @@ contains
     call table%differ('RF: abaqus the reactions of supports; calculix the internal forces. GLOBAL: YES or NO by default.')
 
     call table%card('EL PRINT', IN_STEP, 'Prints values of integration points to the .dat file.', data= &
-      'variables: S, E, PEEQ, CEEQ, ENER, ELSE, EVOL, COORD')
+      'variables: S, E, ME (without the thermal strain), PEEQ, CEEQ, ENER, ELSE, EVOL, COORD')
     call describe_print(table)
     call table%option('ELSET', VALUE_NAME, 'The elements.', default='all (abaqus), required (calculix)')
     call table%option('GLOBAL', VALUE_WORD, 'Tensors are in global directions, or in the axes of the section.', &
@@ -615,8 +628,7 @@ contains
       'PIEZOELECTRIC|COUPLED THERMAL-ELECTRICAL|STEADY STATE TRANSPORT|MATRIX GENERATE|MATRIX ASSEMBLE|COMPLEX ' // &
       'EIGENVALUE EXTRACTION|CFD|REFINE MESH|STEADY STATE DETECTION', 'Use *STATIC; to read and check a ' // &
       'deck without solving it, run amontons --check.')
-    call table%cards_with(STATUS_REFUSED, 'CHANGE MATERIAL|CHANGE PLASTIC|' // &
-      'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
+    call table%cards_with(STATUS_REFUSED, 'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
       'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS|CONTACT INITIALIZATION ASSIGNMENT|CONTACT ' // &
       'INITIALIZATION DATA', 'The model is the same in all steps.')
     call table%cards_with(STATUS_REFUSED, 'BASE MOTION|CORRELATION LENGTH|CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|' // &
@@ -633,7 +645,6 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%cards_with(STATUS_REFUSED, 'NETWORK MPC|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &
       'Use *EQUATION, or mesh the bodies together.')
-    call table%cards_with(STATUS_REFUSED, 'DISTRIBUTING COUPLING', 'Use *COUPLING with *DISTRIBUTING below it, on a surface.')
     call table%cards_with(STATUS_REFUSED, 'BEAM SECTION|BEAM GENERAL SECTION|SHELL SECTION|SHELL GENERAL SECTION|' // &
       'MEMBRANE SECTION|COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|NODAL ' // &
       'THICKNESS|NORMAL|TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|HOURGLASS STIFFNESS|REBAR|REBAR LAYER|' // &

@@ -1,7 +1,7 @@
 !> Changes: what a step takes out of the model, puts back, or makes of another material.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! MODEL CHANGE, TYPE=ELEMENT and CHANGE SOLID SECTION. The mesh that the element loops see is that of the present step.
+!! MODEL CHANGE, TYPE=ELEMENT, CHANGE SOLID SECTION, CHANGE MATERIAL and EQUATION, REMOVE. The mesh that the element loops see is that of the present step.
 module amontons_changes
   use amontons_mesh, only: is_out
   use amontons_model, only: model_type
@@ -12,7 +12,7 @@ module amontons_changes
 
 contains
 
-  !> The elements and materials of a step. Before the first step (0) those of the first one hold.
+  !> The elements, materials and equations of a step. Before the first step (0) those of the first one hold.
   subroutine change_model(model, step)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: step                    !< index into model%steps, 0: none has begun
@@ -21,6 +21,7 @@ contains
       if (allocated(model%mesh%is_absent)) deallocate (model%mesh%is_absent)
       if (allocated(now%is_absent)) model%mesh%is_absent = now%is_absent
       if (allocated(now%material)) model%mesh%material = now%material
+      if (allocated(model%equations)) model%equations%is_removed = model%equations%last_step < max(1, step)
     end associate
   end subroutine change_model
 

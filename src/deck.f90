@@ -16,6 +16,7 @@ module amontons_deck
   use amontons_deck_parts, only: flatten_parts
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
   use amontons_explain, only: explain_cards
+  use amontons_deck_spreads, only: read_spreads
   use amontons_deck_springs, only: read_springs
   use amontons_deck_sectors, only: read_sectors
   use amontons_deck_sets, only: read_sets
@@ -116,6 +117,7 @@ contains
     call read_pairs(reader, model)
     call read_transforms(reader, model)
     call read_bonds(reader, model)
+    call read_spreads(reader, model)
     call read_sectors(reader, model)
     call read_clearances(reader, model)
     call read_equations(reader, model)

@@ -20,7 +20,7 @@ module amontons_deck_bonds
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
   implicit none
   private
-  public :: read_transforms, read_bonds, find_orientation
+  public :: read_transforms, read_bonds, find_orientation, add_equation
 
 contains
 

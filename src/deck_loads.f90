@@ -611,7 +611,11 @@ contains
     integer :: i
     logical :: is_ok
     is_ok = .true.
-    call elements_of_field(reader, model%mesh, row, 1, place%elements, is_ok)
+    if (field_text(reader%cards, row, 1) == '') then      ! as Abaqus/CAE writes a load on the whole model
+      place%elements = [(i, i=1, model%mesh%n_elements)]
+    else
+      call elements_of_field(reader, model%mesh, row, 1, place%elements, is_ok)
+    end if
     call need_real(reader, row, 3, 'magnitude', value, is_ok, 0.0_DP)
     call read_axis(reader, model, row, place, is_ok)
     if (.not. is_ok) return

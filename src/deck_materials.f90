@@ -15,7 +15,7 @@ module amontons_deck_materials
   use amontons_text, only: text_of, parse_integer, parse_real, plural, NUMBER_OK
   implicit none
   private
-  public :: read_materials, finish_materials
+  public :: read_materials, finish_materials, read_plastic
 
   integer, parameter :: FIELDS = 8               !< values of a data line
   integer, parameter :: MOST_STATEV = 100000
@@ -478,7 +478,7 @@ contains
   end subroutine read_expansion
 
 
-  !> PLASTIC.
+  !> PLASTIC, CHANGE PLASTIC.
   subroutine read_plastic(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c

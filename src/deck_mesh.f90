@@ -546,7 +546,8 @@ contains
           cycle
         end if
         if (draft%kind(first) /= 0) cycle
-        if (begins(type, 'DASHPOT') .and. reader%dialect == DIALECT_CALCULIX) then
+        if (reader%dialect == DIALECT_CALCULIX .and. begins(type, 'DCOUP3D')) cycle   ! of DISTRIBUTING COUPLING
+        if (reader%dialect == DIALECT_CALCULIX .and. begins(type, 'DASHPOT')) then
           call note(reader, reader%cards%cards(c)%line, 'Dashpots resist rates, which do not count in a quasi-static ' // &
             'step; they are left out.')
           cycle
@@ -586,6 +587,7 @@ contains
     if (begins(type, 'T2D')) advice = 'Use T3D2 or T3D3 and hold the third displacement.'
     if (is_structural(type)) advice = 'Shells, beams and membranes are not there yet: mesh the body with solids (C3D8I ' // &
       'or C3D20R bend well).'
+    if (begins(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
     if (begins(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
     if (begins(type, 'GAP')) advice = 'Use GAPUNI, or *CONTACT PAIR.'
     call complain(reader, reader%cards%cards(c)%line, 'The element type ' // type // ' is not supported. ' // advice)

@@ -592,6 +592,9 @@ contains
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'EQUATION')) cycle
       call open_card(reader, c, parameters, row)
+      if (has_parameter(parameters, 'REMOVE')) cycle       ! read with its step
+      if (reader%step_of_card(c) > 0) call complain(reader, reader%cards%cards(c)%line, 'Equations hold from the start of the ' // &
+        'job: *EQUATION must stand before the first step; in a step it stands with REMOVE.')
       do while (next_row(reader%cards, row))
         line = row%line
         is_ok = .true.
@@ -695,6 +698,7 @@ contains
     equation%dof = terms%dof
     equation%coefficient = terms%coefficient
     equation%line = reader%cards%line_number(line)
+    equation%first_dof = terms%dof(1)
     n = 0
     do i = 1, terms%n
       do j = 1, n
@@ -738,6 +742,7 @@ contains
       if (i == 1) turned%n_candidates = size(turned%node)
     end do
     turned%line = equation%line
+    turned%first_dof = equation%first_dof
     equation = turned
   end subroutine turn_terms
 

@@ -433,6 +433,13 @@ contains
   end function header_of
 
 
+  !> Whether an instance is turned, and not only shifted.
+  pure logical function is_turned(scope)
+    type(scope_type), intent(in) :: scope
+    is_turned = scope%is_moved .and. any(abs(scope%turn - unit_matrix()) > 1.0e-12_DP)
+  end function is_turned
+
+
   !> A name or a number as the model calls it: NAME becomes INSTANCE.NAME, a number is shifted, INSTANCE.NUMBER too.
   function reference(work, scope, text, shift) result(taken)
     type(flat_type), intent(in) :: work
@@ -511,9 +518,19 @@ contains
         if (n == 1) text = field_text(cards, row, 1) // text(index(text // ',', ','):)
       case ('ORIENTATION', 'TRANSFORM')
         text = point_row(cards, row, scope, n == 1, squeezed(value_of(cards, c, 'SYSTEM') // value_of(cards, c, 'TYPE')))
-      case ('CONTACTPAIR', 'PRE-TENSIONSECTION', 'BOUNDARY', 'INITIALCONDITIONS')
+      case ('CONTACTPAIR')
+        text = set_row(cards, work, row, scope, .false., 0)
+      case ('BOUNDARY', 'INITIALCONDITIONS')
+        if (is_turned(scope)) then
+          call remarks%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part whose instance is turned ' // &
+            'is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
+          return
+        end if
+        text = first_row(cards, work, row, scope, merge(scope%element_shift, scope%node_shift, &
+          is_one_of(value_of(cards, c, 'TYPE'), 'STRESS|PLASTIC STRAIN|HARDENING|SOLUTION')), 1)
+      case ('PRE-TENSIONSECTION')
         if (scope%name /= '') then
-          call remarks%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part or an instance is not ' // &
+          call remarks%add(cards%cards(c)%line, 'The card *PRE-TENSION SECTION inside a part or an instance is not ' // &
             'supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
           return
         end if

@@ -10,7 +10,8 @@ module amontons_deck_steps
     hand_over_temperatures
   use amontons_deck_loads, only: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, &
     hand_over_loads
-  use amontons_deck_changes, only: is_element_change, read_element_change, read_section_change
+  use amontons_deck_changes, only: is_element_change, read_element_change, read_section_change, read_removal, &
+    read_material_change, read_plastic_change
   use amontons_deck_contact, only: read_contact_change
   use amontons_deck_times, only: find_time_points, times_in_step
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
@@ -44,6 +45,7 @@ module amontons_deck_steps
     logical :: has_files(3) = .false.            !< (nodes, elements, contact) this step has such a FILE or OUTPUT card
     logical :: is_open = .false.
     integer :: interaction = 0                   !< the one that the last CHANGE card names
+    integer :: material = 0                      !< the one that the last CHANGE MATERIAL made
     integer :: print_list = 0, file_list = 0     !< lists of TIME POINTS in force; 0: FREQUENCY counts
   end type progress_type
 
@@ -124,6 +126,7 @@ contains
     if (allocated(progress%step%is_born)) deallocate (progress%step%is_born)
     if (allocated(progress%step%interference)) deallocate (progress%step%interference, progress%step%is_shrink)
     progress%interaction = 0
+    progress%material = 0
     progress%step%dt_initial = 1
     progress%step%period = 1
     progress%step%dt_min = 1.0e-6_DP
@@ -191,6 +194,12 @@ contains
         call read_temperature(reader, model, c, progress%thermal)
       case ('DLOAD', 'DSLOAD')
         call read_dload(reader, model, c, progress%standing)
+      case ('EQUATION')
+        call read_removal(reader, model, c, progress%n)
+      case ('CHANGEMATERIAL')
+        call read_material_change(reader, model, c, progress%step, progress%material)
+      case ('CHANGEPLASTIC')
+        call read_plastic_change(reader, c, model, progress%material)
       case ('CHANGESOLIDSECTION')
         call read_section_change(reader, model, c, progress%step)
       case ('CHANGEFRICTION', 'CHANGESURFACEBEHAVIOR', 'FRICTION', 'SURFACEBEHAVIOR', 'MODELCHANGE', &

@@ -52,13 +52,14 @@ uses_deck_conditions = kinds text lookup mesh materials loads model cards card_f
 uses_deck_contact = kinds text mesh surfaces steps model cards card_form deck_reader deck_model
 uses_deck_bonds = kinds text tensor topology mesh loads ties model cards card_form deck_reader deck_profiles
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
+uses_deck_spreads = kinds model cards card_form deck_reader deck_bonds
 uses_deck_springs = kinds text topology materials springs ties model cards card_form deck_reader deck_mesh deck_bonds
 uses_deck_sectors = kinds text tensor model cards card_form deck_reader
 uses_deck_times = kinds text cards card_form deck_reader
-uses_deck_changes = text topology mesh steps model cards card_form deck_reader
+uses_deck_changes = text topology mesh materials steps model cards card_form deck_reader deck_materials
 uses_deck_steps = kinds text topology steps model cards card_form card_table deck_reader deck_conditions deck_contact deck_loads deck_times deck_changes
 uses_explain = kinds text topology materials surfaces loads steps model cards card_form deck_reader
-uses_deck = errors text model cards card_form card_table deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_springs deck_sectors deck_times deck_steps explain
+uses_deck = errors text model cards card_form card_table deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_spreads deck_springs deck_sectors deck_times deck_steps explain
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -130,7 +131,8 @@ uses_sections = kinds tensor topology mesh surfaces shapes state nodal
 uses_columns = kinds errors history store
 uses_columns = kinds errors history store
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state nodal columns
-uses_printed = kinds errors text tensor history posix topology mesh materials steps model state nodal sections
+uses_mechanical = kinds tensor topology mesh model material_point element state
+uses_printed = kinds errors text tensor history posix topology mesh materials steps model state nodal sections mechanical
 uses_frd = kinds errors version history posix digits topology mesh materials steps model state nodal printed
 
 # 7 roof: the job

@@ -14,7 +14,7 @@ module amontons_element
   use amontons_hourglass, only: hourglass_type, prepare_hourglass, add_hourglass
   use amontons_materials, only: material_type
   use amontons_material_point, only: point_type, update_point
-  use amontons_plane, only: plane_element, plane_volumes, plane_body_force, edge_pressure
+  use amontons_plane, only: plane_element, plane_volumes, plane_body_force, plane_temperature_weights, edge_pressure, find_temperature_weights
   use amontons_points, only: points_type, begin_point, keep_history, ELEMENT_OK, ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_principal, only: logarithm_1p
@@ -645,6 +645,22 @@ contains
     end do
     if (status /= STRESS_OK) status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, status == STRESS_INVERTED)
   end subroutine update_points
+
+
+  !> Weights of the nodal temperatures at the points of any kind; springs and masses have none.
+  pure subroutine find_temperature_weights(kind, weight)
+    integer, intent(in) :: kind                    !< KIND_...
+    real(DP), intent(out) :: weight(MAX_NODES, MAX_POINTS)   !< [-]
+    weight = 0
+    select case (kind)
+    case (:N_SOLID_KINDS)
+      call temperature_weights(kind, weight)
+    case (KIND_CPS3:KIND_CAX8R)
+      call plane_temperature_weights(kind, weight)
+    case (KIND_T3D2, KIND_T3D3)
+      weight(:2, :) = 0.5_DP
+    end select
+  end subroutine find_temperature_weights
 
 
   !> Weights of the nodal temperatures at the points, such that thermal strains match the strains of the element:

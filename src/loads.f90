@@ -80,8 +80,11 @@ module amontons_loads
     integer, allocatable :: dof(:)
     real(DP), allocatable :: coefficient(:)
     integer :: n_candidates = 1                  !< that many first terms may be eliminated
-    character(16) :: card = 'EQUATION'           !< keyword of the card that made it, for messages
+    character(24) :: card = 'EQUATION'           !< keyword of the card that made it, for messages
     integer :: line = 0                          !< line of the card in the deck, for messages
+    integer :: first_dof = 0                     !< degree of freedom of the first term as the deck has it
+    integer :: last_step = huge(1)               !< EQUATION, REMOVE: it holds up to this step
+    logical :: is_removed = .false.              !< it does not hold in the present step
   end type equation_type
 
 contains

@@ -31,7 +31,7 @@ module amontons_material_point
   use amontons_user_material, only: user_point_type, update_user
   implicit none
   private
-  public :: point_type, update_point, elastic_strain_of, axes_at
+  public :: point_type, update_point, elastic_strain_of, thermal_strain_of, axes_at
 
   !> What goes into a material point and what comes out. The past is committed: it is read, never written.
   type :: point_type
@@ -203,6 +203,24 @@ contains
 
 
   !> The thermal strain since the start: a(T) (T - T0) - a(Ti) (Ti - T0), a the secant coefficient from T0 on.
+  pure function thermal_strain_of(material, temperature, initial_temperature, frame) result(strain)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: temperature, initial_temperature   !< [temperature]
+    real(DP), intent(in) :: frame(3, 3)            !< local axes of the material in its columns
+    real(DP) :: strain(6)                          !< tensor components in the global axes, xx yy zz xy yz xz [-]
+    type(point_type) :: point
+    type(moduli_type) :: moduli
+    strain = 0
+    if (.not. allocated(material%expansion%value)) return
+    point%temperature = temperature
+    point%initial_temperature = initial_temperature
+    point%frame = frame
+    call find_thermal_strain(material, point, moduli)
+    strain = moduli%thermal
+  end function thermal_strain_of
+
+
+  !> The thermal strain at the temperature of a point.
   pure subroutine find_thermal_strain(material, point, moduli)
     type(material_type), intent(in) :: material
     type(point_type), intent(in) :: point

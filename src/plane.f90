@@ -26,7 +26,7 @@ module amontons_plane
     FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC, FACET_TRI3, FACET_QUAD4, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
   implicit none
   private
-  public :: plane_element, plane_volumes, plane_body_force, edge_pressure
+  public :: plane_element, plane_volumes, plane_body_force, plane_temperature_weights, edge_pressure
 
   integer, parameter :: N_MOST = 8                    !< most nodes
   integer, parameter :: P_MOST = 9                    !< most points
@@ -131,6 +131,21 @@ contains
     strip%at_rest = strip%gradient(:, :, 1)
     strip%current = strip%reference
   end subroutine set_reference
+
+
+  !> Weights of the nodal temperatures at the points of a plane or axisymmetric element.
+  pure subroutine plane_temperature_weights(kind, weight)
+    integer, intent(in) :: kind
+    real(DP), intent(inout) :: weight(:, :)        !< (MAX_NODES, MAX_POINTS), zero [-]
+    type(strip_type) :: strip
+    type(kind_type) :: entry
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS)
+    entry = element_kind(kind)
+    strip%n = entry%n_nodes
+    call quadrature(kind, strip%m, xi, w)
+    call set_weights(entry, xi, strip)
+    weight(:strip%n, :strip%m) = strip%weight(:strip%n, :strip%m)
+  end subroutine plane_temperature_weights
 
 
   !> Weights of the nodal temperatures, one degree below the displacements: the mean in linear elements, linear from the

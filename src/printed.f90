@@ -13,6 +13,7 @@ module amontons_printed
   use amontons_text, only: upper_case
   use amontons_tensor, only: cross_product, pack_voigt, unpack_voigt
   use amontons_topology, only: MAX_POINTS
+  use amontons_mechanical, only: mechanical_strain
   use amontons_mesh, only: mesh_type, set_type, is_out
   use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, &
     PRINT_SECTION
@@ -301,7 +302,7 @@ contains
       case (PRINT_NODE)
         call print_node_variable(unit, model, fields, request, request%variables(i), is_nlgeom)
       case (PRINT_ELEMENT)
-        call print_element_variable(unit, model%mesh, fields, request, request%variables(i), is_nlgeom)
+        call print_element_variable(unit, model, fields, request, request%variables(i), is_nlgeom)
       case (PRINT_CONTACT)
         call print_contact_variable(unit, model, fields, request, request%variables(i))
       end select
@@ -415,23 +416,26 @@ contains
   end subroutine print_node_rows
 
 
-  !> S, E, PEEQ, CEEQ, ENER, COORD at the integration points of an element set; ELSE, EVOL of its elements.
-  subroutine print_element_variable(unit, mesh, fields, request, variable, is_nlgeom)
+  !> S, E, ME, PEEQ, CEEQ, ENER, COORD at the integration points of an element set; ELSE, EVOL of its elements.
+  subroutine print_element_variable(unit, model, fields, request, variable, is_nlgeom)
     integer, intent(in) :: unit
-    type(mesh_type), intent(in) :: mesh
+    type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     type(print_request_type), intent(in) :: request
     character(*), intent(in) :: variable
     logical, intent(in) :: is_nlgeom
     type(set_type) :: set
     real(DP), allocatable :: places(:, :)
-    set = set_of(mesh, request)
-    associate (time => fields%total_time)           ! CalculiX prints xx yy zz xy xz yz
+    set = set_of(model%mesh, request)
+    associate (time => fields%total_time, mesh => model%mesh)   ! CalculiX prints xx yy zz xy xz yz
       select case (variable)
       case ('S')
         call print_head(unit, 'stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)', set, time)
         call print_point_rows(unit, mesh, set, in_axes(fields, request, fields%stress))
-      case ('E', 'LE', 'ME')
+      case ('ME')
+        call print_head(unit, 'mechanical strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
+        call print_point_rows(unit, mesh, set, in_axes(fields, request, mechanical_strain(model, fields)))
+      case ('E', 'LE')
         call print_head(unit, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
         call print_point_rows(unit, mesh, set, in_axes(fields, request, fields%strain))
       case ('PEEQ')

@@ -3,13 +3,11 @@
 !!
 !! Theory: doc/theory/elements.md, section "Trusses, springs, gaps and masses".
 module amontons_springs
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, PI
   use amontons_materials, only: curve_type, table_type, evaluate_curve, evaluate_table, find_interval
   implicit none
   private
   public :: spring_type, spring_force
-
-  real(DP), parameter :: PI = acos(-1.0_DP)
 
   !> The law of the springs of one card.
   type :: spring_type

@@ -128,6 +128,7 @@ contains
     character(12) :: line
     do i = 1, size(model%equations)
       associate (equation => model%equations(i))
+        if (equation%is_removed) cycle
         row%unknown = 3 * (equation%node - 1) + equation%dof
         row%coefficient = equation%coefficient
         row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])

@@ -177,7 +177,8 @@ STEP = "*STEP\n*STATIC\n*END STEP\n"
     (f"{BRICK}*ASSEMBLY\n{INSTANCE}*NSET, NSET=N, INSTANCE=J\n1\n*END ASSEMBLY\n", "There is no instance 'J'"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n1., 2., 3., 4.\n*END INSTANCE\n*END ASSEMBLY\n", "translation of three"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n\n0,0,0\n1.,1.,1.,1.,1.,1.,90.\n*END INSTANCE\n*END ASSEMBLY\n", "must differ"),
-    (BRICK.replace("*END PART", "*BOUNDARY\n1, 1\n*END PART") + f"*ASSEMBLY\n{INSTANCE}*END ASSEMBLY\n", "inside a part"),
+    (BRICK.replace("*END PART", "*BOUNDARY\n1, 1\n*END PART")
+     + "*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n0,0,0\n0.,0.,0.,0.,0.,1.,90.\n*END INSTANCE\n*END ASSEMBLY\n", "is turned"),
     (BRICK.replace("*END PART", "*DASHPOT\n1, 1\n*END PART") + f"*ASSEMBLY\n{INSTANCE}*END ASSEMBLY\n", "inside a part"),
 ])
 def test_refused_parts(run_deck: Run, deck: str, told: str) -> None:
@@ -299,3 +300,224 @@ def test_surface_with_a_wrong_face(run_deck: Run) -> None:
 def test_instance_without_an_assembly(run_deck: Run) -> None:
     """INSTANCE on a set of a flat deck names nothing."""
     assert "INSTANCE belongs to the sets of an assembly" in refused(run_deck, f"{CUBE}*NSET, NSET=A, INSTANCE=I\n1\n{HELD}{STEP}")
+
+
+def test_supports_inside_parts(run_deck: Run, tmp_path: Path) -> None:
+    """Supports, initial temperatures and a contact pair written in the part and the assembly; the load on the whole model.
+
+    Two cubes of E = 1000, nu = 0, weight 2 each, one on the other: the lower is pressed together by (1/2 + 1) 2 / 1000, and the upper
+    by (1/2) 2 / 1000 more. Expansion has no effect at the temperature of the start.
+    """
+    sides = "*BOUNDARY\nEvery, 1, 2\n*INITIAL CONDITIONS, TYPE=TEMPERATURE\nEvery, 20.\n"
+    deck = f"""{BRICK.replace("*END PART", sides + "*END PART")}*ASSEMBLY, NAME=Assembly
+*INSTANCE, NAME=A, PART=Brick
+*END INSTANCE
+*INSTANCE, NAME=B, PART=Brick
+0., 0., 1.
+*END INSTANCE
+*NSET, NSET=Foot, INSTANCE=A
+Low,
+*CONTACT PAIR, INTERACTION=Smooth
+B.Bottom, A.Top
+*BOUNDARY
+Foot, 3
+*END ASSEMBLY
+{STEEL}*DENSITY
+.2
+*EXPANSION, ZERO=20.
+1e-3
+*SURFACE INTERACTION, NAME=Smooth
+*STEP
+*STATIC
+*DLOAD
+, GRAV, 10., 0., 0., -1.
+*NODE PRINT, NSET=A.High
+U
+*NODE PRINT, NSET=B.High
+U
+*END STEP
+"""
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout
+    assert all(row[2] == pytest.approx(-0.003, rel=DIGITS) for row in rows_of(tmp_path, name="A.High").values())
+    assert all(row[2] == pytest.approx(-0.004, rel=DIGITS) for row in rows_of(tmp_path, name="B.High").values())
+
+
+CAE = """*Heading
+** Job name: Job-1 Model name: Model-1
+*Preprint, echo=NO, model=NO, history=NO, contact=NO
+**
+** PARTS
+**
+*Part, name=Block
+*Node
+      1,           0.,           0.,           0.
+      2,           1.,           0.,           0.
+      3,           1.,           1.,           0.
+      4,           0.,           1.,           0.
+      5,           0.,           0.,           1.
+      6,           1.,           0.,           1.
+      7,           1.,           1.,           1.
+      8,           0.,           1.,           1.
+*Element, type=C3D8R
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*Nset, nset=Set-1, generate
+ 1,  8,  1
+*Elset, elset=Set-1
+ 1,
+** Section: Section-1
+*Solid Section, elset=Set-1, controls=EC-1, material=Steel
+,
+*End Part
+**
+**
+** ASSEMBLY
+**
+*Assembly, name=Assembly
+**
+*Instance, name=Block-1, part=Block
+*End Instance
+**
+*Instance, name=Block-2, part=Block
+          0.,           0.,           1.
+*End Instance
+**
+*Node
+      1,          0.5,          0.5,           3.
+*Nset, nset=_PickedSet20, internal, instance=Block-1
+ 1, 2, 3, 4
+*Elset, elset=_PickedSet20, internal, instance=Block-1
+ 1,
+*Nset, nset="Set A", instance=Block-2
+ 5, 6, 7, 8
+*Nset, nset=RP
+ 1,
+*Elset, elset=_Surf-1_S2, internal, instance=Block-1
+ 1,
+*Surface, type=ELEMENT, name=Surf-1
+_Surf-1_S2, S2
+*Elset, elset=_Surf-2_S1, internal, instance=Block-2
+ 1,
+*Surface, type=ELEMENT, name=Surf-2
+_Surf-2_S1, S1
+*Elset, elset=_Top_S2, internal, instance=Block-2
+ 1,
+*Surface, type=ELEMENT, name=Top
+_Top_S2, S2
+** Constraint: Constraint-1
+*Coupling, constraint name=Constraint-1, ref node=RP, surface=Top
+*Kinematic
+*End Assembly
+**
+** ELEMENT CONTROLS
+**
+*Section Controls, name=EC-1, hourglass=ENHANCED
+1., 1., 1.
+*Amplitude, name=Amp-1
+             0.,              0.,              1.,              1.
+**
+** MATERIALS
+**
+*Material, name=Steel
+*Density
+ 7.85e-09,
+*Elastic
+210000., 0.
+*Plastic
+250.,0.
+300.,0.1
+**
+** INTERACTION PROPERTIES
+**
+*Surface Interaction, name=IntProp-1
+1.,
+*Friction, slip tolerance=0.005
+ 0.2,
+*Surface Behavior, pressure-overclosure=HARD
+**
+** BOUNDARY CONDITIONS
+**
+** Name: BC-1 Type: Symmetry/Antisymmetry/Encastre
+*Boundary
+_PickedSet20, ENCASTRE
+**
+** INTERACTIONS
+**
+** Interaction: Int-1
+*Contact Pair, interaction=IntProp-1, small sliding, type=SURFACE TO SURFACE, adjust=0.0
+Surf-2, Surf-1
+** ----------------------------------------------------------------
+**
+** STEP: Step-1
+**
+*Step, name=Step-1, nlgeom=NO, inc=1000, unsymm=YES
+*Static, stabilize=0.0002, allsdtol=0.05, continue=NO
+0.1, 1., 1e-05, 1.
+**
+** BOUNDARY CONDITIONS
+**
+** Name: BC-2 Type: Displacement/Rotation
+*Boundary, amplitude=Amp-1
+RP, 1, 1
+RP, 2, 2
+RP, 3, 3, -0.001
+RP, 4, 4
+RP, 5, 5
+RP, 6, 6
+**
+** LOADS
+**
+** Name: Load-1   Type: Gravity
+*Dload
+, GRAV, 9.81, 0., 0., -1.
+** Name: Load-2   Type: Pressure
+*Dsload
+Top, P, 5.
+**
+** CONTROLS
+**
+*Controls, reset
+*Controls, parameters=time incrementation
+, , , , , , , 10, , ,
+**
+** OUTPUT REQUESTS
+**
+*Restart, write, frequency=0
+**
+** FIELD OUTPUT: F-Output-1
+**
+*Output, field, variable=PRESELECT
+**
+** FIELD OUTPUT: F-Output-2
+**
+*Output, field, time interval=0.1
+*Node Output
+CF, RF, U
+*Element Output, directions=YES
+LE, PE, PEEQ, PEMAG, S
+*Contact Output
+CDISP, CSTRESS
+**
+** HISTORY OUTPUT: H-Output-1
+**
+*Output, history, variable=PRESELECT
+*Output, history
+*Node Output, nset="Set A"
+RF3, U3
+*Energy Output
+ALLIE, ALLSE
+*Node Print, nset=RP, summary=NO
+RF
+*End Step
+"""
+
+
+def test_deck_of_abaqus_cae(run_deck: Run, tmp_path: Path) -> None:
+    """The words and the order of Abaqus/CAE: two blocks in contact, pressed by a reference point.
+
+    The sides are free and nu is 0: a bar of length 2 shortened by 0.001. The reference point carries 105 N less the 5 N of the pressure.
+    """
+    done = run_deck(CAE)
+    assert done.returncode == 0, done.stdout
+    (row,) = rows_of(tmp_path, "forces", "RP").values()
+    assert row[2] == pytest.approx(-210000.0 * 0.001 / 2.0 + 5.0, rel=1e-5)
