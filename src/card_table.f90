@@ -246,8 +246,8 @@ contains
     call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of times.')
 
     call table%card('EQUATION', IN_BOTH, 'Sums of displacements that are zero; the first term is the one ' // &
-      'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term; with REMOVE, in a step: ' // &
-      'node or node set, first and last degree of freedom')
+      'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term; with REMOVE, ' // &
+      'in a step: node or node set, first and last degree of freedom')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
     call table%option('REMOVE', VALUE_OPTIONAL_WORD, 'In a step: the equations whose first term is named hold no more, or all.', &
       allowed='ALL')

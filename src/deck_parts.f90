@@ -522,8 +522,8 @@ contains
         text = set_row(cards, work, row, scope, .false., 0)
       case ('BOUNDARY', 'INITIALCONDITIONS')
         if (is_turned(scope)) then
-          call remarks%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part whose instance is turned ' // &
-            'is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
+          call remarks%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part whose instance is ' // &
+            'turned is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
           return
         end if
         text = first_row(cards, work, row, scope, merge(scope%element_shift, scope%node_shift, &

@@ -23,8 +23,8 @@ contains
       if (reader%dialect == DIALECT_CALCULIX) then
         call read_spread(reader, model, c)
       else
-        call complain(reader, reader%cards%cards(c)%line, 'The card *DISTRIBUTING COUPLING is that of CalculiX, which binds no ' // &
-          'rotation; under the abaqus dialect use *COUPLING with *DISTRIBUTING below it, on a surface.')
+        call complain(reader, reader%cards%cards(c)%line, 'The card *DISTRIBUTING COUPLING is that of CalculiX, which ' // &
+          'binds no rotation; under the abaqus dialect use *COUPLING with *DISTRIBUTING below it, on a surface.')
       end if
     end do
   end subroutine read_spreads

@@ -14,7 +14,7 @@ module amontons_element
   use amontons_hourglass, only: hourglass_type, prepare_hourglass, add_hourglass
   use amontons_materials, only: material_type
   use amontons_material_point, only: point_type, update_point
-  use amontons_plane, only: plane_element, plane_volumes, plane_body_force, plane_temperature_weights, edge_pressure, find_temperature_weights
+  use amontons_plane, only: plane_element, plane_volumes, plane_body_force, plane_temperature_weights, edge_pressure
   use amontons_points, only: points_type, begin_point, keep_history, ELEMENT_OK, ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_principal, only: logarithm_1p
@@ -31,6 +31,7 @@ module amontons_element
   private
   public :: points_type, element_system, element_forces, element_tangent
   public :: element_volume, element_point_volumes, element_body_force, facet_pressure, edge_pressure
+  public :: find_temperature_weights
   public :: ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
 
   ! The table of module topology once more, as constants: so the loops have known lengths. The unit test notices if

@@ -612,7 +612,7 @@ contains
     integer :: status
     system%is_dense_wanted = .false.
     if (.not. system%condensed%is_analysed) then
-      if (count(system%is_contact) > MOST_INTERFACE) return
+      if (count(system%is_contact) > MOST_INTERFACE .or. system%base%n_free == 0) return   ! all may be prescribed
       call analyse_bulk(system%condensed, system%assembly%stiffness, system%base, system%is_contact, error)
       if (allocated(error) .or. .not. system%condensed%is_analysed) return
     end if

@@ -149,7 +149,7 @@ contains
     call expect_error('*RIGID BODY, NSET=TOP, REF NODE=90, ROT NODE=1;', 'belongs to an element')
     call expect_error('*RIGID BODY, REF NODE=90;', 'needs NSET or ELSET')
     call expect_error('*RIGID BODY, NSET=REF, REF NODE=90;', 'has no nodes')
-    call expect_error('*RIGID BODY, ANALYTICAL SURFACE=TOP, NSET=TOP, REF NODE=90;', 'Name the nodes with NSET')
+    call expect_error('*RIGID BODY, POSITION=CENTER OF MASS, NSET=TOP, REF NODE=90;', 'its place')
   end subroutine test_rigid_bodies
 
 

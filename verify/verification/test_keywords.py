@@ -188,3 +188,31 @@ def test_rigid_body_over_missing_nodes(run_deck: Run) -> None:
     done = run_deck(deck)
     assert done.returncode == 3
     assert "no node 8" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+
+
+def test_contact_with_all_prescribed(run_deck: Run) -> None:
+    """Nothing is left to solve for; the condensed solver has no unknowns to order, and the job ends well."""
+    upper = "".join(f"{i + 8}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(
+        [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0, 0, 2), (1, 0, 2), (1, 1, 2), (0, 1, 2)], start=1))  # fmt: skip
+    deck = f"""{CUBE}*NODE, NSET=UP
+{upper}*ELEMENT, TYPE=C3D8, ELSET=F
+2, 9, 10, 11, 12, 13, 14, 15, 16
+*SOLID SECTION, ELSET=F, MATERIAL=M
+*SURFACE, NAME=TOP
+E, S2
+*SURFACE, NAME=SOLE
+F, S1
+*SURFACE INTERACTION, NAME=I
+*CONTACT PAIR, INTERACTION=I
+SOLE, TOP
+*BOUNDARY
+ALL, 1, 3
+UP, 1, 3
+*STEP
+*STATIC
+*BOUNDARY
+UP, 3, 3, 0.1
+*END STEP
+"""
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -77,12 +77,13 @@ def test_nodes(run_deck: Run, tmp_path: Path) -> None:
 
 def test_points(run_deck: Run, tmp_path: Path) -> None:
     """E is the whole strain, S the stress of the elastic one; the points of C3D8 lie at 1/2 -+ 1/sqrt(12) of the sides."""
-    assert run_deck(pull("*EL PRINT, ELSET=E, TOTALS=ONLY\nELSE, EVOL\n*EL PRINT, ELSET=E\nS, E, ENER, COORD\n")).returncode == 0
+    assert run_deck(pull("*EL PRINT, ELSET=E, TOTALS=ONLY\nELSE, EVOL\n*EL PRINT, ELSET=E\nS, E, ME, ENER, COORD\n")).returncode == 0
     found = blocks_of(tmp_path / "job.dat")
     elastic = [STRETCH - ALPHA * HEAT, -ALPHA * HEAT, -ALPHA * HEAT]
     energy = YOUNG * sum(e * e for e in elastic) / 2
     assert close(found["stresses"][0], [[7, p, *(YOUNG * e for e in elastic), 0, 0, 0] for p in range(1, 9)])
     assert close(found["strains"][0], [[7, p, STRETCH, 0, 0, 0, 0, 0] for p in range(1, 9)])
+    assert close(found["mechanical strains"][0], [[7, p, *elastic, 0, 0, 0] for p in range(1, 9)])
     assert close(found["internal energy density"][0], [[7, p, energy] for p in range(1, 9)])
     assert close(found["total internal energy"][0], [[2 * energy]])
     assert close(found["total volume"][0], [[2]])

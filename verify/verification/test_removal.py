@@ -44,7 +44,7 @@ def blocks(folder: Path) -> list[dict[int, float]]:
     for line in (folder / "job.dat").read_text().splitlines():
         if "displacements" in line:
             found.append({})
-        elif found and (words := line.split()):
+        elif found and (words := line.split()) and words[0].isdigit():
             found[-1][int(words[0])] = float(words[1])
     return found
 
