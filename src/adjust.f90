@@ -5,7 +5,8 @@ module amontons_adjust
   use amontons_errors, only: error_type
   use amontons_model, only: model_type
   use amontons_state, only: state_type, slave_type, create_state
-  use amontons_contact, only: contact_type, create_contact, begin_contact_increment
+  use amontons_contact, only: contact_type, create_contact
+  use amontons_contact_start, only: begin_contact_increment
   implicit none
   private
   public :: adjust_slaves
@@ -32,6 +33,7 @@ contains
     if (.not. any(model%pairs%has_adjust)) return
     by_nodes = model
     by_nodes%pairs%is_mortar = .false.
+    by_nodes%pairs%is_pointwise = .false.
     call create_contact(contact, by_nodes, slaves, error)
     if (allocated(error)) return
     call create_state(state, model%mesh, slaves)

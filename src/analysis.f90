@@ -29,6 +29,7 @@ module amontons_analysis
     STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
   use amontons_failure, only: failure_reason, failure_lines
   use amontons_store, only: mend_store
+  use amontons_contact_fields, only: n_nodal_slaves
   use amontons_results, only: results_type, open_results, resume_results, write_increment, write_attempt, &
     write_iteration, close_results, take_result_pages, apply_result_pages, drop_results, &
     is_writing
@@ -165,7 +166,7 @@ contains
       if (allocated(error)) return
       call mend_store(job_path(options, '.vtkhdf'), files%pages, error)
       if (allocated(error)) return
-      call resume_results(analysis%results, model, size(analysis%state%old%slaves), options, error)
+      call resume_results(analysis%results, model, n_nodal_slaves(model, analysis%state%old%slaves), options, error)
       if (allocated(error)) return
       call resume_printed(analysis%printed, model, options, files%lengths, error)
       if (allocated(error)) return

@@ -159,7 +159,8 @@ contains
     call table%card('CONTACT PAIR', IN_MODEL, 'Two surfaces that may touch.', data='slave surface, master surface')
     call table%option('INTERACTION', VALUE_NAME, 'Their interaction.', default='required')
     call table%option('TYPE', VALUE_WORD, 'How contact is enforced: at the nodes of the slave, or in the mean over its ' // &
-      'faces by a dual mortar method (all other words).', &
+      'faces by a dual mortar method (all other words); SURFACE TO SURFACE in the calculix dialect: by springs at points ' // &
+      'of its faces.', &
       allowed='NODE TO SURFACE|SURFACE TO SURFACE|MORTAR|LINMORTAR|PGLINMORTAR', default='NODE TO SURFACE')
     call table%refuse_words('MASSLESS', 'Use NODE TO SURFACE or SURFACE TO SURFACE.')
     call table%option('SMALL SLIDING', VALUE_NONE, 'Each slave node keeps the facet and the normal of the start ' // &

@@ -140,7 +140,7 @@ contains
     case (2)                                       ! an edge of 3 nodes is the face of 8 that CalculiX makes of it
       share = [0.26_DP, 0.26_DP, 0.48_DP]
     case (3)
-      share = [0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 1.0_DP, 1.0_DP] / 3.0_DP
+      share = [0.003_DP, 0.003_DP, 0.003_DP, 0.997_DP, 0.997_DP, 0.997_DP] / 3.0_DP
     case default
       share = 0.24_DP
       share(:4) = 0.01_DP

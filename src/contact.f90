@@ -6,32 +6,31 @@
 module amontons_contact
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_topology, only: MAX_FACE_NODES, N_SOLID_KINDS
+  use amontons_topology, only: N_SOLID_KINDS
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, is_compliant, pair_laws, BEHAVIOR_TIED
   use amontons_steps, only: step_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, condensation
-  use amontons_rows, only: contact_row_type, facet_row, facet_weights, relative_position, imbalance_of, spread_force
-  use amontons_areas, only: faces_type, add_face_areas, face_area, depth_of, cover_slave, &
-    sum_shares, mean_edge
+  use amontons_rows, only: contact_row_type, facet_row, relative_position, imbalance_of, spread_force
+  use amontons_areas, only: faces_type, add_face_areas, cover_slave, mean_edge
   use amontons_profiles, only: extent_of, PROFILE_FLAT
   use amontons_sparse, only: sparse_type, multiply
-  use amontons_overlaps, only: overlaps_type, find_overlaps, order_slaves, free_directions, is_friction_taken
+  use amontons_overlaps, only: overlaps_type, find_overlaps, free_directions, is_friction_taken, fit_overlaps
   use amontons_facets, only: facets_type, build_facets
   use amontons_analytic, only: build_profile_facets
-  use amontons_search, only: search_type, build_search
-  use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar, search_margin, turned_with
+  use amontons_search, only: search_type
+  use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar, turned_with
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
   use amontons_slip, only: trial_type, trial_traction
   use amontons_compliance, only: law_pressure, law_reach, law_shear
   implicit none
   private
   public :: contact_type, slip_view_type, create_contact, begin_contact_step, set_supports, &
-    begin_contact_increment, evaluate_contact
-  public :: touching_row, origin_row, row_imbalance, contact_slip_vector, commit_slip, elastic_trial, shear_most, is_cornered
+    evaluate_contact, fit_contact
+  public :: touching_row, origin_row, row_imbalance, contact_slip_vector, commit_slip, elastic_trial, shear_most, &
+    is_cornered, renew_rows, refresh_facet, lose_master, set_origin, SEARCH_REACH
 
-  real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
   real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
   real(DP), parameter :: SUPPORTED = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
@@ -102,7 +101,8 @@ contains
           call build_profile_facets(master%profile, mean_edge(model%mesh, model%surfaces(model%pairs(p)%slave), &
             extent_of(master%profile)), contact%facets(p))
         else
-          call build_facets(model%mesh, master%element, master%face, contact%facets(p), error)
+          call build_facets(model%mesh, master%element, master%face, contact%facets(p), error, &
+            is_faceted=is_faceted(model, contact%laws(p), p))
         end if
         if (.not. allocated(error)) call check_dimensions(model, p, error)
         if (allocated(error)) return
@@ -116,7 +116,7 @@ contains
       else if (is_compliant(contact%laws(p))) then
         call cover_slave(model%mesh, model%surfaces(model%pairs(p)%slave), contact%cover(p))
       end if
-      call append_slaves(contact, model, p, slaves)
+      if (.not. model%pairs(p)%is_pointwise) call append_slaves(contact, model, p, slaves)
     end do
     n = size(slaves)
     call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
@@ -127,6 +127,44 @@ contains
     allocate (contact%view%normal_force(n), source=0.0_DP)
     allocate (contact%view%status(n), source=STATUS_OPEN)
   end subroutine create_contact
+
+
+  !> Room for slaves whose number has changed: those of pairs with points are the last.
+  subroutine fit_contact(contact, slaves)
+    type(contact_type), intent(inout) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    real(DP), allocatable :: normal(:, :)
+    integer :: n, s
+    n = size(slaves)
+    if (n == size(contact%friction) .and. .not. any(slaves%side > 0)) return
+    allocate (normal(3, n), source=0.0_DP)
+    do s = 1, n
+      if (slaves(s)%side == 0) normal(:, s) = contact%slave_normal(:, s)
+      if (slaves(s)%side > 0) normal(:, s) = -contact%mortar(slaves(s)%pair)%places(slaves(s)%row)%normal
+    end do
+    call move_alloc(normal, contact%slave_normal)
+    if (n == size(contact%friction)) return
+    contact%mask = reshape(contact%mask(:, :min(n, size(contact%friction))), [3, n], pad=[1.0_DP])
+    contact%free = reshape([0.0_DP], [3, 3, n], pad=[0.0_DP])
+    contact%friction = spread(0.0_DP, 1, n)
+    contact%carried = reshape([0.0_DP], [3, n], pad=[0.0_DP])
+    contact%direction = contact%carried
+    contact%view%imbalance_t = contact%carried
+    contact%view%slip = contact%carried
+    contact%view%position = contact%carried
+    contact%view%normal_force = contact%friction
+    contact%view%status = spread(STATUS_OPEN, 1, n)
+    call fit_overlaps(contact%overlaps, n)
+  end subroutine fit_contact
+
+
+  !> Whether the normals of a master are those of its faces, as in CalculiX, or continuous over them.
+  pure logical function is_faceted(model, law, pair)
+    type(model_type), intent(in) :: model
+    type(interaction_type), intent(in) :: law
+    integer, intent(in) :: pair
+    is_faceted = model%dialect == DIALECT_CALCULIX .and. .not. model%pairs(pair)%is_mortar .and. is_compliant(law)
+  end function is_faceted
 
 
   !> Both surfaces of a pair are of solids, or both of plane elements.
@@ -220,64 +258,6 @@ contains
   end subroutine begin_contact_step
 
 
-  !> Before the first iteration: find facets for nodes that have none, and set the origins of the closed ones.
-  subroutine begin_contact_increment(contact, model, is_nlgeom, is_step_start, u_start, fields)
-    type(contact_type), intent(inout) :: contact
-    type(model_type), intent(in) :: model
-    logical, intent(in) :: is_nlgeom
-    logical, intent(in) :: is_step_start           !< first increment of a step
-    real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
-    type(fields_type), intent(inout) :: fields     !< in: u; out: slaves
-    real(DP), allocatable :: x(:, :)
-    real(DP) :: reach
-    integer :: p, s
-    logical :: is_new
-    allocate (x, source=model%mesh%coordinates)
-    if (is_nlgeom) x = x + fields%u
-    do p = 1, size(model%pairs)
-      contact%is_small(p) = model%pairs(p)%is_small_sliding .or. .not. is_nlgeom
-      reach = SEARCH_REACH * contact%edge(p)
-      if (model%pairs(p)%is_mortar) reach = search_margin(contact%mortar(p), reach)
-      if (.not. allocated(contact%facets(p)%profile)) call build_search(contact%facets(p), x, reach, contact%search(p))
-      if (.not. model%pairs(p)%is_mortar) cycle
-      if (contact%is_small(p) .and. .not. is_step_start .and. contact%mortar(p)%is_made) cycle
-      if (contact%is_small(p) .and. is_nlgeom) then
-        call renew_rows(contact, p, model%mesh%coordinates + u_start)
-      else
-        call renew_rows(contact, p, x)
-      end if
-    end do
-    do s = 1, size(fields%slaves)
-      associate (slave => fields%slaves(s))
-        p = slave%pair
-        if (contact%is_removed(p)) then
-          call lose_master(slave)
-          slave%origin_facet = 0
-          slave%elastic = 0.0_DP
-          cycle
-        end if
-        reach = SEARCH_REACH * contact%edge(p)
-        if (.not. contact%is_small(p) .or. is_step_start) call refresh_facet(contact, x, s, reach, slave)
-        is_new = .not. slave%is_started
-        if (is_new) call start_slave(contact, model, slave)
-        call ramp_interference(contact, is_step_start, fields%step_time, slave)
-        if (is_new .and. slave%facet > 0 .and. slave%gap <= TOUCH * contact%edge(p)) slave%status = STATUS_STICK
-        slave%scenario = 0
-        slave%slip_increment = 0.0_DP
-        slave%origin_facet = 0
-        if (slave%status /= STATUS_OPEN) call set_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
-      end associate
-    end do
-    call order_slaves(contact%facets, fields%slaves, contact%overlaps)
-    do s = 1, size(fields%slaves)
-      if (contact%overlaps%is_kept(s)) cycle
-      call lose_master(fields%slaves(s))
-      fields%slaves(s)%origin_facet = 0
-    end do
-    call renew_areas(contact, model, x, fields%slaves)
-  end subroutine begin_contact_increment
-
-
   !> The rows of a mortar pair with the bodies as they are at x.
   subroutine renew_rows(contact, pair, x)
     type(contact_type), intent(inout) :: contact
@@ -286,67 +266,6 @@ contains
     call integrate_mortar(contact%mortar(pair), contact%facets(pair), contact%search(pair), x, &
       SEARCH_REACH * contact%edge(pair))
   end subroutine renew_rows
-
-
-  !> The start of the job: the gap of a pair with CLEARANCE is that, the gap of a tied one nothing.
-  subroutine start_slave(contact, model, slave)
-    type(contact_type), intent(in) :: contact
-    type(model_type), intent(in) :: model
-    type(slave_type), intent(inout) :: slave
-    slave%is_started = .true.
-    slave%clearance = 0.0_DP
-    if (slave%facet == 0) return
-    if (model%pairs(slave%pair)%has_clearance) slave%clearance = model%pairs(slave%pair)%clearance - slave%gap
-    if (contact%laws(slave%pair)%behavior == BEHAVIOR_TIED) slave%clearance = -slave%gap
-  end subroutine start_slave
-
-
-  !> The overclosure that is allowed: all of it at the start of the step, nothing at its end.
-  subroutine ramp_interference(contact, is_step_start, step_time, slave)
-    type(contact_type), intent(in) :: contact
-    logical, intent(in) :: is_step_start
-    real(DP), intent(in) :: step_time              !< at the end of the increment [time]
-    type(slave_type), intent(inout) :: slave
-    real(DP) :: offset
-    if (is_step_start) then
-      slave%allowed = contact%interference(slave%pair)
-      if (slave%facet > 0 .and. (contact%is_shrink(slave%pair) .or. &
-        (contact%is_ramped(slave%pair) .and. slave%status == STATUS_OPEN))) &
-        slave%allowed = max(0.0_DP, -(slave%gap - slave%offset + slave%clearance))
-    end if
-    offset = slave%clearance + slave%allowed * max(0.0_DP, 1.0_DP - step_time / contact%period)
-    if (slave%facet > 0) slave%gap = slave%gap + offset - slave%offset
-    slave%offset = offset
-  end subroutine ramp_interference
-
-
-  !> The areas of the slave nodes of compliant pairs as the bodies are deformed now: the laws speak of true pressures. A
-  !! slave node without faces of its own takes the area of its facet.
-  subroutine renew_areas(contact, model, x, slaves)
-    type(contact_type), intent(in) :: contact
-    type(model_type), intent(in) :: model
-    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates now [length]
-    type(slave_type), intent(inout) :: slaves(:)
-    real(DP), allocatable :: area(:), area_vector(:, :)
-    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), vector(3)
-    integer :: nodes(MAX_FACE_NODES), n, s, p
-    do p = 1, size(model%pairs)
-      if (.not. is_compliant(contact%laws(p)) .or. model%pairs(p)%is_mortar) cycle
-      allocate (area_vector(3, size(x, 2)), area(size(x, 2)), source=0.0_DP)
-      call sum_shares(model%mesh, contact%cover(p), x, area_vector, area)
-      do s = 1, size(slaves)
-        if (slaves(s)%pair /= p) cycle
-        if (area(slaves(s)%node) > 0.0_DP) then
-          slaves(s)%area = area(slaves(s)%node)
-        else if (slaves(s)%facet > 0 .and. .not. allocated(contact%facets(p)%profile)) then
-          call facet_weights(contact%facets(p), slaves(s)%facet, slaves(s)%xi, n, nodes, weights, dN)
-          call face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), &
-            depth_of(model%mesh, contact%facets(p)%element(slaves(s)%facet)), vector, slaves(s)%area)
-        end if
-      end do
-      deallocate (area_vector, area)
-    end do
-  end subroutine renew_areas
 
 
   !> A node that has no facet, because an earlier iterate took it off its master or because it was far away, is looked for

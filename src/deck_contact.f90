@@ -309,6 +309,7 @@ contains
         // '''.')
       common%is_small_sliding = has_parameter(parameters, 'SMALL SLIDING')
       common%is_mortar = parameter_word(parameters, 'TYPE', 'NODETOSURFACE') /= 'NODETOSURFACE'
+      common%is_pointwise = reader%dialect == DIALECT_CALCULIX .and. index(parameter_word(parameters, 'TYPE', ''), 'SURFACE') == 1
       call read_adjust(reader, model%mesh, c, parameters, common)
       n = 0
       do while (next_row(reader%cards, row))
@@ -318,6 +319,8 @@ contains
       end do
       if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*CONTACT PAIR needs a data line: slave, master.')
     end do
+    if (any(model%pairs%interaction == 0)) return
+    if (.not. all(is_compliant(model%interactions(model%pairs%interaction)))) model%pairs%is_pointwise = .false.
   end subroutine read_pairs
 
 

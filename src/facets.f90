@@ -42,6 +42,7 @@ module amontons_facets
     integer, allocatable :: neighbour(:, :)   !< (4, n) facet across each edge; 0: none
     integer, allocatable :: edge(:, :)        !< (4, n) EDGE_...
     real(DP), allocatable :: edge_length(:)   !< (n) mean length of the edges, reference configuration [length]
+    logical :: is_faceted = .false.           !< each facet has vertices of its own: the normal jumps at every edge
     integer, allocatable :: vertex(:)         !< vertex of each entry of nodes(:)
     integer :: n_vertices = 0
     real(DP), allocatable :: in_plane(:, :)   !< (3, n_vertices) 0 where a plane of symmetry takes a part of the normal; else 1
@@ -67,17 +68,19 @@ contains
   !!
   !! Errors: an element or face that does not exist, a facet without area, facets of opposite orientation or
   !! named twice, an edge with more than two facets.
-  subroutine build_facets(mesh, element, face, facets, error, feature_angle)
+  subroutine build_facets(mesh, element, face, facets, error, feature_angle, is_faceted)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: element(:)                     !< (n) element index of each facet
     integer, intent(in) :: face(:)                        !< (n) its face number
     type(facets_type), intent(out) :: facets
     type(error_type), allocatable, intent(out) :: error
     real(DP), intent(in), optional :: feature_angle       !< [rad], default EDGE_ANGLE
+    logical, intent(in), optional :: is_faceted           !< as facets%is_faceted; default .false.
     type(incidence_type) :: incidence
     real(DP) :: angle
     angle = EDGE_ANGLE
     if (present(feature_angle)) angle = feature_angle
+    if (present(is_faceted)) facets%is_faceted = is_faceted
     call collect_facets(mesh, element, face, facets, error)
     if (allocated(error)) return
     call measure_facets(mesh, facets, error)
@@ -403,7 +406,7 @@ contains
     else
       k = previous_corner(local, n_corners)
     end if
-    if (facets%edge(k, f) /= EDGE_SMOOTH) return
+    if (facets%edge(k, f) /= EDGE_SMOOTH .or. facets%is_faceted) return
     other = facets%neighbour(k, f)
     local = findloc(facets%nodes(facets%first(other):facets%first(other + 1) - 1), facets%nodes(entry), dim=1)
     if (local > 0) next = facets%first(other) + local - 1

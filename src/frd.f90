@@ -22,6 +22,7 @@ module amontons_frd
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type
   use amontons_state, only: fields_type, history_row, slave_type, STATUS_OPEN
+  use amontons_contact_fields, only: nodal_slaves, n_nodal_slaves
   use amontons_nodal, only: average_at_nodes
   use amontons_printed, only: contact_axes, printed_forces
   use amontons_version, only: VERSION
@@ -264,7 +265,7 @@ contains
     if (frd%unit == 0 .or. record%increment == 0) return
     associate (step => model%steps(record%step))
       if (.not. is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times)) return
-      shown = is_shown(frd, step, fields)
+      shown = is_shown(frd, step, fields, n_nodal_slaves(model, fields%slaves))
     end associate
     if (.not. any(shown)) return
     frd%n_frames = frd%n_frames + 1
@@ -277,10 +278,11 @@ contains
 
 
   !> The fields of a frame: those that the cards ask for, or all that the job has.
-  pure function is_shown(frd, step, fields)
+  pure function is_shown(frd, step, fields, n_slaves)
     type(frd_type), intent(in) :: frd
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields
+    integer, intent(in) :: n_slaves                !< nodes that may touch
     logical :: is_shown(N_FRD)
     is_shown = step%frd
     if (frd%is_all) then
@@ -288,7 +290,7 @@ contains
       is_shown(FRD_NDTEMP) = any(fields%temperature /= 0) .or. step%frd(FRD_NDTEMP)
       is_shown(FRD_PE) = size(fields%history, 1) > 0 .or. step%frd(FRD_PE)
     end if
-    is_shown(FRD_CONTACT) = is_shown(FRD_CONTACT) .and. size(fields%slaves) > 0
+    is_shown(FRD_CONTACT) = is_shown(FRD_CONTACT) .and. n_slaves > 0
   end function is_shown
 
 
@@ -314,7 +316,7 @@ contains
     case (FRD_ENER)
       call average_at_nodes(model%mesh, reshape(fields%energy, [1, model%mesh%n_points]), values)
     case (FRD_CONTACT)
-      values = contact_values(fields%slaves, model%mesh%n_nodes)
+      values = contact_values(nodal_slaves(model, fields%slaves), model%mesh%n_nodes)
     end select
   end function block_values
 

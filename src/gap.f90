@@ -11,7 +11,7 @@
 module amontons_gap
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product, invert
-  use amontons_topology, only: FACET_TRI3, FACET_TRI6, MAX_FACE_NODES
+  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_FACE_NODES
   use amontons_shapes, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
   use amontons_search, only: search_type, near_facets
@@ -91,7 +91,7 @@ contains
       call choose_edge(facets, f, excess, here%status, edge)
       if (edge == 0) exit
       if (facets%neighbour(edge, f) == before) then
-        here = nearer_of_two(facets, here, previous)
+        here = nearer_of_two(facets, x, point, here, previous)
         exit
       end if
       before = f
@@ -145,13 +145,37 @@ contains
       if (abs(candidate%gap) > max_distance .or. .not. holds_point(facets, candidate)) cycle
       is_facing = faces_slave(candidate%normal, slave_normal)
       if (has_facing .and. .not. is_facing) cycle
-      if ((has_facing .eqv. is_facing) .and. way > shortest - same_way) cycle
+      if ((has_facing .eqv. is_facing) .and. way > shortest - same_way) then
+        if (.not. facets%is_faceted .or. way > shortest + same_way) cycle
+        if (middle_distance(facets, x, list(i), point) >= middle_distance(facets, x, projection%facet, point) - same_way) cycle
+      end if
       has_facing = is_facing
       shortest = way
       projection = candidate
     end do
     if (projection%facet == 0 .and. nearest > 0) call walk_from(facets, x, point, max_distance, nearest, projection)
   end subroutine find_projection
+
+
+  !> The distance of a point from the nearest centre of the triangles of a facet. Of facets that hold a point equally well CalculiX takes
+  !! the one of the nearest triangle, and divides a square between its second and fourth corner as it numbers them.
+  pure real(DP) function middle_distance(facets, x, f, point) result(distance)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
+    integer, intent(in) :: f                     !< facet
+    real(DP), intent(in) :: point(3)             !< x_s [length]
+    integer :: n, nodes(MAX_FACE_NODES), at(3, 2)
+    call facet_nodes(facets, f, n, nodes)
+    at(:, 1) = [1, 2, 3]
+    at(:, 2) = at(:, 1)
+    if (facets%kind(f) == FACET_QUAD4 .or. facets%kind(f) == FACET_QUAD8) then
+      at = reshape([1, 2, 4, 2, 3, 4], [3, 2])
+      if (facets%face(f) == 1) at = reshape([1, 2, 3, 1, 3, 4], [3, 2])   ! there it begins at another corner
+    else if (is_line(facets%kind(f))) then
+      at = reshape([1, 2, 2, 1, 1, 2], [3, 2])
+    end if
+    distance = min(norm2(sum(x(:, nodes(at(:, 1))), dim=2) / 3 - point), norm2(sum(x(:, nodes(at(:, 2))), dim=2) / 3 - point))
+  end function middle_distance
 
 
   !> The projection from a facet that is near but does not hold the point; stays as it is if that leads nowhere.
@@ -335,8 +359,10 @@ contains
 
   !> A walk came straight back: the point is beyond the common edge on both sides (a valley from below, a ridge from
   !! above). The side where it is less beyond holds it if that is within the extension zone.
-  pure function nearer_of_two(facets, one, two) result(nearer)
+  pure function nearer_of_two(facets, x, point, one, two) result(nearer)
     type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
+    real(DP), intent(in) :: point(3)             !< x_s [length]
     type(projection_type), intent(in) :: one, two
     type(projection_type) :: nearer
     real(DP) :: beyond(2)
@@ -346,6 +372,10 @@ contains
     if (two%status == PROJECT_FAILED) beyond(2) = huge(1.0_DP)
     nearer = two
     if (beyond(1) < beyond(2) .or. (.not. beyond(2) < beyond(1) .and. one%facet < two%facet)) nearer = one
+    if (facets%is_faceted .and. abs(beyond(1) - beyond(2)) <= SAME) then
+      nearer = two
+      if (middle_distance(facets, x, one%facet, point) < middle_distance(facets, x, two%facet, point)) nearer = one
+    end if
     if (nearer%status == PROJECT_FAILED) return
     nearer%status = merge(PROJECT_ON, PROJECT_OFF, minval(beyond) <= EXTENSION)
   end function nearer_of_two

@@ -20,6 +20,7 @@ module amontons_library
   use amontons_user, only: close_routines
   use amontons_system, only: evaluate, linearise, tangent_matrix, TROUBLE_NONE
   use amontons_columns, only: column_type, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
+  use amontons_contact_fields, only: nodal_slaves
   use amontons_results, only: point_fields, model_size
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
     enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
@@ -521,7 +522,8 @@ contains
     if (.not. is_known) return
     associate (model => job%analysis%model, last => first + POINT_COLUMNS(i)%width - 1)
       allocate (reals(N_POINT_REALS, model%mesh%n_nodes), integers(N_POINT_INTEGERS, model%mesh%n_nodes))
-      call point_fields(model%mesh, job%analysis%state%new, model_size(model%mesh), reals, integers)
+      call point_fields(model%mesh, job%analysis%state%new, nodal_slaves(model, job%analysis%state%new%slaves), &
+        model_size(model%mesh), reals, integers)
       if (kind == 1) values = real(integers(first(1):last(1), nodes), DP)
       if (kind == 2) values = reals(first(2):last(2), nodes)
     end associate

@@ -50,7 +50,7 @@ module amontons_mortar
     type(contact_row_type), allocatable :: rows(:)      !< (n) as they touch now
     type(contact_row_type), allocatable :: origins(:)   !< (n) against their origins
     real(DP), allocatable :: origin_normal(:, :)   !< (3, n) the normal when they touched there
-    real(DP), allocatable, private :: depth(:)     !< (n_facets) of slave lines: thickness [length], -1: the full circle; else 1
+    real(DP), allocatable :: depth(:)              !< (n_facets) of slave lines: thickness [length], -1: the full circle; else 1
     integer, allocatable, private :: first(:)      !< (n + 1) start of a slave node's vertices in vertices(:)
     integer, allocatable, private :: vertices(:)
     integer, allocatable, private :: corners(:, :) !< (2, n) the corners beside a mid-side node, else 0

@@ -11,7 +11,7 @@ module amontons_overlaps
   use amontons_state, only: slave_type, STATUS_OPEN
   implicit none
   private
-  public :: overlaps_type, find_overlaps, order_slaves, free_directions, is_friction_taken
+  public :: overlaps_type, find_overlaps, fit_overlaps, order_slaves, free_directions, is_friction_taken
 
   real(DP), parameter :: PARALLEL = 0.99_DP    !< normals whose product is above this hold the same direction [-]
   real(DP), parameter :: HELD = 1.0e-6_DP      !< a normal whose free part is smaller than this holds nothing more [-]
@@ -66,6 +66,18 @@ contains
         overlaps%first(slaves(s)%node + 1) > overlaps%first(slaves(s)%node)
     end do
   end subroutine find_overlaps
+
+
+  !> Room for slaves whose number has changed; those that come are of compliant pairs and stand at no node.
+  subroutine fit_overlaps(overlaps, n)
+    type(overlaps_type), intent(inout) :: overlaps
+    integer, intent(in) :: n                       !< slaves
+    integer :: m
+    m = min(n, size(overlaps%level))
+    overlaps%level = [overlaps%level(:m), spread(1, 1, n - m)]
+    overlaps%is_kept = [overlaps%is_kept(:m), spread(.true., 1, n - m)]
+    overlaps%is_exact = [overlaps%is_exact(:m), spread(.false., 1, n - m)]
+  end subroutine fit_overlaps
 
 
   !> The levels of an increment, and which slaves give way: pair by pair in the order of the deck, a slave is kept unless

@@ -9,7 +9,7 @@ module amontons_polygons
   public :: clip_polygon, polygon_area, polygon_points
   public :: MAX_CORNERS, MAX_CUT_POINTS
 
-  integer, parameter :: MAX_CORNERS = 12           !< of a cut of two polygons with up to 4 corners each, with room to spare
+  integer, parameter :: MAX_CORNERS = 16           !< of a cut of polygons with up to 8 and 4 corners, with room to spare
   integer, parameter :: MOST_RULE = 36             !< points of the finest rule on a triangle
   integer, parameter :: MAX_CUT_POINTS = MOST_RULE * (MAX_CORNERS - 2)   !< points of an integral over a cut
 
@@ -35,11 +35,11 @@ contains
         side(i) = edge(1) * (before(2, i) - a(2)) - edge(2) * (before(1, i) - a(1))   ! positive: inside
       end do
       n = 0
-      do i = 1, m
-        j = modulo(i, m) + 1
-        if (side(i) >= 0.0_DP) call append_corner(before(:, i), cut, n)
+      do j = 1, m                                  ! each corner after what comes between the last one and it
+        i = modulo(j - 2, m) + 1
         if ((side(i) > 0.0_DP .and. side(j) < 0.0_DP) .or. (side(i) < 0.0_DP .and. side(j) > 0.0_DP)) &
           call append_corner(before(:, i) + side(i) / (side(i) - side(j)) * (before(:, j) - before(:, i)), cut, n)
+        if (side(j) >= 0.0_DP) call append_corner(before(:, j), cut, n)
       end do
       if (n < 3) return
     end do

@@ -12,7 +12,7 @@ module amontons_printed
   use amontons_posix, only: cut_file, sync_file
   use amontons_text, only: upper_case
   use amontons_tensor, only: cross_product, pack_voigt, unpack_voigt
-  use amontons_topology, only: MAX_POINTS
+  use amontons_topology, only: MAX_POINTS, N_SOLID_KINDS
   use amontons_mechanical, only: mechanical_strain
   use amontons_mesh, only: mesh_type, set_type, is_out
   use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, &
@@ -21,6 +21,7 @@ module amontons_printed
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
+  use amontons_contact_fields, only: slave_position
   use amontons_nodal, only: point_volumes, point_places
   use amontons_sections, only: section_type, measure_section
   implicit none
@@ -39,6 +40,7 @@ module amontons_printed
   end type printed_type
 
   character(*), parameter :: NODE_FORM = '(i10,1p,3(1x,e13.6))'
+  character(*), parameter :: SIDE_FORM = '(i10,1x,i10,1p,8(1x,e13.6))'     !< a row of a point of an element's face
   character(*), parameter :: POINT_FORM = '(i10,1x,i3,1p,*(1x,e13.6))'
   character(*), parameter :: TOTAL_FORM = '(6x,1p,3(1x,e13.6))'
   character(*), parameter :: STATISTICS_FORM = '(2x,1p,6(1x,e13.6))'
@@ -531,7 +533,7 @@ contains
   end subroutine print_element_rows
 
 
-  !> CDIS, CSTR of the closed slave nodes, their number CNUM, our SCEN, and the statistics CF, CFN, CFS of each pair.
+  !> CDIS, CSTR, CELS of the closed slave nodes or points of slave faces, their number CNUM, our SCEN, and the statistics CF, CFN, CFS of each pair.
   !!
   !! As in CalculiX pressure is positive, a gap negative is penetration, and the tangential components are slip and the
   !! shear stress that goes with it (that on the master, in the direction of slip of the slave).
@@ -542,15 +544,18 @@ contains
     type(print_request_type), intent(in) :: request
     character(*), intent(in) :: variable
     type(slave_type), allocatable :: slaves(:)
+    character(:), allocatable :: label
     integer :: i
     slaves = chosen_slaves(model, fields%slaves, request)
+    label = 'slave node'
+    if (any(slaves%side > 0)) label = 'slave element+face'
     select case (variable)
     case ('CDIS')
-      call print_contact_head(unit, 'relative contact displacement (slave node,normal,tang1,tang2)', fields%total_time)
-      call print_slave_rows(unit, model%mesh, slaves, is_stress=.false.)
+      call print_contact_head(unit, 'relative contact displacement (' // label // ',normal,tang1,tang2)', fields%total_time)
+      call print_slave_rows(unit, model, slaves, is_stress=.false.)
     case ('CSTR')
-      call print_contact_head(unit, 'contact stress (slave node,press,tang1,tang2)', fields%total_time)
-      call print_slave_rows(unit, model%mesh, slaves, is_stress=.true.)
+      call print_contact_head(unit, 'contact stress (' // label // ',press,tang1,tang2)', fields%total_time)
+      call print_slave_rows(unit, model, slaves, is_stress=.true.)
     case ('SCEN')
       call print_contact_head(unit, 'slip scenario (slave node,status,scenario)', fields%total_time)
       do i = 1, size(slaves)
@@ -560,11 +565,13 @@ contains
         end associate
       end do
     case ('CELS')
-      call print_contact_head(unit, 'contact spring energy (slave node,energy)', fields%total_time)
+      call print_contact_head(unit, 'contact spring energy (' // label // ',energy)', fields%total_time)
       do i = 1, size(slaves)
-        if (slaves(i)%status /= STATUS_OPEN) write (unit, NODE_FORM) &
-          model%mesh%node_label(slaves(i)%node), slaves(i)%energy
+        if (slaves(i)%status /= STATUS_OPEN) call print_slave(unit, model, slaves(i), [slaves(i)%energy])
       end do
+      if (.not. (request%is_totals .or. request%is_only_totals)) return
+      write (unit, '(/a,e14.7/)') ' total contact spring energy for time ', fields%total_time
+      write (unit, TOTAL_FORM) sum(slaves%energy)
     case ('CNUM')
       write (unit, '(/a,e14.7/)') ' total number of contact elements for time ', fields%total_time
       write (unit, '(6x,1x,i10)') count(slaves%status /= STATUS_OPEN)
@@ -603,28 +610,52 @@ contains
 
 
   !> Rows of the closed slave nodes: gap and slip, or pressure and shear stress, in the axes of contact_axes.
-  subroutine print_slave_rows(unit, mesh, slaves, is_stress)
+  subroutine print_slave_rows(unit, model, slaves, is_stress)
     integer, intent(in) :: unit
-    type(mesh_type), intent(in) :: mesh
+    type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)
     logical, intent(in) :: is_stress
     real(DP) :: axes(3, 3), row(3)
+    logical :: is_silent                           ! without friction CalculiX prints no slip of its springs
     integer :: i
     do i = 1, size(slaves)
       associate (slave => slaves(i))
         if (slave%status == STATUS_OPEN) cycle
+        is_silent = model%dialect == DIALECT_CALCULIX .and. (slave%side > 0 .or. slave%row == 0) .and. &
+          model%interactions(model%pairs(slave%pair)%interaction)%friction <= 0.0_DP
         axes = contact_axes(slave%normal)
         if (is_stress) then
           row = matmul(slave%force - slave%shear, axes)
           if (slave%area > 0) row = row / slave%area
         else
           row = matmul(slave%slip + slave%elastic, axes)
+          if (is_silent .and. norm2(slave%elastic) <= 0.0_DP) row = 0.0_DP
           row(1) = slave%gap
         end if
-        write (unit, NODE_FORM) mesh%node_label(slave%node), row
+        call print_slave(unit, model, slave, row)
       end associate
     end do
   end subroutine print_slave_rows
+
+
+  !> The row of a slave node by its label, that of a point by those of its element and face. CalculiX draws plane elements out into
+  !! solids, whose faces 3 to 6 are their edges.
+  subroutine print_slave(unit, model, slave, values)
+    integer, intent(in) :: unit
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slave
+    real(DP), intent(in) :: values(:)
+    integer :: face
+    if (slave%side == 0) then
+      write (unit, NODE_FORM) model%mesh%node_label(slave%node), values
+      return
+    end if
+    associate (surface => model%surfaces(model%pairs(slave%pair)%slave))
+      face = surface%face(slave%side)
+      if (model%mesh%kind(surface%element(slave%side)) > N_SOLID_KINDS) face = face + 2
+      write (unit, SIDE_FORM) model%mesh%element_label(surface%element(slave%side)), face, values
+    end associate
+  end subroutine print_slave
 
 
   !> The normal and two tangents as CalculiX takes them: the x axis laid into the tangent plane (the z axis if the
@@ -655,7 +686,7 @@ contains
     character(:), allocatable :: part
     type(section_type) :: s
     real(DP) :: normal_force
-    call sum_contact(model%mesh%coordinates, fields%u, slaves, variable, s)
+    call sum_contact(model, fields%u, slaves, variable, s)
     part = ''
     if (variable == 'CFN') part = 'normal '
     if (variable == 'CFS') part = 'shear '
@@ -707,8 +738,9 @@ contains
 
 
   !> Sums over the closed slave nodes of one pair; the normal points out of the slave.
-  pure subroutine sum_contact(coordinates, u, slaves, variable, s)
-    real(DP), intent(in) :: coordinates(:, :), u(:, :)   !< (3, n_nodes) [length]
+  subroutine sum_contact(model, u, slaves, variable, s)
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     type(slave_type), intent(in) :: slaves(:)
     character(*), intent(in) :: variable           !< CF all forces, CFN the normal ones, CFS the tangential ones
     type(section_type), intent(out) :: s           !< force on the slave, moment about the origin, area in contact
@@ -722,7 +754,7 @@ contains
     do i = 1, size(slaves)
       associate (slave => slaves(i))
         if (slave%status == STATUS_OPEN) cycle
-        x = coordinates(:, slave%node) + u(:, slave%node)
+        x = slave_position(model, slave, u)
         f = 0
         if (variable /= 'CFS') f = f + slave%force
         if (variable /= 'CFN') f = f + slave%shear

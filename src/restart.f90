@@ -349,9 +349,15 @@ contains
   !> The memory of the slave nodes as it lies in the machine: a component that is added later is carried too.
   subroutine carry_slaves(parcel, slaves)
     type(parcel_type), intent(inout) :: parcel
-    type(slave_type), intent(inout) :: slaves(:)
+    type(slave_type), allocatable, intent(inout) :: slaves(:)
     integer(I64), allocatable :: words(:)
-    integer :: n_words
+    integer :: n_words, n
+    n = size(slaves)
+    call parcel%carry(n)
+    if (.not. parcel%is_packing .and. parcel%is_sound .and. n /= size(slaves)) then   ! points of slave faces come and go
+      deallocate (slaves)
+      allocate (slaves(n))
+    end if
     n_words = size(transfer(slaves, [0_I64]))
     allocate (words(n_words))
     if (parcel%is_packing) words = transfer(slaves, [0_I64])

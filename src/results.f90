@@ -43,6 +43,7 @@ module amontons_results
     CONTACT_COLUMNS, CONTROL_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, &
     N_CONTACT_REALS, N_HISTORY_INTEGERS, N_HISTORY_REALS, N_INTEGRATION_REALS, N_ITERATION_INTEGERS, &
     N_ITERATION_REALS, N_POINT_INTEGERS, N_POINT_REALS, POINT_COLUMNS, STEP_COLUMNS, STRAIN_COLUMN
+  use amontons_contact_fields, only: nodal_slaves
   use amontons_nodal, only: average_at_nodes
   implicit none
   private
@@ -212,7 +213,7 @@ contains
         is_due = is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times)
       end associate
     end if
-    if (is_due) call write_frame(results, model%mesh, fields, error)
+    if (is_due) call write_frame(results, model%mesh, fields, nodal_slaves(model, fields%slaves), error)
     if (allocated(error)) then
       call abandon(results)
     else
@@ -562,26 +563,27 @@ contains
 
 
   !> Writes the fields of an increment as a new frame. All is checked first, so that an error leaves the file whole.
-  subroutine write_frame(results, mesh, fields, error)
+  subroutine write_frame(results, mesh, fields, slaves, error)
     type(results_type), intent(inout) :: results
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
+    type(slave_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: reals(:, :), contact_reals(:, :)
     integer, allocatable :: integers(:, :), contact_integers(:, :)
-    if (.not. allocated(results%contact)) call create_contact(results, fields%slaves, error)
+    if (.not. allocated(results%contact)) call create_contact(results, slaves, error)
     if (allocated(error)) return
-    if (size(fields%slaves) /= results%n_slaves) then
+    if (size(slaves) /= results%n_slaves) then
       call set_error(error, EXIT_INTERNAL, 'The number of slave nodes has changed since the first increment.')
       return
     end if
     allocate (reals(N_POINT_REALS, results%n_nodes), integers(N_POINT_INTEGERS, results%n_nodes))
     call check_points(results, fields, error)
     if (allocated(error)) return
-    call point_fields(mesh, fields, results%far, reals, integers)
+    call point_fields(mesh, fields, slaves, results%far, reals, integers)
     call check_finite('node', results%point_columns, reals, error)
     if (allocated(error)) return
-    call pack_slaves(fields%slaves, contact_integers, contact_reals)
+    call pack_slaves(slaves, contact_integers, contact_reals)
     call check_finite('slave', CONTACT_COLUMNS, contact_reals, error)
     if (allocated(error)) return
     associate (store => results%store)
@@ -665,14 +667,15 @@ contains
 
 
   !> The fields at the nodes as they stand in the file, one below the other.
-  subroutine point_fields(mesh, fields, far, reals, integers)
+  subroutine point_fields(mesh, fields, slaves, far, reals, integers)
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
+    type(slave_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
     real(DP), intent(in) :: far                     !< COPEN without a facet [length]
     real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
     integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes) likewise
     call pack_solid(mesh, fields, reals)
-    call pack_contact(fields%slaves, far, reals, integers)
+    call pack_contact(slaves, far, reals, integers)
   end subroutine point_fields
 
 

@@ -24,6 +24,8 @@ module amontons_state
     integer :: pair = 0                     !< index into model%pairs
     integer :: node = 0                     !< node index
     integer :: row = 0                      !< place of its row in the mortar of its pair; 0: the row follows from facet and xi
+    integer :: side = 0                     !< of a point of a slave face: facet of the slave surface; 0: it is a node
+    real(DP) :: at(2) = 0                   !< of a point: natural coordinates on that facet [-]
     integer :: status = STATUS_OPEN
     integer :: scenario = 0                 !< 1 to 4 of the last iteration that moved the node in this increment, else 0
     integer :: facet = 0                    !< facet of the master that it projects on; 0: none

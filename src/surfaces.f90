@@ -51,6 +51,7 @@ module amontons_surfaces
     integer :: interaction = 0                  !< index of the interaction
     logical :: is_small_sliding = .false.       !< weights and normal kept from the start of the step
     logical :: is_mortar = .false.              !< surface to surface: rows from integrals over the slave faces
+    logical :: is_pointwise = .false.           !< of a mortar pair: springs at points of the slave faces, as CalculiX has them
     logical :: has_adjust = .false.             !< ADJUST given: slave nodes within the distance are moved onto the master
     real(DP) :: adjust = 0                      !< that distance [length]
     integer, allocatable :: adjust_nodes(:)     !< or the nodes that are moved, wherever they are

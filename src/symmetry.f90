@@ -28,6 +28,7 @@ contains
     integer :: f, k, d
     integer, allocatable :: entries(:)
     if (allocated(facets%profile)) return
+    if (facets%is_faceted) return                  ! the normals of its faces are as they are
     if (.not. allocated(facets%in_plane)) allocate (facets%in_plane(3, facets%n_vertices))
     facets%in_plane = 1.0_DP
     do f = 1, facets%n

@@ -34,7 +34,9 @@ module amontons_system
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
   use amontons_symmetry, only: find_symmetry
   use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
-    begin_contact_increment, touching_row
+    touching_row
+  use amontons_contact_start, only: begin_contact_increment
+  use amontons_contact_points, only: renew_points
   use amontons_rows, only: contact_row_type
   use amontons_contact_tangent, only: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, &
     contact_matrices, contact_springs, spring_factors
@@ -208,6 +210,7 @@ contains
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state
     call set_temperatures(model, step, state)
+    call renew_points(system%contact, model, state)
     call begin_contact_increment(system%contact, model, step%is_nlgeom, is_step_start, system%u_start, state%new)
     call drop_bulk(system, model, step, is_step_start, state)
   end subroutine begin_increment
@@ -611,6 +614,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: status
     system%is_dense_wanted = .false.
+    if (system%base%n_free == 0) return            ! all is prescribed
     if (.not. system%condensed%is_analysed) then
       if (count(system%is_contact) > MOST_INTERFACE .or. system%base%n_free == 0) return   ! all may be prescribed
       call analyse_bulk(system%condensed, system%assembly%stiffness, system%base, system%is_contact, error)

@@ -33,6 +33,9 @@ class Block:
     time: float
     rows: dict[Key, list[float]] = field(default_factory=dict)
     scale: float = 0.0  # that the values are measured by, if it is larger than their largest
+    head: str = ""  # its line
+    repeats: dict[Key, int] = field(default_factory=dict)
+    is_repeated: bool = False  # several rows have one label: points of a face; the later ones have their number behind it
 
     @property
     def largest(self) -> float:
@@ -88,7 +91,7 @@ def make_block(line: str) -> Block:
     time = TIME.search(line)
     name = SET.search(line)
     title = re.split(r"\(| for ", line.strip())[0].strip()
-    return Block(title, name.group(1).rstrip(",").upper() if name else "", float(time.group(1)) if time else 0.0)
+    return Block(title, name.group(1).rstrip(",").upper() if name else "", float(time.group(1)) if time else 0.0, head=line)
 
 
 def add_row(block: Block, line: str) -> None:
@@ -101,8 +104,14 @@ def add_row(block: Block, line: str) -> None:
         else:
             values.append(float(re.sub(r"(?<=[\d.])([+-]\d+)$", r"e\1", word.replace("D", "E")) if "E" not in word.upper()
                                 else word.replace("D", "E")))
-    if values:
-        block.rows[tuple(key) or (len(block.rows) + 1,)] = values
+    if not values:
+        return
+    label = tuple(key) or (len(block.rows) + 1,)
+    if label in block.rows and "element+face" in block.head:
+        block.is_repeated = True
+        block.repeats[label] = block.repeats.get(label, 1) + 1
+        label = (*label, block.repeats[label])
+    block.rows[label] = values
 
 
 @dataclass
@@ -146,6 +155,8 @@ def compare_extremes(ours: Block, reference: Block) -> Deviation:
     """Largest and least value of each column against those of the reference."""
     theirs, mine = (np.array(list(block.rows.values())) for block in (reference, ours))
     largest = float(np.abs(theirs).max())
+    if theirs.shape[1] == 6:  # the shears out of the plane are those of points beside it, whose radial direction is turned
+        theirs, mine = theirs[:, :4], mine[:, :4]
     ends = [np.abs(side(theirs, axis=0) - side(mine, axis=0)).max() for side in (np.max, np.min)]
     return Deviation(reference.title, reference.set_name, reference.time, largest, float(max(ends)) / largest, ours=ours.largest)
 
@@ -158,6 +169,8 @@ def compare_block(ours: Block | None, reference: Block) -> Deviation:
         result.deviation = np.inf
         return result
     result.ours = ours.largest
+    if reference.is_repeated:
+        return compare_faces(ours, reference, result)
     for key, row in reference.rows.items():
         if key not in ours.rows:
             result.missing += 1
@@ -170,6 +183,24 @@ def compare_block(ours: Block | None, reference: Block) -> Deviation:
             result.deviation, result.where = difference, key
     if result.missing:
         result.deviation = np.inf
+    return result
+
+
+def compare_faces(ours: Block, reference: Block, result: Deviation) -> Deviation:
+    """The points of each face, each column by size: which of a face's points comes first is no matter. Where a face has not the same number
+    of closed points, the extremes are compared; a face that is not there is missing.
+    """
+    for face in {key[:2] for key in reference.rows}:
+        theirs, mine = (np.array([row for key, row in block.rows.items() if key[:2] == face]) for block in (reference, ours))
+        if not len(mine):
+            result.missing += 1
+            result.deviation = np.inf
+            continue
+        ends = [np.abs(side(theirs, axis=0) - side(mine, axis=0)).max() for side in (np.max, np.min)]
+        if len(theirs) == len(mine):
+            ends = [np.abs(np.sort(theirs, axis=0) - np.sort(mine, axis=0)).max()]
+        if max(ends) / max(result.largest, 1e-300) > result.deviation:
+            result.deviation, result.where = float(max(ends) / result.largest), face
     return result
 
 

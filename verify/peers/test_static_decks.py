@@ -47,14 +47,7 @@ NOT_JUDGED = {
 # What is not there yet, so that these decks run but do not agree (or do not run): told in the table, expected to fail. A deck that
 # begins to agree shows as XPASS and leaves this list.
 UNFINISHED = {
-    "scheibe2n2f": "the reference twists one ring by 1.5 %; the normals of flat faces (see metalforming) may be why, which is not shown yet",
-    "metalforming": "slip on a rounded master: its normal is a continuous field here and jumps from face to face there; with the "
-                    "normals of the faces (feature angle 0.2 degrees) slip agrees to 0.3 %, pressure to 0.01 %",
     "bolt": "plane stress among axisymmetric elements: displacements 19 %, stresses 3 % off, not understood",
-    "contactenergy": "CalculiX prints the energies of its points of integration", "thread": "the same of contact displacements and stresses",
-    "ring1": "1.5 %: surface to surface in the mean, there at points",
-    "cubes": "1.9 %: surface to surface in the mean, there at points", "fricloop": "5 %: surface to surface in the mean, there at points",
-    "punch1": "7 %: surface to surface in the mean, there at points", "punch2": "the same",
 }  # fmt: skip
 
 # Decks in which CalculiX cut its first increment back by itself and printed where it then came by. Amontons needs no cut-back

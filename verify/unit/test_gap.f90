@@ -29,11 +29,45 @@ program test_gap
   call check_find(suite)
   call check_collapsed(suite)
   call check_far(suite)
+  call check_faceted(suite)
   call suite%finish()
 
 contains
 
   include 'sample_surfaces.inc'
+
+  !> Facets with normals of their own: a node over the corner of four squares goes to the one whose triangle is nearest, and its
+  !! normal is that of this square. Squares are divided from their second to their fourth corner, so that the node over their corner
+  !! (1, 1) is nearest to the first and the last of the four, and a little above it to the last.
+  subroutine check_faceted(suite)
+    type(suite_type), intent(inout) :: suite
+    type(mesh_type) :: mesh
+    type(facets_type) :: facets
+    type(search_type) :: search
+    type(projection_type) :: place
+    type(error_type), allocatable :: error
+    integer, allocatable :: element(:), face(:)
+    real(DP), parameter :: LEAN = 0.1_DP
+    real(DP) :: xi(2), g, n(3)
+    integer :: f, status
+    call flat_grid(FACET_QUAD4, 2, 2, mesh, element, face)
+    call shake(mesh, 0.0_DP, 0.0_DP)
+    call fold(mesh, 1.0_DP, LEAN)
+    call build_facets(mesh, element, face, facets, error, is_faceted=.true.)
+    call build_search(facets, mesh%coordinates, 1.0_DP, search)
+    call find_projection(facets, search, mesh%coordinates, [1.0_DP, 1.01_DP, -1.0e-9_DP], 0.5_DP, place)
+    call suite%that('over an edge: the square with the nearest triangle', place%facet == 4)
+    call suite%near('over an edge: its normal', norm2(place%normal - [sin(LEAN), 0.0_DP, cos(LEAN)]), 0.0_DP, 1.0e-12_DP)
+    call find_projection(facets, search, mesh%coordinates, [1.0_DP, 0.99_DP, -1.0e-9_DP], 0.5_DP, place)
+    call suite%that('below it: the first one', place%facet == 1)
+    call suite%near('below it: its normal', norm2(place%normal - [0.0_DP, 0.0_DP, 1.0_DP]), 0.0_DP, 1.0e-12_DP)
+    f = 1
+    call project_point(facets, mesh%coordinates, [1.2_DP, 0.5_DP, 0.0_DP], f, xi, g, n, status)
+    call suite%that('a walk over the edge', f == 2 .and. status == PROJECT_ON)
+    call suite%near('the normal there', norm2(n - [sin(LEAN), 0.0_DP, cos(LEAN)]), 0.0_DP, 1.0e-12_DP)
+  end subroutine check_faceted
+
+
 
   !> A surface of 4 x 3 cells: waves of height `wave`, shaken nodes, folded at x = 2 (a crease if the angle is large).
   subroutine make_surface(kind, wave, noise, angle, mesh, facets)

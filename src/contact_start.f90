@@ -1,0 +1,161 @@
+!> Contact start: where the slaves stand before the first iteration of an increment, and what overlap they are allowed.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_contact_start
+  use amontons_kinds, only: DP
+  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_model, only: model_type
+  use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK
+  use amontons_rows, only: facet_weights
+  use amontons_areas, only: face_area, depth_of, sum_shares
+  use amontons_search, only: build_search
+  use amontons_mortar, only: search_margin
+  use amontons_overlaps, only: order_slaves
+  use amontons_contact, only: contact_type, renew_rows, refresh_facet, lose_master, set_origin, SEARCH_REACH
+  implicit none
+  private
+  public :: begin_contact_increment
+
+  real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
+
+contains
+
+  !> Before the first iteration: find facets for nodes that have none, and set the origins of the closed ones.
+  subroutine begin_contact_increment(contact, model, is_nlgeom, is_step_start, u_start, fields)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_nlgeom
+    logical, intent(in) :: is_step_start           !< first increment of a step
+    real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
+    type(fields_type), intent(inout) :: fields     !< in: u; out: slaves
+    real(DP), allocatable :: x(:, :), here(:, :)
+    real(DP) :: reach
+    integer :: p, s
+    logical :: is_new
+    allocate (x, source=model%mesh%coordinates)
+    if (is_nlgeom) x = x + fields%u
+    allocate (here, source=model%mesh%coordinates + fields%u)
+    do p = 1, size(model%pairs)
+      contact%is_small(p) = model%pairs(p)%is_small_sliding .or. .not. is_nlgeom .or. model%pairs(p)%is_pointwise
+      if (model%pairs(p)%is_pointwise) cycle
+      reach = SEARCH_REACH * contact%edge(p)
+      if (model%pairs(p)%is_mortar) reach = search_margin(contact%mortar(p), reach)
+      if (.not. allocated(contact%facets(p)%profile)) call build_search(contact%facets(p), x, reach, contact%search(p))
+      if (.not. model%pairs(p)%is_mortar) cycle
+      if (contact%is_small(p) .and. .not. is_step_start .and. contact%mortar(p)%is_made) cycle
+      if (contact%is_small(p) .and. is_nlgeom) then
+        call renew_rows(contact, p, model%mesh%coordinates + u_start)
+      else
+        call renew_rows(contact, p, x)
+      end if
+    end do
+    do s = 1, size(fields%slaves)
+      associate (slave => fields%slaves(s))
+        p = slave%pair
+        if (contact%is_removed(p)) then
+          call lose_master(slave)
+          slave%origin_facet = 0
+          slave%elastic = 0.0_DP
+          cycle
+        end if
+        reach = SEARCH_REACH * contact%edge(p)
+        if (slave%side > 0) then
+          call refresh_facet(contact, here, s, reach, slave)
+        else if (.not. contact%is_small(p) .or. is_step_start) then
+          call refresh_facet(contact, x, s, reach, slave)
+        end if
+        is_new = .not. slave%is_started
+        if (is_new) call start_slave(contact, model, slave)
+        call ramp_interference(contact, is_step_start, fields, slave)
+        if (is_new .and. slave%facet > 0 .and. slave%gap <= TOUCH * contact%edge(p)) slave%status = STATUS_STICK
+        slave%scenario = 0
+        slave%slip_increment = 0.0_DP
+        slave%origin_facet = 0
+        if (slave%status /= STATUS_OPEN) call set_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
+      end associate
+    end do
+    call order_slaves(contact%facets, fields%slaves, contact%overlaps)
+    do s = 1, size(fields%slaves)
+      if (contact%overlaps%is_kept(s)) cycle
+      call lose_master(fields%slaves(s))
+      fields%slaves(s)%origin_facet = 0
+    end do
+    call renew_areas(contact, model, x, fields%slaves)
+  end subroutine begin_contact_increment
+
+
+  !> The start of the job: the gap of a pair with CLEARANCE is that, the gap of a tied one nothing.
+  subroutine start_slave(contact, model, slave)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(inout) :: slave
+    slave%is_started = .true.
+    slave%clearance = 0.0_DP
+    if (slave%facet == 0) return
+    if (model%pairs(slave%pair)%has_clearance) slave%clearance = model%pairs(slave%pair)%clearance - slave%gap
+    if (contact%laws(slave%pair)%behavior == BEHAVIOR_TIED) slave%clearance = -slave%gap
+  end subroutine start_slave
+
+
+  !> The overclosure that is allowed: all of it at the start of the step, nothing at its end.
+  !! Of points, as CalculiX has it: in the first step what a point overlaps at the start of an increment goes over the rest of the step,
+  !! again in each increment; in later steps only what an open one overlaps at the start, and that over the first increment.
+  !! CLEARANCE grows with the time of each step there.
+  subroutine ramp_interference(contact, is_step_start, fields, slave)
+    type(contact_type), intent(in) :: contact
+    logical, intent(in) :: is_step_start
+    type(fields_type), intent(in) :: fields        !< step, times at the end of the increment
+    type(slave_type), intent(inout) :: slave
+    real(DP) :: offset, rest, raw, given
+    logical :: is_new
+    raw = slave%gap - slave%offset
+    given = slave%clearance
+    if (slave%side > 0 .and. contact%laws(slave%pair)%behavior /= BEHAVIOR_TIED) given = given * fields%step_time / contact%period
+    if (is_step_start) then
+      slave%allowed = contact%interference(slave%pair)
+      if (slave%facet > 0 .and. (contact%is_shrink(slave%pair) .or. &
+        (contact%is_ramped(slave%pair) .and. slave%status == STATUS_OPEN))) &
+        slave%allowed = max(0.0_DP, -(raw + given))
+    end if
+    if (slave%side > 0 .and. .not. abs(contact%interference(slave%pair)) > 0.0_DP .and. .not. contact%is_shrink(slave%pair)) then
+      is_new = fields%step <= 1 .or. (is_step_start .and. slave%status == STATUS_OPEN)
+      rest = 1.0_DP - (fields%step_time - fields%time_increment) / contact%period
+      slave%allowed = 0.0_DP
+      if (slave%facet > 0 .and. is_new .and. rest > 0.0_DP) &
+        slave%allowed = max(0.0_DP, -(raw + given)) / rest
+    end if
+    offset = given + slave%allowed * max(0.0_DP, 1.0_DP - fields%step_time / contact%period)
+    if (slave%facet > 0) slave%gap = raw + offset
+    slave%offset = offset
+  end subroutine ramp_interference
+
+
+  !> The areas of the slave nodes of compliant pairs as the bodies are deformed now: the laws speak of true pressures. A
+  !! slave node without faces of its own takes the area of its facet.
+  subroutine renew_areas(contact, model, x, slaves)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates now [length]
+    type(slave_type), intent(inout) :: slaves(:)
+    real(DP), allocatable :: area(:), area_vector(:, :)
+    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), vector(3)
+    integer :: nodes(MAX_FACE_NODES), n, s, p
+    do p = 1, size(model%pairs)
+      if (.not. is_compliant(contact%laws(p)) .or. model%pairs(p)%is_mortar) cycle
+      allocate (area_vector(3, size(x, 2)), area(size(x, 2)), source=0.0_DP)
+      call sum_shares(model%mesh, contact%cover(p), x, area_vector, area)
+      do s = 1, size(slaves)
+        if (slaves(s)%pair /= p) cycle
+        if (area(slaves(s)%node) > 0.0_DP) then
+          slaves(s)%area = area(slaves(s)%node)
+        else if (slaves(s)%facet > 0 .and. .not. allocated(contact%facets(p)%profile)) then
+          call facet_weights(contact%facets(p), slaves(s)%facet, slaves(s)%xi, n, nodes, weights, dN)
+          call face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), &
+            depth_of(model%mesh, contact%facets(p)%element(slaves(s)%facet)), vector, slaves(s)%area)
+        end if
+      end do
+      deallocate (area_vector, area)
+    end do
+  end subroutine renew_areas
+
+end module amontons_contact_start
