@@ -85,6 +85,31 @@ contains
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
     call table%differ('abaqus: C3D8, CPE4 and CAX4 have a mean dilatation; calculix: they are integrated in full.')
 
+    call table%card('NGEN', IN_MODEL, 'Makes nodes at equal distances between two nodes.', data='first and last node, step of ' // &
+      'the numbers; with LINE: third node or 0, its x, y, z, with C the normal x, y, z')
+    call table%option('NSET', VALUE_NAME, 'Puts these nodes, and the two, into this set.')
+    call table%option('LINE', VALUE_WORD, 'C: circle, the third point is its centre; P: parabola, it is the middle.', &
+      allowed='C|P', default='straight')
+    call table%card('NFILL', IN_MODEL, 'Makes rows of nodes between the nodes of two sets.', data='first and second set, ' // &
+      'intervals, step of the numbers')
+    call table%option('NSET', VALUE_NAME, 'Puts these nodes, and those of the two sets, into this set.')
+    call table%option('BIAS', VALUE_REAL, 'Length of an interval over that of the next.', default='1')
+    call table%card('NCOPY', IN_MODEL, 'Copies the nodes of a set.', data='translation x, y, z; second line two points of an ' // &
+      'axis and an angle in degrees')
+    call table%option('OLD SET', VALUE_NAME, 'The set.', default='required')
+    call table%option('CHANGE NUMBER', VALUE_INTEGER, 'Added to the numbers.', default='required')
+    call table%option('SHIFT', VALUE_NONE, 'The copies are moved and turned.', default='required')
+    call table%option('MULTIPLE', VALUE_INTEGER, 'Number of copies.', default='1')
+    call table%option('NEW SET', VALUE_NAME, 'Set of the copies.')
+    call table%card('ELGEN', IN_MODEL, 'Makes rows and layers of an element.', data='element; then for row, rows, ' // &
+      'layers: their number, step of the nodes, step of the elements')
+    call table%option('ELSET', VALUE_NAME, 'Puts the elements, and the first, into this set.')
+    call table%card('ELCOPY', IN_MODEL, 'Copies the elements of a set.')
+    call table%option('OLD SET', VALUE_NAME, 'The set.', default='required')
+    call table%option('ELEMENT SHIFT', VALUE_INTEGER, 'Added to the numbers of the elements.', default='required')
+    call table%option('SHIFT NODES', VALUE_INTEGER, 'Added to the numbers of the nodes.', default='0')
+    call table%option('NEW SET', VALUE_NAME, 'Set of the copies.')
+
     call table%card('NSET', IN_BOTH, 'Defines a node set or extends it.', &
       data='node numbers and names of node sets; with GENERATE first, last, step')
     call table%option('NSET', VALUE_NAME, 'Name of the set.', default='required')
@@ -458,7 +483,8 @@ contains
   !> What STATIC and VISCO share.
   subroutine describe_static(table)
     type(card_table_type), intent(inout) :: table
-    call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', allowed='NO STOP')
+    call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', &
+      allowed='YES|NO|NO STOP')
     call table%option('SOLVER', VALUE_TEXT, 'ITERATIVE CHOLESKY, ITERATIVE SCALING: by iteration, without a factor; ' // &
       'any other: as the program finds best.', default='as the program finds best')
     call table%option('TIME RESET', VALUE_NONE, 'The total time at the end of the step is that at its start.')
@@ -652,7 +678,7 @@ contains
       'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
       'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'All bodies are meshed with solid elements and *SOLID SECTION.')
-    call table%cards_with(STATUS_REFUSED, 'NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|PARAMETER|PARAMETER DEPENDENCE|' // &
+    call table%cards_with(STATUS_REFUSED, 'NMAP|PARAMETER|PARAMETER DEPENDENCE|' // &
       'PARAMETER TABLE', 'Write the nodes, elements and numbers themselves.')
     call table%cards_with(STATUS_REFUSED, 'CONTACT|CONTACT INCLUSIONS|CONTACT EXCLUSIONS|CONTACT PROPERTY ' // &
       'ASSIGNMENT|SURFACE PROPERTY ASSIGNMENT|SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &

@@ -14,6 +14,7 @@ module amontons_deck
   use amontons_deck_contact, only: read_interactions, read_pairs, read_clearances
   use amontons_deck_bonds, only: read_transforms, read_bonds
   use amontons_deck_parts, only: flatten_parts
+  use amontons_deck_generate, only: generate_mesh
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
   use amontons_explain, only: explain_cards
   use amontons_deck_spreads, only: read_spreads
@@ -93,7 +94,9 @@ contains
     logical :: is_flat
     call make_card_table(reader%table)
     model%deck_text = reader%cards%text(:reader%cards%n_text)
+    call generate_mesh(reader%cards, reader%remarks)
     call flatten_parts(reader%cards, reader%remarks, is_flat)
+    is_flat = is_flat .and. reader%remarks%n_errors == 0
     if (.not. is_flat) then
       call publish_remarks(reader%cards, reader%remarks, complaints)
       call set_error(error, EXIT_DECK, plural(reader%remarks%n_errors, 'error') // ' in the deck.')
@@ -227,7 +230,12 @@ contains
     associate (card => reader%cards%cards(c))
       call find_entry(reader%table, card%key, card%entry, is_abbreviated)
       if (card%entry == 0) then
-        call complain(reader, card%line, 'The card *' // card%key // ' is not known. amontons --cards lists all cards.')
+        if (reader%dialect == DIALECT_CALCULIX) then
+          call note(reader, card%line, 'The card *' // card%key // ' is not known, to CalculiX neither; it is passed over ' // &
+            'as CalculiX does. amontons --cards lists all cards.')
+        else
+          call complain(reader, card%line, 'The card *' // card%key // ' is not known. amontons --cards lists all cards.')
+        end if
         return
       end if
       associate (entry => reader%table%entries(card%entry))

@@ -5,7 +5,7 @@ module amontons_deck_materials
   use amontons_cards, only: parameter_type, row_type, next_row, field_text
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, &
-    is_card, check_name
+    read_constants, is_card, check_name
   use amontons_materials, only: material_type, table_type, curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
     HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
@@ -176,8 +176,7 @@ contains
     type(material_type), intent(inout) :: material
     type(parameter_type), allocatable :: parameters(:)
     type(row_type) :: row
-    integer :: n, i, k, status
-    logical :: is_ok
+    integer :: n, status
     call open_card(reader, c, parameters, row)
     material%is_user = .true.
     call parse_integer(parameter_text(parameters, 'CONSTANTS'), n, status)
@@ -186,17 +185,7 @@ contains
       return
     end if
     allocate (material%props(n), source=0.0_DP)
-    i = 0
-    is_ok = .true.
-    do while (next_row(reader%cards, row) .and. is_ok)
-      call need_at_most(reader, row, min(FIELDS, n - i))
-      do k = 1, min(FIELDS, n - i)
-        call need_real(reader, row, k, 'constant', material%props(i + k), is_ok, 0.0_DP)
-      end do
-      i = i + min(FIELDS, n - i)
-    end do
-    if (i < n .and. is_ok) call complain(reader, reader%cards%cards(c)%line, 'CONSTANTS is ' // text_of(n) // &
-      ', but there is room for only ' // text_of(i) // ' in the data lines, eight in each.')
+    call read_constants(reader, c, row, 'CONSTANTS', material%props)
   end subroutine read_user_material
 
 

@@ -193,17 +193,18 @@ contains
   end function node_count
 
 
-  !> The kind of an element type; 0 if we do not have it. Hybrid (H) and modified (M) kinds are taken as the default of
-  !! their shape, with a note.
+  !> The kind of an element type; 0 if we do not have it. Hybrid (H), modified (M) and heated (T) kinds are taken as the kind
+  !! without that letter, or as the default of their shape, with a note.
   function kind_of_type(reader, c, type) result(kind)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     character(*), intent(in) :: type             !< upper case
     integer :: kind
-    character(2), parameter :: ENDINGS(4) = ['RH', 'MH', 'H ', 'M ']
+    character(2), parameter :: ENDINGS(7) = ['H ', 'M ', 'T ', 'MH', 'MT', 'RH', 'RT']
     character(:), allocatable :: taken
     integer :: i
     taken = type
+    if (ends(type, 'RI')) taken = type(:len(type) - 1)     ! C3D20RI
     do i = 1, size(ENDINGS)
       if (kind_of_name(taken) > 0) exit
       if (.not. ends(type, trim(ENDINGS(i)))) cycle

@@ -5,7 +5,7 @@ module amontons_deck_model
   use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer, line_text
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
-    need_no_data, nodes_of_field, elements_of_field, is_card, check_name
+    need_no_data, read_constants, nodes_of_field, elements_of_field, is_card, check_name
   use amontons_deck_profiles, only: read_profile, is_profile_word
   use amontons_deck_faces, only: faces_type, find_free_faces, find_left_faces
   use amontons_loads, only: amplitude_type, equation_type, COURSE_TABLE, COURSE_SMOOTH, COURSE_PERIODIC, COURSE_MODULATED, &
@@ -215,9 +215,7 @@ contains
     type(parameter_type), intent(in) :: parameters(:)
     type(row_type), intent(inout) :: row
     type(amplitude_type), intent(inout) :: amplitude
-    integer, parameter :: FIELDS = 8
-    integer :: n, i, k
-    logical :: is_ok
+    integer :: n
     amplitude%is_total_time = .true.
     amplitude%time = [0.0_DP]
     amplitude%factor = [0.0_DP]
@@ -227,17 +225,7 @@ contains
     allocate (amplitude%props(n), source=0.0_DP)
     if (len(amplitude%name) > CALL_NAME) call complain(reader, reader%cards%cards(c)%line, 'The name of an amplitude ' // &
       'that UAMP is given has at most ' // text_of(CALL_NAME) // ' letters.')
-    i = 0
-    is_ok = .true.
-    do while (next_row(reader%cards, row) .and. is_ok)
-      call need_at_most(reader, row, min(FIELDS, n - i))
-      do k = 1, min(FIELDS, n - i)
-        call need_real(reader, row, k, 'property', amplitude%props(i + k), is_ok, 0.0_DP)
-      end do
-      i = i + min(FIELDS, n - i)
-    end do
-    if (i < n .and. is_ok) call complain(reader, reader%cards%cards(c)%line, 'PROPERTIES is ' // text_of(n) // &
-      ', but there is room for only ' // text_of(i) // ' in the data lines, eight in each.')
+    call read_constants(reader, c, row, 'PROPERTIES', amplitude%props)
   end subroutine read_user_amplitude
 
 

@@ -280,6 +280,7 @@ contains
     type(bond_type) :: bond
     real(DP) :: x(3)
     integer :: k
+    if (.not. allocated(model%surfaces(surface)%profile%extent)) return   ! what is wrong with it is told
     associate (profile => model%surfaces(surface)%profile)
       profile%n_carriers = merge(3, 4, profile%kind == PROFILE_FLAT)
       profile%anchor = model%mesh%coordinates(:, body%reference)

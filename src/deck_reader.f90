@@ -3,7 +3,7 @@
 module amontons_deck_reader
   use amontons_kinds, only: DP, NAME_LENGTH
   use amontons_cards, only: cards_type, row_type, parameter_type, remarks_type, read_parameters, field_integer, &
-    field_real, field_text, start_rows
+    field_real, field_text, start_rows, next_row
   use amontons_card_form, only: card_table_type, match_parameters, parameter_text
   use amontons_lookup, only: name_table_type, label_table_type, integer_list_type
   use amontons_mesh, only: mesh_type
@@ -12,7 +12,7 @@ module amontons_deck_reader
   implicit none
   private
   public :: reader_type, time_list_type, open_card, complain, note, need_real, need_integer, need_at_most, need_no_data
-  public :: nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
+  public :: read_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
 
   !> The times of a TIME POINTS card.
   type :: time_list_type
@@ -140,6 +140,31 @@ contains
         field_text(reader%cards, row, i) // '''; it must be an integer.')
     end if
   end subroutine need_integer
+
+
+  !> The constants of a routine of the user, in lines of eight; tells too few and too many.
+  subroutine read_constants(reader, c, row, count_name, constants)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(row_type), intent(inout) :: row         !< before its data lines
+    character(*), intent(in) :: count_name       !< parameter that gives their number, for messages
+    real(DP), intent(inout) :: constants(:)      !< zero comes in, for fields that are blank
+    integer, parameter :: FIELDS = 8
+    integer :: n, i, k
+    logical :: is_ok
+    n = size(constants)
+    i = 0
+    is_ok = .true.
+    do while (next_row(reader%cards, row) .and. is_ok)
+      call need_at_most(reader, row, min(FIELDS, n - i))
+      do k = 1, min(FIELDS, n - i)
+        call need_real(reader, row, k, 'constant', constants(i + k), is_ok, 0.0_DP)
+      end do
+      i = i + min(FIELDS, n - i)
+    end do
+    if (i < n .and. is_ok) call complain(reader, reader%cards%cards(c)%line, count_name // ' is ' // text_of(n) // &
+      ', but there is room for only ' // text_of(i) // ' in the data lines, eight in each.')
+  end subroutine read_constants
 
 
   !> Tells fields beyond the last one that is read.

@@ -234,7 +234,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     logical :: is_ok, has_row
     call open_card(reader, c, parameters, row)
-    step%is_direct = has_parameter(parameters, 'DIRECT')
+    step%is_direct = has_parameter(parameters, 'DIRECT') .and. parameter_word(parameters, 'DIRECT', 'YES') /= 'NO'
     step%solver = merge(SOLVER_ITERATIVE, SOLVER_AUTO, index(parameter_word(parameters, 'SOLVER', ''), 'ITERATIVE') == 1)
     is_ok = .true.
     has_row = next_row(reader%cards, row)

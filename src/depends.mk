@@ -40,6 +40,8 @@ uses_cards = kinds errors text lookup
 uses_card_form = kinds text lookup cards
 uses_card_materials = card_form
 uses_card_table = card_form card_materials
+uses_deck_labels = kinds text lookup topology cards
+uses_deck_generate = kinds text tensor cards deck_labels
 uses_deck_parts = kinds text tensor topology cards
 uses_deck_reader = kinds text lookup mesh model cards card_form
 uses_deck_mesh = kinds text lookup topology mesh materials model cards card_form deck_reader
@@ -59,7 +61,7 @@ uses_deck_times = kinds text cards card_form deck_reader
 uses_deck_changes = text topology mesh materials steps model cards card_form deck_reader deck_materials
 uses_deck_steps = kinds text topology steps model cards card_form card_table deck_reader deck_conditions deck_contact deck_loads deck_times deck_changes
 uses_explain = kinds text topology materials surfaces loads steps model cards card_form deck_reader
-uses_deck = errors text model cards card_form card_table deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_spreads deck_springs deck_sectors deck_times deck_steps explain
+uses_deck = errors text model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_spreads deck_springs deck_sectors deck_times deck_steps explain
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology

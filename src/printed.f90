@@ -447,6 +447,7 @@ contains
         call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
         call print_point_rows(unit, mesh, set, reshape(history_row(fields, HISTORY_CEEQ), [1, mesh%n_points]))
       case ('SDV')
+        if (size(fields%history, 1) < USER_STATE) return   ! no material has any
         call print_head(unit, 'internal state variables (elem, integ.pnt.,values)', set, time)
         call print_point_rows(unit, mesh, set, fields%history(USER_STATE:, :))
       case ('ENER')

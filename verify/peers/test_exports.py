@@ -347,3 +347,70 @@ U
     total = re.search(r"total force.*\n\n +(\S+) +(\S+) +(\S+)", text)
     assert total
     assert float(total.group(3)) == pytest.approx(PRESSURE * SIZE[0] * SIZE[1], rel=1e-5)
+
+
+def test_prepomax_compression_only(run: Runner, tmp_path: Path) -> None:
+    """PrePoMax's "compression only" support: a gap GAPUNI from a ground node to each node of the face, and a plastic law that makes
+    CalculiX iterate. A bar of 12 x 1 x 2 elements is pushed down near its left end: some nodes carry, the others lift off.
+
+    The gaps carry the force and its moment about the y axis; none pulls with more than its 0.001, and all that carry touch.
+    """
+    force, n = 500.0, 12
+    nodes = [(float(i), float(j), float(k)) for i in range(n + 1) for j in range(2) for k in range(3)]
+    label = {place: i for i, place in enumerate(nodes, 1)}
+    cells = [[label[(x + a, b + 0.0, z + c)] for c in (0.0, 1.0) for a, b in ((0.0, 0), (1.0, 0), (1.0, 1), (0.0, 1))]
+             for x in map(float, range(n)) for z in (0.0, 1.0)]  # fmt: skip
+    bottom = [(i, place) for place, i in label.items() if place[2] == 0.0]
+    deck = (
+        "** dialect: calculix\n*Node\n"
+        + "".join(f"{i}, {x}, {y}, {z}\n" for (x, y, z), i in label.items())
+        + "".join(f"{1000 + i}, {x}, {y}, {z}\n" for i, (x, y, z) in bottom)
+        + "*Element, Type=C3D8I, Elset=Solid_part-1\n"
+        + "".join(f"{i}, {', '.join(map(str, cell))}\n" for i, cell in enumerate(cells, 1))
+        + "*Element, Type=GAPUNI, Elset=Internal_Gaps\n"
+        + "".join(f"{500 + i}, {1000 + i}, {i}\n" for i, _ in bottom)
+        + "*Nset, Nset=Internal_All_Compression_Only_Constraints_NodeSet\n"
+        + "".join(f"{1000 + i},\n" for i, _ in bottom)
+        + "*Nset, Nset=Bottom\n" + "".join(f"{i},\n" for i, _ in bottom)
+        + f"""*Material, Name=S235
+*Elastic
+210000, 0.3
+*Plastic
+1E+10, 0
+1E+11, 1
+*Solid section, Elset=Solid_part-1, Material=S235
+*Gap, Elset=Internal_Gaps
+0, 0, 0, 1, , 1E+12, 0.001
+** Name: Compression_Only_BC
+*Boundary
+Internal_All_Compression_Only_Constraints_NodeSet, 1, 1, 0
+Internal_All_Compression_Only_Constraints_NodeSet, 2, 2, 0
+Internal_All_Compression_Only_Constraints_NodeSet, 3, 3, 0
+*Boundary
+{label[(0.0, 0.0, 0.0)]}, 1, 2
+{label[(float(n), 0.0, 0.0)]}, 2
+*Step, Inc=100
+*Static
+*Cload, op=New
+*Cload
+{label[(3.0, 0.0, 2.0)]}, 3, {-force}
+{label[(3.0, 1.0, 2.0)]}, 3, {-force}
+*Node print, Nset=Internal_All_Compression_Only_Constraints_NodeSet
+RF
+*Node print, Nset=Bottom
+U
+*End step
+""")
+    (tmp_path / "job.inp").write_text(deck)
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    blocks = re.split(r"\n\n", (tmp_path / "job.dat").read_text())
+    rows = [{int(line.split()[0]): float(line.split()[3]) for line in block.splitlines()} for block in blocks if re.match(r" +\d", block)]
+    carried, moved = rows
+    pull = 0.001
+    assert sum(carried.values()) == pytest.approx(2 * force, rel=1e-4)  # Newton's tolerance of the dialect
+    places = dict(bottom)
+    assert sum(f * places[i - 1000][0] for i, f in carried.items()) == pytest.approx(3.0 * 2 * force, rel=1e-3)
+    assert min(carried.values()) > -1.01 * pull
+    assert all(moved[i - 1000] < 1e-9 for i, f in carried.items() if f > 1.0)
+    assert max(moved.values()) > 1e-4  # the right end has lifted off
