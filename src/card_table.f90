@@ -218,7 +218,7 @@ contains
     call table%option('INTERACTION', VALUE_NAME, 'The surface interaction.', default='required')
     call table%card('MODEL CHANGE', IN_STEP, 'Takes elements or contact pairs out of the model or puts them back, from ' // &
       'this step on.', data='slave surface, master surface; or elements and element sets')
-    call table%option('TYPE', VALUE_WORD, 'What is changed.', allowed='CONTACT PAIR|ELEMENT', default='required')
+    call table%option('TYPE', VALUE_WORD, 'What is changed.', allowed='CONTACT PAIR|ELEMENT', default='ELEMENT')
     call table%option('ADD', VALUE_OPTIONAL_WORD, 'Puts back; elements start free of strain where their nodes are then, or ' // &
       'with the strain since the start of the job.', allowed='STRAIN FREE|WITH STRAIN', default='STRAIN FREE')
     call table%option('REMOVE', VALUE_NONE, 'Takes out; nodes without elements then stay where they are.')

@@ -29,7 +29,7 @@ contains
     is_element_change = is_card(reader, c, 'MODELCHANGE')
     if (.not. is_element_change) return
     call open_card(reader, c, parameters, row)
-    is_element_change = parameter_word(parameters, 'TYPE', '') == 'ELEMENT'
+    is_element_change = parameter_word(parameters, 'TYPE', 'ELEMENT') == 'ELEMENT'
   end function is_element_change
 
 

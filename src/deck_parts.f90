@@ -503,7 +503,7 @@ contains
       case ('NODE')
         text = node_row(cards, row, scope)
       case ('ELEMENT')
-        call element_row(cards, row, scope, nodes_of(value_of(cards, c, 'TYPE')), n_left, text)
+        call element_row(cards, work, row, scope, nodes_of(value_of(cards, c, 'TYPE')), n_left, text)
       case ('NSET')
         text = set_row(cards, work, row, scope, has(cards, c, 'GENERATE'), scope%node_shift)
       case ('ELSET')
@@ -623,8 +623,9 @@ contains
 
 
   !> A row of ELEMENT: the first one of an element begins with its number.
-  subroutine element_row(cards, row, scope, n_nodes, n_left, text)
+  subroutine element_row(cards, work, row, scope, n_nodes, n_left, text)
     type(cards_type), intent(in) :: cards
+    type(flat_type), intent(in) :: work
     type(row_type), intent(in) :: row
     type(scope_type), intent(in) :: scope
     integer, intent(in) :: n_nodes               !< of the type; 0: not known
@@ -639,7 +640,8 @@ contains
       if (i > 1) text = text // ', '
       call field_integer(cards, row, i, label, status)
       if (status /= NUMBER_OK) then
-        text = text // field_text(cards, row, i)
+        text = text // reference(work, scope, field_text(cards, row, i), 0)   ! INSTANCE.NUMBER
+        if (n_left > 0 .and. field_text(cards, row, i) /= '') n_left = n_left - 1
         cycle
       end if
       if (is_first .and. i == 1) then

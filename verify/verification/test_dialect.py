@@ -521,3 +521,44 @@ def test_deck_of_abaqus_cae(run_deck: Run, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout
     (row,) = rows_of(tmp_path, "forces", "RP").values()
     assert row[2] == pytest.approx(-210000.0 * 0.001 / 2.0 + 5.0, rel=1e-5)
+
+
+def test_springs_of_abaqus_cae(run_deck: Run, tmp_path: Path) -> None:
+    """Springs that Abaqus/CAE writes into the assembly, between nodes INSTANCE.NUMBER, beside a reference point: u = F / k more."""
+    deck = f"""{BRICK}*ASSEMBLY, NAME=Assembly
+*INSTANCE, NAME=Brick-1, PART=Brick
+*END INSTANCE
+*INSTANCE, NAME=Brick-2, PART=Brick
+0., 0., 3.
+*END INSTANCE
+*NODE
+1, .5, .5, 9.
+*NSET, NSET=RP
+1,
+*NSET, NSET=Lid, INSTANCE=Brick-2
+5, 6, 7, 8
+*SPRING, ELSET="Springs/Dashpots-1-spring"
+3, 3
+100.
+*ELEMENT, TYPE=SPRING2, ELSET="Springs/Dashpots-1-spring"
+1, Brick-1.5, Brick-2.1
+2, Brick-1.6, Brick-2.2
+3, Brick-1.7, Brick-2.3
+4, Brick-1.8, Brick-2.4
+*END ASSEMBLY
+{STEEL}*BOUNDARY
+Brick-1.Low, 1, 3
+Brick-2.Every, 1, 2
+*STEP
+*STATIC
+*CLOAD
+Lid, 3, 2.
+*NODE PRINT, NSET=Lid
+U
+*END STEP
+"""
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout
+    rows = rows_of(tmp_path, name="Lid")
+    assert len(rows) == 4
+    assert all(row[2] == pytest.approx(8.0 / 1000.0 + 2.0 / 100.0 + 8.0 / 1000.0, rel=DIGITS) for row in rows.values())
