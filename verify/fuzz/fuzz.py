@@ -4,7 +4,7 @@
     python verify/fuzz/fuzz.py --checkpoints 200            damaged checkpoints
     python verify/fuzz/fuzz.py --calls 200                  sequences of library calls
 
-The decks are those of input/, of the manual, of verify/decks, and of the folder AMONTONS_DECKS, up to 60 kB each. A deck is a
+The decks are those of input/, of the manual and its examples, of verify/decks, and of the folder AMONTONS_DECKS, up to 60 kB each. A deck is a
 finding if the program dies by a signal, calls it a mistake of its own (exit code 8), does not end and does not get on, or
 ends with exit code 0 and a number that is none or forces that do not balance. A finding is kept with its seed in --keep.
 
@@ -45,7 +45,7 @@ NUMBERS = ["0", "0.", "-1", "1", "1e-30", "1e30", "1e308", "-1e308", "1e999", "N
 def source_decks() -> dict[str, str]:
     """All decks at hand, by name."""
     decks: dict[str, str] = {}
-    for path in sorted((ROOT / "input").glob("*.inp")):
+    for path in [*sorted((ROOT / "input").glob("*.inp")), *sorted((ROOT / "doc" / "manual" / "examples").glob("*.inp"))]:
         decks[path.stem] = path.read_text()
     for page in sorted((ROOT / "doc").rglob("*.md")):
         for i, deck in enumerate(re.findall(r"```abaqus\n(.*?)```", page.read_text(), re.S)):
