@@ -489,6 +489,7 @@ contains
       call write_line(cards, c, text_of(made%elements(i)%label), flat)
       call scope%element_sets(set)%add(made%elements(i)%label)
     end do
+    call sort_items(scope%element_sets(set))     ! the first one may be in it already
   end subroutine write_elements
 
 

@@ -76,6 +76,7 @@ contains
     case ('ELSET')
       set = set_of(value_of(parameters, 'ELSET'), scope%element_names, scope%element_sets)
       call take_members(cards, row, has(parameters, 'GENERATE'), set, scope%element_names, scope%element_sets)
+      if (set > 0) call sort_items(scope%element_sets(set))
     end select
   end subroutine take_card
 

@@ -777,7 +777,7 @@ contains
     type(model_type) :: model
     character(*), parameter :: S = MODEL_PART // '*STEP;*STATIC;'
     call read_good(suite, 'static', S // STEP_END // '*STEP;*STATIC, DIRECT;.25,2.;' // STEP_END // &
-      '*STEP;*STATIC, SOLVER=SPOOLES;.5,4.,.001,1.;' // STEP_END, model, n_notes=1)
+      '*STEP;*STATIC, SOLVER=SPOOLES;.5,4.,.001,1.;' // STEP_END, model)
     call expect_times(suite, model%steps(1), [1.0_DP, 1.0_DP, 1.0e-6_DP, 1.0_DP])
     call expect_times(suite, model%steps(2), [0.25_DP, 2.0_DP, 2.0e-6_DP, 2.0_DP])
     call expect_times(suite, model%steps(3), [0.5_DP, 4.0_DP, 0.001_DP, 1.0_DP])
