@@ -73,8 +73,8 @@ contains
 
     call table%card('NODE', IN_MODEL, 'Defines nodes.', data='number, x, y, z')
     call table%option('NSET', VALUE_NAME, 'Puts the nodes into this node set as well.')
-    call table%option('SYSTEM', VALUE_WORD, 'Coordinate system.', allowed='R', default='R')
-    call table%refuse_words('C|S', 'Give Cartesian coordinates.')
+    call table%option('SYSTEM', VALUE_WORD, 'R: x, y, z; C: radius, angle about z in degrees, z; S: radius, angle about z, ' // &
+      'angle above the xy plane.', allowed='R|C|S', default='R')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
 
     call table%card('ELEMENT', IN_MODEL, 'Defines elements; a row of nodes may go on in further lines.', &
@@ -292,7 +292,8 @@ contains
 
     call table%card('MPC', IN_MODEL, 'Constraints between nodes: PLANE (all nodes stay in the plane of the first ' // &
       'three), STRAIGHT (on the line through the first two), BEAM (calculix: the distance of two nodes stays; ' // &
-      'abaqus: the first is fixed rigidly to the second), TIE and PIN (the first moves as the second), MEANROT (the ' // &
+      'abaqus: the first is fixed rigidly to the second), LINK (their distance stays), TIE and PIN (the first moves ' // &
+      'as the second), MEANROT (the ' // &
       'mean rotation of the nodes is the first displacement of the last node, whose coordinates are the axis).', &
       data='kind, nodes or node sets')
     call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck.', status=STATUS_REFUSED)

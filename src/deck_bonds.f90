@@ -343,14 +343,14 @@ contains
         bond%node = [nodes(i), nodes(:merge(3, 2, kind == 'PLANE'))]
         model%bonds = [model%bonds, bond]
       end do
-    case ('BEAM')
-      call add_beam(reader, model, line, nodes, bond)
+    case ('BEAM', 'LINK')
+      call add_beam(reader, model, line, nodes, bond, is_link=kind == 'LINK')
     case ('TIE', 'PIN')
       call add_pin(reader, model, line, nodes)
     case ('MEANROT')
       call add_turn(reader, model, line, nodes, bond)
     case default
-      call complain(reader, line, 'The MPC ' // kind // ' is not supported; known are PLANE, STRAIGHT, BEAM, TIE, PIN ' // &
+      call complain(reader, line, 'The MPC ' // kind // ' is not supported; known are PLANE, STRAIGHT, BEAM, LINK, TIE, PIN ' // &
         'and MEANROT.')
     end select
   end subroutine add_mpc
@@ -380,15 +380,16 @@ contains
   end function each_once
 
 
-  !> BEAM: in CalculiX two nodes keep their distance; in Abaqus the first is fixed rigidly to the second.
-  subroutine add_beam(reader, model, line, nodes, bond)
+  !> LINK, and BEAM in CalculiX: two nodes keep their distance. BEAM in Abaqus: the first is fixed rigidly to the second.
+  subroutine add_beam(reader, model, line, nodes, bond, is_link)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: line, nodes(:)
     type(bond_type), intent(inout) :: bond
+    logical, intent(in) :: is_link
     if (size(nodes) /= 2) then
-      call complain(reader, line, 'BEAM needs two nodes.')
-    else if (reader%dialect == DIALECT_CALCULIX) then
+      call complain(reader, line, 'BEAM and LINK need two nodes.')
+    else if (is_link .or. reader%dialect == DIALECT_CALCULIX) then
       bond%kind = BOND_DISTANCE
       bond%node = nodes
       model%bonds = [model%bonds, bond]

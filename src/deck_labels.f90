@@ -1,7 +1,7 @@
 !> Deck labels: what the text of a deck says of nodes, elements and sets by their numbers, before it is read for good.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_labels
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, PI
   use amontons_cards, only: cards_type, row_type, parameter_type, read_parameters, start_rows, next_row, field_text, &
     field_integer, field_real
   use amontons_lookup, only: integer_list_type, name_table_type
@@ -10,7 +10,7 @@ module amontons_deck_labels
   implicit none
   private
   public :: element_type, scope_type, clear, take_card, set_of, add_node, add_element, add_members, sort_items, index_of, &
-    find_element, has, value_of
+    find_element, cartesian, has, value_of
 
   !> One element as the deck has it.
   type :: element_type
@@ -57,7 +57,7 @@ contains
     case ('NODE')
       set = set_of(value_of(parameters, 'NSET'), scope%node_names, scope%node_sets)
       do while (next_row(cards, row))
-        call take_node(cards, row, set, scope)
+        call take_node(cards, row, squeezed(value_of(parameters, 'SYSTEM')), set, scope)
       end do
       if (set > 0) call sort_items(scope%node_sets(set))   ! sets are in the order of the numbers, but for UNSORTED
     case ('ELEMENT')
@@ -95,9 +95,10 @@ contains
 
 
   !> A row of NODE.
-  subroutine take_node(cards, row, set, scope)
+  subroutine take_node(cards, row, system, set, scope)
     type(cards_type), intent(in) :: cards
     type(row_type), intent(in) :: row
+    character(*), intent(in) :: system           !< '', R, C or S
     integer, intent(in) :: set
     type(scope_type), intent(inout) :: scope
     real(DP) :: x(3)
@@ -109,8 +110,21 @@ contains
       call field_real(cards, row, i + 1, x(i), status)
       if (status /= NUMBER_OK) x(i) = 0
     end do
-    call add_node(scope, label, x, set)
+    call add_node(scope, label, cartesian(system, x), set)
   end subroutine take_node
+
+
+  !> Coordinates of NODE, SYSTEM=: cylindrical (radius, angle, z) and spherical ones (radius, angle about z, angle above the
+  !! xy plane).
+  pure function cartesian(system, x) result(place)
+    character(*), intent(in) :: system           !< C, S, or Cartesian already
+    real(DP), intent(in) :: x(3)                 !< [length], angles in degrees
+    real(DP) :: place(3), turn(2)
+    place = x
+    turn = x(2:) * PI / 180
+    if (system == 'C') place(:2) = x(1) * [cos(turn(1)), sin(turn(1))]
+    if (system == 'S') place = x(1) * [cos(turn(1)) * cos(turn(2)), sin(turn(1)) * cos(turn(2)), sin(turn(2))]
+  end function cartesian
 
 
   !> A node, known from now on.

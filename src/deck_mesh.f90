@@ -8,6 +8,7 @@ module amontons_deck_mesh
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, row_type, next_row, field_integer, field_text
   use amontons_card_form, only: parameter_text, parameter_word
+  use amontons_deck_labels, only: cartesian
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, &
     need_at_most, need_no_data, is_card
   use amontons_lookup, only: integer_list_type, label_table_type
@@ -64,7 +65,7 @@ contains
       call open_card(reader, c, parameters, row)
       draft%node_first(c) = mesh%n_nodes + 1
       do while (next_row(reader%cards, row))
-        call read_node(reader, row, mesh, line)
+        call read_node(reader, row, parameter_word(parameters, 'SYSTEM', 'R'), mesh, line)
       end do
       draft%node_last(c) = mesh%n_nodes
     end do
@@ -77,9 +78,10 @@ contains
 
 
   !> One node: number, x, y, z; missing coordinates are zero. Up to three values more are passed over: a normal.
-  subroutine read_node(reader, row, mesh, line)
+  subroutine read_node(reader, row, system, mesh, line)
     type(reader_type), intent(inout) :: reader
     type(row_type), intent(in) :: row
+    character(*), intent(in) :: system           !< R, C or S
     type(mesh_type), intent(inout) :: mesh
     integer, intent(inout) :: line(:)            !< line of each node
     character(1), parameter :: AXES(3) = ['x', 'y', 'z']
@@ -92,6 +94,7 @@ contains
     do i = 1, 3
       call need_real(reader, row, i + 1, AXES(i), mesh%coordinates(i, mesh%n_nodes), is_ok, 0.0_DP)
     end do
+    mesh%coordinates(:, mesh%n_nodes) = cartesian(system, mesh%coordinates(:, mesh%n_nodes))
     mesh%node_label(mesh%n_nodes) = label
     line(mesh%n_nodes) = row%line
     if (.not. is_ok) mesh%n_nodes = mesh%n_nodes - 1

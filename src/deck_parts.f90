@@ -501,6 +501,11 @@ contains
       n = n + 1
       select case (cards%cards(c)%key)
       case ('NODE')
+        if (is_one_of(squeezed(value_of(cards, c, 'SYSTEM')), 'C|S')) then
+          if (n == 1) call remarks%add(cards%cards(c)%line, 'SYSTEM of *NODE inside a part or an assembly is not supported; ' // &
+            'give Cartesian coordinates.')
+          cycle
+        end if
         text = node_row(cards, row, scope)
       case ('ELEMENT')
         call element_row(cards, work, row, scope, nodes_of(value_of(cards, c, 'TYPE')), n_left, text)

@@ -138,6 +138,79 @@ COORD
     assert [rows[label][2] for label in (34, 37, 40)] == pytest.approx([1.0, 3.0, 7.0], rel=DIGITS)
 
 
+def test_systems(run_deck: Run, tmp_path: Path) -> None:
+    """Cylindrical and spherical coordinates, also of nodes that others are made of."""
+    deck = """*NODE, SYSTEM=C, NSET=N
+1, 2., 30., 5.
+2, 2., 90., 5.
+*NODE, SYSTEM=S, NSET=N
+3, 2., 90., 30.
+*NODE, NSET=N
+12, 1., 2., 3.
+*NSET, NSET=N
+12
+*NGEN, NSET=N
+2, 12, 5
+*ELEMENT, TYPE=SPRING1, ELSET=S
+1, 1
+*SPRING, ELSET=S
+1
+1.
+*STEP
+*STATIC
+*NODE PRINT, NSET=N
+COORD
+*END STEP
+"""
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout
+    text = (tmp_path / "job.dat").read_text()
+    rows = {int(words[0]): [float(word) for word in words[1:]] for words in re.findall(r"^ +(\d+) +(\S+) +(\S+) +(\S+)$", text, re.M)}
+    half = math.sqrt(3.0) / 2.0
+    assert rows[1] == pytest.approx([2.0 * half, 1.0, 5.0], rel=DIGITS)
+    assert rows[2] == pytest.approx([0.0, 2.0, 5.0], rel=DIGITS, abs=1e-9)
+    assert rows[3] == pytest.approx([0.0, 2.0 * half, 1.0], rel=DIGITS, abs=1e-9)
+    assert rows[7] == pytest.approx([0.5, 2.0, 4.0], rel=DIGITS)
+
+
+def test_link(run_deck: Run, tmp_path: Path) -> None:
+    """A node on springs, linked to one that holds still: it moves across the link only, F / k."""
+    deck = """*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+*NSET, NSET=N
+2
+*ELEMENT, TYPE=SPRING1, ELSET=A
+1, 2
+*ELEMENT, TYPE=SPRING1, ELSET=B
+2, 2
+*SPRING, ELSET=A
+1
+100.
+*SPRING, ELSET=B
+2
+100.
+*MPC
+LINK, 1, 2
+*BOUNDARY
+1, 1, 3
+2, 3
+*STEP
+*STATIC
+*CLOAD
+2, 1, 5.
+2, 2, 3.
+*NODE PRINT, NSET=N
+U
+*END STEP
+"""
+    for dialect in ("abaqus", "calculix"):
+        done = run_deck(f"** dialect: {dialect}\n{deck}")
+        assert done.returncode == 0, done.stdout
+        (row,) = rows_of(tmp_path, "displacements").values()
+        assert row == pytest.approx([0.0, 0.03, 0.0], rel=DIGITS, abs=1e-9)
+
+
 @pytest.mark.parametrize(("card", "told"), [
     ("*NGEN\n1, 7, 1\n", "There is no node 7 before this card"),
     ("*NGEN\n1, 5, 3\n", "no multiple of the step 3"),
