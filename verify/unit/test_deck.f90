@@ -244,7 +244,7 @@ contains
     call expect_error(suite, MODEL_PART // '*NODE;99,x,5,5;' // STEP_PART, 'Field 2 (x) is ''x''')
     call expect_error(suite, MODEL_PART // '*NODE;99,0,0,NaN;' // STEP_PART, 'finite')
     call expect_error(suite, MODEL_PART // '*NODE;99,0,0,0,1,0,0,1;' // STEP_PART, '8 values')
-    call expect_error(suite, MODEL_PART // '*NODE, SYSTEM=C;99,0,0,0;' // STEP_PART, 'Cartesian')
+    call expect_error(suite, MODEL_PART // '*NODE, SYSTEM=Q;99,0,0,0;' // STEP_PART, 'value Q of SYSTEM is not known')
   end subroutine test_nodes
 
 
