@@ -223,17 +223,16 @@ contains
     type(journal_type), intent(inout) :: journal
     type(error_type), allocatable, intent(out) :: error
     type(complaints_type) :: report
-    type(state_type) :: first
     character(:), allocatable :: summary
     if (size(analysis%model%steps) == 0) return
-    first = analysis%state
-    call begin_increment(analysis%system, analysis%model, analysis%model%steps(1), .true., first)
-    call audit_model(analysis%model, analysis%system%contact, first%new%slaves, report, error)
+    call begin_increment(analysis%system, analysis%model, analysis%model%steps(1), .true., analysis%state)
+    call audit_model(analysis%model, analysis%system%contact, analysis%state%new%slaves, report, error)
     call journal%complain(report)
     if (analysis%options%is_check) then
-      call audit_summary(analysis%model, analysis%system%contact, first%new%slaves, summary)
+      call audit_summary(analysis%model, analysis%system%contact, analysis%state%new%slaves, summary)
       call journal%say(summary)
     end if
+    call restore_state(analysis%state)
   end subroutine audit
 
 

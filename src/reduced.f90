@@ -183,6 +183,8 @@ contains
     character(:), allocatable :: reason
     if (self%asked == SOLVER_ITERATIVE) then
       reason = 'as SOLVER asks'
+    else if (is_too_large .and. estimate_memory(self%factor) <= 0.0_DP) then
+      reason = 'because the factor would have more entries than can be counted (17 gigabytes)'
     else if (is_too_large) then
       reason = 'because the factor would take ' // text_of(nint(estimate_memory(self%factor))) // ' megabytes and ' // &
         text_of(nint(available_megabytes())) // ' are free'
