@@ -55,7 +55,7 @@ module amontons_contact
     logical, allocatable :: is_removed(:)         !< (n_pairs) taken out in this step
     real(DP), allocatable :: interference(:)      !< (n_pairs) overclosure allowed at the start of this step [length]
     logical, allocatable :: is_shrink(:)          !< (n_pairs) what each node has of it at the start is allowed
-    logical, allocatable :: is_ramped(:)          !< (n_pairs) what an open node overlaps at the start of a step goes over the step
+    logical, allocatable :: is_ramped(:)          !< (n_pairs) overlaps at the start go as in CalculiX
     real(DP) :: period = 1                        !< of the step [time]
     type(faces_type), allocatable :: cover(:)     !< (n_pairs) faces that give the slave nodes of compliant laws their areas
     integer, allocatable :: follower(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
@@ -254,7 +254,7 @@ contains
     contact%is_shrink = .false.
     if (allocated(step%interference)) contact%interference = step%interference
     if (allocated(step%is_shrink)) contact%is_shrink = step%is_shrink
-    contact%is_ramped = model%dialect == DIALECT_CALCULIX .and. model%pairs%is_mortar   ! as its face-to-face contact does
+    contact%is_ramped = model%dialect == DIALECT_CALCULIX .and. (model%pairs%is_mortar .or. is_compliant(contact%laws))
   end subroutine begin_contact_step
 
 

@@ -93,12 +93,13 @@ contains
     slave%clearance = 0.0_DP
     if (slave%facet == 0) return
     if (model%pairs(slave%pair)%has_clearance) slave%clearance = model%pairs(slave%pair)%clearance - slave%gap
-    if (contact%laws(slave%pair)%behavior == BEHAVIOR_TIED) slave%clearance = -slave%gap
+    if (contact%laws(slave%pair)%behavior == BEHAVIOR_TIED .and. slave%side == 0) slave%clearance = -slave%gap
   end subroutine start_slave
 
 
   !> The overclosure that is allowed: all of it at the start of the step, nothing at its end.
-  !! Of points, as CalculiX has it: in the first step what a point overlaps at the start of an increment goes over the rest of the step,
+  !! Under the calculix dialect, as CalculiX has it: what a slave node overlaps at the start of the job goes over the first increment, as if
+  !! that were the step, and is then felt whole. Of points: in the first step what a point overlaps at the start of an increment goes over the rest of the step,
   !! again in each increment; in later steps only what an open one overlaps at the start, and that over the first increment.
   !! CLEARANCE grows with the time of each step there.
   subroutine ramp_interference(contact, is_step_start, fields, slave)
@@ -110,19 +111,20 @@ contains
     logical :: is_new
     raw = slave%gap - slave%offset
     given = slave%clearance
-    if (slave%side > 0 .and. contact%laws(slave%pair)%behavior /= BEHAVIOR_TIED) given = given * fields%step_time / contact%period
+    if (slave%side > 0) given = given * fields%step_time / contact%period
     if (is_step_start) then
       slave%allowed = contact%interference(slave%pair)
-      if (slave%facet > 0 .and. (contact%is_shrink(slave%pair) .or. &
-        (contact%is_ramped(slave%pair) .and. slave%status == STATUS_OPEN))) &
-        slave%allowed = max(0.0_DP, -(raw + given))
+      is_new = contact%is_ramped(slave%pair) .and. slave%row > 0 .and. slave%status == STATUS_OPEN
+      if (slave%facet > 0 .and. (contact%is_shrink(slave%pair) .or. is_new)) slave%allowed = max(0.0_DP, -(raw + given))
     end if
-    if (slave%side > 0 .and. .not. abs(contact%interference(slave%pair)) > 0.0_DP .and. .not. contact%is_shrink(slave%pair)) then
-      is_new = fields%step <= 1 .or. (is_step_start .and. slave%status == STATUS_OPEN)
+    is_new = contact%is_ramped(slave%pair) .and. (slave%side > 0 .or. slave%row == 0)
+    if (is_new .and. .not. (abs(contact%interference(slave%pair)) > 0.0_DP .or. contact%is_shrink(slave%pair))) then
+      is_new = fields%step <= 1 .and. (is_step_start .or. slave%side > 0)
+      is_new = is_new .or. (slave%side > 0 .and. is_step_start .and. slave%status == STATUS_OPEN)
       rest = 1.0_DP - (fields%step_time - fields%time_increment) / contact%period
+      is_new = is_new .and. fields%time_increment > 0.0_DP .and. rest > 0.0_DP   ! not in the audit before the first step
       slave%allowed = 0.0_DP
-      if (slave%facet > 0 .and. is_new .and. rest > 0.0_DP) &
-        slave%allowed = max(0.0_DP, -(raw + given)) / rest
+      if (slave%facet > 0 .and. is_new) slave%allowed = max(0.0_DP, -(raw + given)) / rest
     end if
     offset = given + slave%allowed * max(0.0_DP, 1.0_DP - fields%step_time / contact%period)
     if (slave%facet > 0) slave%gap = raw + offset

@@ -77,6 +77,7 @@ contains
     do f = 1, slave%n
       call lay_sheet(slave, f, x, depth(f), sheet)
       call near_facets(search, sheet%origin, list, n_list)
+      call sort_facets(master, list(:n_list))
       n_cuts = 0
       do k = 1, n_list
         call lay_sheet(master, list(k), x, depth(f), front)
@@ -207,6 +208,34 @@ contains
   end subroutine list_pieces
 
 
+  !> Local nodes of a face counted from the corner at which its outline begins.
+  pure function as_numbered(sheet, nodes) result(numbered)
+    type(sheet_type), intent(in) :: sheet
+    integer, intent(in) :: nodes(:)                !< corners, then mid-sides
+    integer :: numbered(size(nodes))
+    integer :: m
+    m = merge(3, 4, sheet%kind == FACET_TRI3 .or. sheet%kind == FACET_TRI6)
+    numbered = merge(modulo(nodes + sheet%first - 2, m) + 1, m + modulo(nodes - m + sheet%first - 2, m) + 1, nodes <= m)
+  end function as_numbered
+
+
+  !> Facets in the order of their elements and faces.
+  pure subroutine sort_facets(facets, list)
+    type(facets_type), intent(in) :: facets
+    integer, intent(inout) :: list(:)
+    integer :: i, k, f
+    do i = 2, size(list)
+      f = list(i)
+      do k = i - 1, 1, -1
+        if (facets%element(list(k)) < facets%element(f)) exit
+        if (facets%element(list(k)) == facets%element(f) .and. facets%face(list(k)) <= facets%face(f)) exit
+        list(k + 1) = list(k)
+      end do
+      list(k + 1) = f
+    end do
+  end subroutine sort_facets
+
+
   !> Appends the cuts of a slave face with the pieces of one master face.
   subroutine cut_with(sheet, front, g, reach, cuts, n)
     type(sheet_type), intent(in) :: sheet, front   !< slave, master
@@ -221,14 +250,17 @@ contains
     own(:, :sheet%n) = in_plane(sheet, sheet%x(:, outline_of(sheet)))
     call list_pieces(front%kind, pieces, n_pieces)
     cut%master = g
+    own(2, :) = -own(2, :)                         ! seen from the master: there its corners run counter-clockwise
     do k = 1, n_pieces
       m = count(pieces(:, k) > 0)
-      window(:, :m) = in_plane(sheet, front%x(:, pieces(m:1:-1, k)))   ! seen from the slave it runs the other way round
+      window(:, :m) = in_plane(sheet, front%x(:, as_numbered(front, pieces(:m, k))))
+      window(2, :m) = -window(2, :m)
       if (any(minval(own(:, :sheet%n), dim=2) > maxval(window(:, :m), dim=2))) cycle
       if (any(maxval(own(:, :sheet%n), dim=2) < minval(window(:, :m), dim=2))) cycle
       call clip_polygon(own(:, :sheet%n), window(:, :m), cut%corners, cut%n)
       if (cut%n < 3) cycle
-      if (polygon_area(cut%corners(:, :cut%n)) <= SLIVER * polygon_area(own(:, :sheet%n))) cycle
+      if (abs(polygon_area(cut%corners(:, :cut%n))) <= SLIVER * abs(polygon_area(own(:, :sheet%n)))) cycle
+      cut%corners(2, :) = -cut%corners(2, :)
       cut%distance = distance_between(sheet, front, sum(cut%corners(:, :cut%n), dim=2) / real(cut%n, DP))
       if (abs(cut%distance) > reach) cycle
       if (n == size(cuts)) cuts = [cuts, cuts]

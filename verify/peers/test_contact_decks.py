@@ -171,6 +171,10 @@ def jobs() -> list[Job]:
     found += [replace(base, option=option, gap=gap, pair=pair) for option, gap in
               (("ADJUST=0.002", 1e-3), ("CLEARANCE", 1e-3), ("SMALL SLIDING", 0.0), ("MODEL CHANGE", -1e-3)) for pair in ("SURFACE TO SURFACE", "NODE TO SURFACE")
               if (option, pair[0]) != ("CLEARANCE", "N")]  # which CalculiX leaves out
+    for pair in ("SURFACE TO SURFACE", "NODE TO SURFACE"):
+        found += [replace(base, pair=pair, gap=-1e-3, increments=3, nlgeom=True), replace(base, pair=pair, nlgeom=True, friction=True, slide=0.03, increments=10)]
+    found += [replace(base, law="tied", gap=gap, nlgeom=True, increments=2, slide=1e-3) for gap in (1e-4, -1e-4)]
+    found.append(replace(base, option="MODEL CHANGE", gap=-1e-3, nlgeom=True, increments=4, friction=True, slide=1e-3))
     for _ in range(10):
         kind = chance.choice(["C3D8", "C3D20", "C3D10", "C3D4", "CPE4", "CAX8", "CPE8"])
         found.append(Job(kind, chance.choice(["SURFACE TO SURFACE", "NODE TO SURFACE"]), chance.choice(list(LAWS)), chance.random() < 0.6, chance.random() < 0.5,
