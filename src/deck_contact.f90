@@ -395,6 +395,7 @@ contains
     if (pair%is_mortar) call note(reader, row%line, 'The master is analytic: contact is enforced at the nodes of the ' // &
       'slave, as with TYPE=NODE TO SURFACE.')
     pair%is_mortar = .false.
+    pair%is_pointwise = .false.
   end subroutine use_profile
 
 
