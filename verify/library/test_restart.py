@@ -8,12 +8,15 @@ import random
 import re
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
 import pytest
 from common import block, data_sets, same_results  # noqa: F401
 from conftest import Run
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "verification"))
 
 IO, NOT_CONVERGED = 7, 5
 
@@ -77,6 +80,21 @@ def test_killed_jobs_go_on_bitwise(program: Path, run: Run, block: Path, whole: 
     """kill -9 at random moments, again and again."""
     kill_often(program, run, block, tmp_path, 6, seed, 0.5)
     assert_same(whole, tmp_path)
+
+
+def test_points_go_on_bitwise(program: Path, run: Run, tmp_path: Path) -> None:
+    """Points of slave faces come and go while a block slides over faces: such a job goes on bitwise too."""
+    from test_points import deck  # in verify/verification
+
+    text = deck(8, "*STATIC, DIRECT\n.25, 1.\n", ", NLGEOM", "*FRICTION\n.3, 1.E4\n") + "*BOUNDARY\nFLOOR, 1, 3\nTOP, 1, 2\nTOP, 3, 3, -.01\n*END STEP\n"
+    text += "*STEP, NLGEOM\n*STATIC, DIRECT\n.05, 1.\n*BOUNDARY\nTOP, 1, 1, .3\n*CONTACT PRINT\nCDIS, CSTR\n*END STEP\n"
+    sliding = tmp_path / "block.inp"
+    sliding.write_text(text)
+    for name in ("whole", "killed"):
+        (tmp_path / name).mkdir()
+    assert run(["--outdir", tmp_path / "whole", sliding]).returncode == 0
+    kill_often(program, run, sliding, tmp_path / "killed", 4, 7, 0.5)
+    assert_same(tmp_path / "whole", tmp_path / "killed")
 
 
 @pytest.mark.slow
