@@ -11,9 +11,10 @@ module amontons_assembly
   use amontons_topology, only: element_kind, kind_type, KIND_C3D8, KIND_MASS, FAMILY_SOLID, MAX_NODES, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, element_nodes, is_out
   use amontons_materials, only: MAX_HISTORY
-  use amontons_model, only: model_type, direction_of
+  use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
   use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
   use amontons_steps, only: step_type
+  use amontons_shapes, only: calculix_face_rule
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
   use amontons_follower, only: follower_type, begin_follower, add_follower
@@ -793,7 +794,7 @@ contains
     type(kind_type) :: kind
     real(DP) :: x(3, MAX_FACE_NODES), force(3, MAX_FACE_NODES), stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)
     real(DP), allocatable :: profile(:)
-    integer :: nodes(MAX_NODES), local(MAX_FACE_NODES), n, a
+    integer :: nodes(MAX_NODES), local(MAX_FACE_NODES), n, a, rule
     associate (mesh => model%mesh, e => load%element)
       kind = element_kind(mesh%kind(e))
       call element_nodes(mesh, e, n, nodes)
@@ -801,13 +802,15 @@ contains
       n = count(local > 0)
       x(:, :n) = mesh%coordinates(:, nodes(local(:n)))
       if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(local(:n)))
+      rule = kind%face_kind(load%face)
+      if (model%dialect == DIALECT_CALCULIX) rule = calculix_face_rule(mesh%kind(e), rule)
       if (load%is_user) then
         call ask_pressures(model, load, kind%face_kind(load%face), x(:, :n), fields, profile)
         call facet_pressure(kind%face_kind(load%face), x, 1.0_DP, force, stiffness, profile)
       else if (kind%family == FAMILY_SOLID) then
-        call facet_pressure(kind%face_kind(load%face), x, pressure, force, stiffness)
+        call facet_pressure(kind%face_kind(load%face), x, pressure, force, stiffness, rule=rule)
       else
-        call edge_pressure(kind%family, kind%face_kind(load%face), x(:, :n), mesh%section(e), pressure, force, stiffness)
+        call edge_pressure(kind%family, kind%face_kind(load%face), x(:, :n), mesh%section(e), pressure, force, stiffness, rule)
       end if
       do a = 1, n
         fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)

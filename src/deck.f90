@@ -16,6 +16,7 @@ module amontons_deck
   use amontons_deck_parts, only: flatten_parts
   use amontons_deck_generate, only: generate_mesh
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
+  use amontons_whole_steps, only: take_whole_steps
   use amontons_explain, only: explain_cards
   use amontons_deck_spreads, only: read_spreads
   use amontons_deck_springs, only: read_springs
@@ -128,6 +129,7 @@ contains
     call read_initial_conditions(reader, model)
     call read_steps(reader, model)
     call finish_materials(model)
+    if (reader%remarks%n_errors == 0) call take_whole_steps(model)
     call read_restart(reader, model)
     call publish_remarks(reader%cards, reader%remarks, complaints)
     if (reader%remarks%n_errors > 0) call set_error(error, EXIT_DECK, plural(reader%remarks%n_errors, 'error') // &

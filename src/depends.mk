@@ -60,8 +60,9 @@ uses_deck_sectors = kinds text tensor model cards card_form deck_reader
 uses_deck_times = kinds text cards card_form deck_reader
 uses_deck_changes = text topology mesh materials steps model cards card_form deck_reader deck_materials
 uses_deck_steps = kinds text topology steps model cards card_form card_table deck_reader deck_conditions deck_contact deck_loads deck_times deck_changes
+uses_whole_steps = materials ties model
 uses_explain = kinds text topology materials surfaces loads steps model cards card_form deck_reader
-uses_deck = errors text model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_spreads deck_springs deck_sectors deck_times deck_steps explain
+uses_deck = errors text model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_spreads deck_springs deck_sectors deck_times deck_steps whole_steps explain
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -103,7 +104,7 @@ uses_changes = mesh model state
 uses_constraints = kinds errors sparse
 uses_condensed = kinds errors sparse dense partition factor constraints
 uses_follower = kinds errors sparse
-uses_assembly = kinds errors sparse partition topology mesh materials loads steps model batch element spin state user_state follower
+uses_assembly = kinds errors sparse partition topology mesh materials loads steps model shapes batch element spin state user_state follower
 uses_bonds = kinds errors tensor loads ties model state constraints assembly
 uses_supports = kinds errors loads steps model state user_state constraints bonds
 uses_sectors = kinds errors topology loads ties model shapes facets search gap
@@ -138,7 +139,8 @@ uses_columns = kinds errors history store
 uses_columns = kinds errors history store
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state contact_fields nodal columns
 uses_mechanical = kinds tensor topology mesh model material_point element state
-uses_printed = kinds errors text tensor history posix topology mesh materials steps model state contact_fields nodal sections mechanical
+uses_expanded = kinds tensor topology mesh model shapes state
+uses_printed = kinds errors text tensor history posix topology mesh materials steps model state contact_fields nodal sections mechanical expanded
 uses_frd = kinds errors version history posix digits topology mesh materials steps model state contact_fields nodal printed
 
 # 7 roof: the job

@@ -246,13 +246,14 @@ contains
   !! Positive pressure pushes against the normal of the right-hand rule. The derivative is not symmetric for an open
   !! surface. Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed.,
   !! section 8.5.
-  pure subroutine facet_pressure(facet_kind, x, pressure, force, stiffness, profile)
+  pure subroutine facet_pressure(facet_kind, x, pressure, force, stiffness, profile, rule)
     integer, intent(in) :: facet_kind              !< FACET_...
     real(DP), intent(in) :: x(:, :)                !< (3, nodes) current coordinates [length]
     real(DP), intent(in) :: pressure               !< [stress]
     real(DP), intent(out) :: force(3, MAX_FACE_NODES)   !< zero past the nodes [force]
     real(DP), intent(out) :: stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)   !< d force/d x, zero past 3 * nodes
     real(DP), intent(in), optional :: profile(:)   !< factors of the pressure at the points of the facet; absent: 1 [-]
+    integer, intent(in), optional :: rule          !< the kind of facet whose points are taken; absent: its own
     type(facet_kind_type) :: facet
     real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
     real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), along(3, 2), turn(3, 3)
@@ -260,7 +261,11 @@ contains
     facet = topology_of_facet(facet_kind)
     force = 0
     stiffness = 0
-    call facet_quadrature(facet_kind, n_rule, xi, w)
+    if (present(rule)) then
+      call facet_quadrature(rule, n_rule, xi, w)
+    else
+      call facet_quadrature(facet_kind, n_rule, xi, w)
+    end if
     do p = 1, n_rule
       call facet_shapes(facet_kind, xi(:, p), N, dN, ddN)
       along = 0

@@ -74,6 +74,7 @@ contains
     type(point_type), intent(inout) :: point       !< in and out as its type says
     integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK nothing that goes out is to be used
     type(moduli_type) :: moduli
+    real(DP) :: growth
     point%history = point%past
     if (material%is_user) then
       call update_by_user(material, is_nlgeom, point, status)
@@ -93,6 +94,10 @@ contains
       call update_green(material, moduli, point, status)
     else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material) .and. moduli%is_isotropic) then
       call update_simo(material, moduli, point, status)
+      growth = (1 + moduli%thermal(1))**3           ! the law is that of a volume which has swollen
+      point%stress = growth * point%stress
+      point%tangent = growth * point%tangent
+      point%energy = growth * point%energy
     else if (allocated(material%kinematic) .or. material%has_deformation_plasticity .or. &
       .not. (moduli%is_isotropic .and. moduli%is_swelling)) then
       call update_log(material, moduli, point, status)
@@ -168,6 +173,15 @@ contains
   end subroutine find_moduli
 
 
+  !> Green's strain of the stretch 1 + e.
+  pure function stretched(e) result(strain)
+    real(DP), intent(in) :: e(6)                   !< tensor components [-]
+    real(DP) :: strain(6)
+    strain = 0
+    if (any(abs(e) > 0)) strain = green_strain(unpack_voigt(e))
+  end function stretched
+
+
   !> Principal stresses of rubber or foam.
   pure subroutine respond(material, constants, e, answer)
     type(material_type), intent(in) :: material
@@ -203,10 +217,11 @@ contains
 
 
   !> The thermal strain since the start: a(T) (T - T0) - a(Ti) (Ti - T0), a the secant coefficient from T0 on.
-  pure function thermal_strain_of(material, temperature, initial_temperature, frame) result(strain)
+  pure function thermal_strain_of(material, temperature, initial_temperature, frame, is_nlgeom) result(strain)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: temperature, initial_temperature   !< [temperature]
     real(DP), intent(in) :: frame(3, 3)            !< local axes of the material in its columns
+    logical, intent(in) :: is_nlgeom               !< Green's strain of it, if that is the strain of the law
     real(DP) :: strain(6)                          !< tensor components in the global axes, xx yy zz xy yz xz [-]
     type(point_type) :: point
     type(moduli_type) :: moduli
@@ -217,6 +232,7 @@ contains
     point%frame = frame
     call find_thermal_strain(material, point, moduli)
     strain = moduli%thermal
+    if (is_nlgeom .and. material%law == LAW_SAINT_VENANT) strain = stretched(moduli%thermal)
   end function thermal_strain_of
 
 
@@ -368,15 +384,23 @@ contains
   end function shown_strain
 
 
-  !> The law of six strains between Green's strain and the second Piola-Kirchhoff stress, pushed forward.
+  !> The law of six strains between Green's strain and the second Piola-Kirchhoff stress, pushed forward. A thermal strain e
+  !! is a stretch 1 + e: what is left of Green's strain E is (E - e - e e/2)/(1 + e), with the mean of e below the line.
   pure subroutine update_green(material, moduli, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
     type(point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
-    real(DP) :: push(6, 6)
+    type(moduli_type) :: warm
+    real(DP) :: push(6, 6), growth
     point%strain = shown_strain(material, point%H)
-    call strain_law(material, moduli, point%strain, point, status)
+    warm = moduli
+    warm%thermal = stretched(moduli%thermal)
+    growth = 1 + sum(moduli%thermal(:3)) / 3
+    call strain_law(material, warm, point%strain, point, status)
+    point%stress = point%stress / growth
+    point%tangent = point%tangent / growth
+    point%energy = point%energy / growth
     push = transform_matrix(IDENTITY + point%H)
     point%stress = matmul(push, point%stress)
     point%tangent = matmul(push, matmul(point%tangent, transpose(push)))
@@ -562,7 +586,7 @@ contains
     logical :: is_positive
     integer :: trouble
     status = STRESS_INVERTED
-    F = exp(-moduli%thermal(1)) * (IDENTITY + point%H)
+    F = (IDENTITY + point%H) / (1 + moduli%thermal(1))
     J = 1 + determinant_minus_one(F - IDENTITY)
     k = carried(F, point%past(HISTORY_BACK:HISTORY_BACK + 5)) * J**(-2 / 3.0_DP)
     call find_principal(left_cauchy_green(F - IDENTITY) + carried(F, tensor_exp( &

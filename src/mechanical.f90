@@ -21,7 +21,9 @@ contains
     type(fields_type), intent(in) :: fields        !< committed
     real(DP) :: strain(6, model%mesh%n_points)     !< tensor components, xx yy zz xy yz xz [-]
     real(DP) :: weight(MAX_NODES, MAX_POINTS), frame(3, 3), now, start
+    logical :: is_nlgeom
     integer :: e, p, i, n, nodes(MAX_NODES)
+    is_nlgeom = model%steps(max(1, fields%step))%is_nlgeom
     strain = fields%strain
     do e = 1, model%mesh%n_elements
       associate (m => max(1, model%mesh%material(e)))
@@ -35,7 +37,7 @@ contains
           if (allocated(model%initial_temperature)) start = dot_product(weight(:n, i), model%initial_temperature(nodes(:n)))
           frame = IDENTITY
           if (allocated(fields%frame)) frame = fields%frame(:, :, p)
-          strain(:, p) = strain(:, p) - thermal_strain_of(model%materials(m), now, start, frame)
+          strain(:, p) = strain(:, p) - thermal_strain_of(model%materials(m), now, start, frame, is_nlgeom)
         end do
       end associate
     end do

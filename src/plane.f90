@@ -484,7 +484,7 @@ contains
   !> Nodal forces of a pressure on an edge in its current place, and their derivative:
   !! force_a = -pressure * integral of N_a (dy/dxi, -dx/dxi) times the thickness or 2 pi x.
   !! Edges run counterclockwise: the normal is to their right. The thickness is that of the reference configuration.
-  pure subroutine edge_pressure(family, edge, x, section, pressure, force, stiffness)
+  pure subroutine edge_pressure(family, edge, x, section, pressure, force, stiffness, rule)
     integer, intent(in) :: family                  !< FAMILY_...
     integer, intent(in) :: edge                    !< FACET_LINE2, FACET_LINE3
     real(DP), intent(in) :: x(:, :)                !< (3, nodes) current coordinates [length]
@@ -492,13 +492,14 @@ contains
     real(DP), intent(in) :: pressure               !< [stress]
     real(DP), intent(out) :: force(3, MAX_FACE_NODES)   !< zero past the nodes [force]
     real(DP), intent(out) :: stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)   !< d force/d x, zero past 3 * nodes
+    integer, intent(in) :: rule                    !< the points: those of this kind of facet, or a rule of calculix_face_rule
     real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS), N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), &
       ddN(3, MAX_FACE_NODES), along(2), depth, growth, f
     integer :: n_rule, n_nodes, p, a, b
     n_nodes = size(x, 2)
     force = 0
     stiffness = 0
-    call facet_quadrature(edge, n_rule, xi, w)
+    call facet_quadrature(rule, n_rule, xi, w)
     do p = 1, n_rule
       call facet_shapes(edge, xi(:, p), N, dN, ddN)
       along = matmul(x(:2, :), dN(1, :n_nodes))

@@ -23,6 +23,7 @@ module amontons_printed
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
   use amontons_contact_fields, only: slave_position
   use amontons_nodal, only: point_volumes, point_places
+  use amontons_expanded, only: sector_share, take_sector
   use amontons_sections, only: section_type, measure_section
   implicit none
   private
@@ -350,6 +351,7 @@ contains
         call print_node_rows(unit, 'forces (fx,fy,fz)', model%mesh, set, fields, force)
       if (.not. (request%is_totals .or. request%is_only_totals)) return
       call print_head(unit, 'total force (fx,fy,fz)', set, fields%total_time)
+      force = printed_forces(model, fields)        ! a sum has no local directions
       write (unit, TOTAL_FORM) sum(force(:, set%members), 2)
     case ('NT')
       call print_node_rows(unit, 'temperatures', model%mesh, set, fields, reshape(fields%temperature, &
@@ -399,6 +401,7 @@ contains
         force(:, node) = fields%internal_force(:, node) - fields%contact_force(:, node)
       end associate
     end do
+    call take_sector(model%mesh, fields, model%steps(max(1, fields%step))%is_nlgeom, force)
   end function printed_forces
 
 
@@ -442,7 +445,7 @@ contains
         call print_point_rows(unit, mesh, set, in_axes(fields, request, fields%strain))
       case ('PEEQ')
         call print_head(unit, 'equivalent plastic strain (elem, integ.pnt.,pe)', set, time)
-        call print_point_rows(unit, mesh, set, reshape(history_row(fields, HISTORY_PEEQ), [1, mesh%n_points]))
+        call print_point_rows(unit, mesh, set, reshape(inelastic_strain(model, fields), [1, mesh%n_points]))
       case ('CEEQ')
         call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
         call print_point_rows(unit, mesh, set, reshape(history_row(fields, HISTORY_CEEQ), [1, mesh%n_points]))
@@ -460,12 +463,22 @@ contains
         call print_point_rows(unit, mesh, set, places)
       case ('ELSE')
         call print_element_rows(unit, ['internal energy (element, energy)', 'total internal energy            '], &
-          mesh, request, time, fields%energy)
+          model, request, time, fields%energy)
       case ('EVOL')
-        call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], mesh, request, time)
+        call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], model, request, time)
       end select
     end associate
   end subroutine print_element_variable
+
+
+  !> PEEQ: the equivalent plastic strain. CalculiX counts that of creep in.
+  pure function inelastic_strain(model, fields) result(strain)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP) :: strain(model%mesh%n_points)
+    strain = history_row(fields, HISTORY_PEEQ)
+    if (model%dialect == DIALECT_CALCULIX) strain = strain + history_row(fields, HISTORY_CEEQ)
+  end function inelastic_strain
 
 
   !> Tensors at the points in the axes that a request asks for, components ordered as they are printed.
@@ -506,28 +519,31 @@ contains
 
 
   !> A block with the integral over each element of a set of a density, or of 1, per reference volume, and their sum.
-  subroutine print_element_rows(unit, titles, mesh, request, time, density)
+  subroutine print_element_rows(unit, titles, model, request, time, density)
     integer, intent(in) :: unit
     character(*), intent(in) :: titles(2)          !< of the rows, of the sum
-    type(mesh_type), intent(in) :: mesh
+    type(model_type), intent(in) :: model
     type(print_request_type), intent(in) :: request
     real(DP), intent(in) :: time                   !< total time [time]
     real(DP), intent(in), optional :: density(:)   !< (n_points); default 1
     type(set_type) :: set
     real(DP) :: volumes(MAX_POINTS), integral, total
     integer :: i, n, first
-    set = set_of(mesh, request)
+    set = set_of(model%mesh, request)
     if (.not. request%is_only_totals) call print_head(unit, trim(titles(1)), set, time)
     total = 0
-    do i = 1, size(set%members)
-      if (is_out(mesh, set%members(i))) cycle
-      call point_volumes(mesh, set%members(i), n, volumes)
-      integral = sum(volumes(:n))
-      first = mesh%point_first(set%members(i))
-      if (present(density)) integral = dot_product(volumes(:n), density(first:first + n - 1))
-      total = total + integral
-      if (.not. request%is_only_totals) write (unit, NODE_FORM) mesh%element_label(set%members(i)), integral
-    end do
+    associate (mesh => model%mesh)
+      do i = 1, size(set%members)
+        if (is_out(mesh, set%members(i))) cycle
+        call point_volumes(mesh, set%members(i), n, volumes)
+        integral = sum(volumes(:n))
+        first = mesh%point_first(set%members(i))
+        if (present(density)) integral = dot_product(volumes(:n), density(first:first + n - 1))
+        integral = sector_share(model, set%members(i)) * integral
+        total = total + integral
+        if (.not. request%is_only_totals) write (unit, NODE_FORM) mesh%element_label(set%members(i)), integral
+      end do
+    end associate
     if (.not. (request%is_totals .or. request%is_only_totals)) return
     call print_head(unit, trim(titles(2)), set, time)
     write (unit, TOTAL_FORM) total

@@ -7,14 +7,17 @@
 module amontons_shapes
   use amontons_kinds, only: DP
   use amontons_topology, only: element_kind, kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
-    KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CAX8R, KIND_T3D2, KIND_T3D3, &
+    KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CPS4R, KIND_CPE3, &
+    KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX8R, KIND_T3D2, KIND_T3D3, &
     FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
   implicit none
   private
   public :: shape_functions, quadrature, node_coordinates, extrapolation_matrix
+  public :: calculix_face_rule
   public :: facet_shapes, facet_quadrature, facet_node_coordinates, shape_of
   public :: MAX_FACET_POINTS
 
+  integer, parameter :: RULE_TRI1 = 7, RULE_QUAD1 = 8, RULE_LINE1 = 9   !< rules of one point, beside those of the kinds of facets
   integer, parameter :: MAX_FACET_POINTS = 9       !< most integration points of a facet
 
   ! Corners of the hexahedron, then the middles of its edges, as signs.
@@ -308,6 +311,31 @@ contains
     xi(:2, :n) = flat(:, :n)
     w(:n) = weight(:n)
   end subroutine embedded_rule
+
+
+  !> The rule by which CalculiX integrates over the faces of elements, a facet kind or RULE_...; it has fewer points than ours
+  !! on wedges, on triangles, and on elements of reduced integration.
+  pure integer function calculix_face_rule(kind, facet) result(rule)
+    integer, intent(in) :: kind                    !< KIND_... of the element
+    integer, intent(in) :: facet                   !< FACET_... of the face
+    rule = facet
+    select case (kind)
+    case (KIND_C3D4)
+      rule = RULE_TRI1
+    case (KIND_C3D6)
+      rule = merge(RULE_TRI1, RULE_QUAD1, facet == FACET_TRI3)
+    case (KIND_C3D8R)
+      rule = RULE_QUAD1
+    case (KIND_C3D10)
+      rule = FACET_TRI3
+    case (KIND_C3D15)
+      rule = merge(FACET_TRI3, FACET_QUAD4, facet == FACET_TRI6)
+    case (KIND_C3D20R)
+      rule = FACET_QUAD4
+    case (KIND_CPS3, KIND_CPS4R, KIND_CPE3, KIND_CPE4R, KIND_CAX3, KIND_CAX4R)
+      rule = RULE_LINE1
+    end select
+  end function calculix_face_rule
 
 
   !> The product rule on the cube, xi fastest.
@@ -614,7 +642,7 @@ contains
   !!   tri3 3 points (degree 2), quad4 2x2 (degree 3 each way), tri6 6 points (degree 4), quad8 3x3 (degree 5 each way);
   !!   edges: 2 points (degree 3), 3 points (degree 5), enough for N times the normal times the radius too
   pure subroutine facet_quadrature(facet_kind, n, xi, w)
-    integer, intent(in) :: facet_kind              !< FACET_...
+    integer, intent(in) :: facet_kind              !< FACET_... or a rule of calculix_face_rule
     integer, intent(out) :: n                      !< number of points
     real(DP), intent(out) :: xi(2, MAX_FACET_POINTS)   !< natural coordinates [-], zero past n
     real(DP), intent(out) :: w(MAX_FACET_POINTS)   !< weights [-], zero past n; sum 1/2 (triangles), 4 (squares), 2 (edges)
@@ -625,6 +653,16 @@ contains
     w = 0
     n = 0
     select case (facet_kind)
+    case (RULE_TRI1)
+      n = 1
+      xi(:, 1) = 1.0_DP / 3
+      w(1) = 0.5_DP
+    case (RULE_QUAD1)
+      n = 1
+      w(1) = 4
+    case (RULE_LINE1)
+      n = 1
+      w(1) = 2
     case (FACET_TRI3)
       n = 3
       call triangle_orbit(1.0_DP / 6, 1.0_DP / 6, xi(:, 1:3), w(1:3))

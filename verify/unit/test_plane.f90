@@ -333,19 +333,19 @@ contains
     x = reshape([real(DP) :: 2, 0, 0, 4, 0, 0, 3, 0, 0], [3, 3])
     depth = THICKNESS
     if (family == FAMILY_AXISYMMETRIC) depth = 2 * PI * 3
-    call edge_pressure(family, edge, x(:, :n), THICKNESS, 5.0_DP, force, K)
+    call edge_pressure(family, edge, x(:, :n), THICKNESS, 5.0_DP, force, K, edge)
     call suite%near('edge: sum, pushes to the left', maxval(abs(sum(force, 2) - [0.0_DP, 10 * depth, 0.0_DP])), 0.0_DP, &
       1e-12_DP * depth)
     call random_number(r)
     x(:2, :) = x(:2, :) + 0.3_DP * (r(:2, :) - 0.5_DP)
-    call edge_pressure(family, edge, x(:, :n), THICKNESS, 5.0_DP, force, K)
+    call edge_pressure(family, edge, x(:, :n), THICKNESS, 5.0_DP, force, K, edge)
     do a = 1, n
       do j = 1, 2
         moved = x
         moved(j, a) = x(j, a) + STEP
-        call edge_pressure(family, edge, moved(:, :n), THICKNESS, 5.0_DP, fp, unused)
+        call edge_pressure(family, edge, moved(:, :n), THICKNESS, 5.0_DP, fp, unused, edge)
         moved(j, a) = x(j, a) - STEP
-        call edge_pressure(family, edge, moved(:, :n), THICKNESS, 5.0_DP, fm, unused)
+        call edge_pressure(family, edge, moved(:, :n), THICKNESS, 5.0_DP, fm, unused, edge)
         call suite%near('edge: load stiffness', norm2(reshape((fp - fm) / (2 * STEP), [3 * MAX_FACE_NODES]) &
           - K(:, 3 * (a - 1) + j)), 0.0_DP, 1e-8_DP * norm2(K))
       end do

@@ -3,7 +3,7 @@
 program test_shapes
   use amontons_kinds, only: DP
   use amontons_shapes, only: shape_functions, quadrature, node_coordinates, extrapolation_matrix, facet_shapes, &
-    facet_quadrature, facet_node_coordinates, MAX_FACET_POINTS
+    facet_quadrature, facet_node_coordinates, calculix_face_rule, MAX_FACET_POINTS
   use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_POINTS, &
     MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, &
     KIND_T3D2, KIND_T3D3, KIND_CPS3, KIND_CAX8R, FAMILY_SOLID, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FACET_TRI3, &
@@ -20,6 +20,9 @@ program test_shapes
     call check_rule(kind)
     call check_faces(kind)
     call check_extrapolation(kind)
+  end do
+  do kind = KIND_C3D4, KIND_CAX8R
+    call check_calculix_rules(kind)
   end do
   do kind = FACET_TRI3, FACET_LINE3
     call check_facet(kind)
@@ -284,6 +287,23 @@ contains
       call suite%near('facet: mixed derivative', maxval(abs(dNp(3 - i, :) - ddN(3, :))), 0.0_DP, 1e-9_DP)
     end do
   end subroutine check_facet
+
+
+  !> CalculiX's rules of the faces: constants and linear functions are exact, their points are as few as it takes.
+  subroutine check_calculix_rules(kind)
+    integer, intent(in) :: kind
+    type(kind_type) :: entry
+    real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS), own_w(MAX_FACET_POINTS), own_xi(2, MAX_FACET_POINTS)
+    integer :: face, n, own
+    entry = element_kind(kind)
+    do face = 1, entry%n_faces
+      call facet_quadrature(calculix_face_rule(kind, entry%face_kind(face)), n, xi, w)
+      call facet_quadrature(entry%face_kind(face), own, own_xi, own_w)
+      call suite%that('no more points than the own rule', n <= own .and. n >= 1)
+      call suite%near('weights', sum(w), sum(own_w), 1e-14_DP)
+      call suite%near('linear functions', maxval(abs(matmul(xi, w) - matmul(own_xi, own_w))), 0.0_DP, 1e-14_DP)
+    end do
+  end subroutine check_calculix_rules
 
 
   !> All monomials of the degree promised are exact.

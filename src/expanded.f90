@@ -1,0 +1,109 @@
+!> Expanded: what CalculiX prints of axisymmetric elements, which it makes a solid sector of two degrees of the circle.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Volumes and energies are those of the sector, a 180th of the circle. Forces are sums of the forces in space on the
+!! nodes that one node became: what the hoop stress does to a node points, on both sides of the sector, across the radius
+!! and cancels but for its turn by one degree, which these sums leave to the equations between the nodes. So the
+!! radial force is that of the radial and shear stresses alone.
+module amontons_expanded
+  use amontons_kinds, only: DP, PI
+  use amontons_mesh, only: mesh_type, element_nodes, is_out
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_shapes, only: shape_functions, quadrature
+  use amontons_state, only: fields_type
+  use amontons_tensor, only: determinant_minus_one, unpack_voigt
+  use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC, KIND_CAX4R, KIND_CPE4_FULL, MAX_NODES, MAX_POINTS
+  implicit none
+  private
+  public :: sector_share, take_sector
+
+  real(DP), parameter :: SECTORS = 180             !< of two degrees in the circle
+
+contains
+
+  !> The part of an element that CalculiX has in its sector: 1 but for axisymmetric elements of its dialect.
+  pure real(DP) function sector_share(model, e) result(share)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e                       !< element index
+    share = 1
+    if (model%dialect == DIALECT_CALCULIX .and. is_axisymmetric(model%mesh, e)) share = 1 / SECTORS
+  end function sector_share
+
+
+  !> Turns the forces of the full circle on the nodes of axisymmetric elements into those that CalculiX prints.
+  pure subroutine take_sector(mesh, fields, is_nlgeom, force)
+    type(mesh_type), intent(in) :: mesh
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(inout) :: force(:, :)         !< (3, n_nodes) [force]
+    logical :: is_of_circle(mesh%n_nodes)
+    real(DP) :: hoop(MAX_NODES)
+    integer :: e, a, n, nodes(MAX_NODES)
+    is_of_circle = .false.
+    do e = 1, mesh%n_elements
+      if (.not. is_axisymmetric(mesh, e) .or. is_out(mesh, e)) cycle
+      call element_nodes(mesh, e, n, nodes)
+      is_of_circle(nodes(:n)) = .true.
+      call hoop_forces(mesh, e, fields, is_nlgeom, hoop)
+      do a = 1, n
+        force(1, nodes(a)) = force(1, nodes(a)) - hoop(a)
+      end do
+    end do
+    do a = 1, mesh%n_nodes
+      if (is_of_circle(a)) force(:, a) = force(:, a) / SECTORS
+    end do
+  end subroutine take_sector
+
+
+  !> Whether an element is axisymmetric.
+  pure logical function is_axisymmetric(mesh, e)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    is_axisymmetric = .false.
+    if (mesh%kind(e) > 0) is_axisymmetric = family_of(mesh%kind(e)) == FAMILY_AXISYMMETRIC
+  end function is_axisymmetric
+
+
+  !> The family of a kind.
+  pure integer function family_of(kind) result(family)
+    integer, intent(in) :: kind
+    associate (entry => element_kind(kind))
+      family = entry%family
+    end associate
+  end function family_of
+
+
+  !> The radial forces of the hoop stress on the nodes of an element: sum of N_a/x tau V. Of finite strain Kirchhoff's
+  !! stress comes from Cauchy's and from Green's strain, which the calculix dialect keeps.
+  pure subroutine hoop_forces(mesh, e, fields, is_nlgeom, hoop)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: hoop(MAX_NODES)       !< [force]
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), share(MAX_POINTS)
+    real(DP) :: J(2, 2), X(2, MAX_NODES), tau, stretch
+    integer :: rule, p, q, m, n_rule, n_nodes, nodes(MAX_NODES)
+    call element_nodes(mesh, e, n_nodes, nodes)
+    X(:, :n_nodes) = mesh%coordinates(:2, nodes(:n_nodes))
+    rule = mesh%kind(e)
+    if (rule == KIND_CAX4R) rule = KIND_CPE4_FULL  ! one point, but the mean over four
+    call quadrature(rule, n_rule, xi, w)
+    m = mesh%point_first(e + 1) - mesh%point_first(e)
+    hoop = 0
+    do p = 1, n_rule
+      call shape_functions(rule, xi(:, p), N, dN)
+      J = matmul(X(:, :n_nodes), transpose(dN(:2, :n_nodes)))
+      share(p) = w(p) * (J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)) * 2 * PI   ! volume over the radius
+      q = mesh%point_first(e) + min(p, m) - 1
+      tau = fields%stress(3, q)
+      stretch = 1
+      if (is_nlgeom) then
+        stretch = sqrt(1 + 2 * fields%strain(3, q))
+        tau = tau * sqrt(1 + determinant_minus_one(2 * unpack_voigt(fields%strain(:, q))))
+      end if
+      hoop(:n_nodes) = hoop(:n_nodes) + share(p) * tau / stretch * N(:n_nodes)
+    end do
+  end subroutine hoop_forces
+
+end module amontons_expanded

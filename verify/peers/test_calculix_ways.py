@@ -1,0 +1,158 @@
+"""What the calculix dialect takes from CalculiX beside the formulas: how it prints and counts. Each has a closed form.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from dat import Block, read_dat  # noqa: E402
+from mixed_decks import deck, hold, prints, solid, step  # noqa: E402
+
+CUBE = """*NODE, NSET=N
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+*ELEMENT, TYPE=C3D8, ELSET=E
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*BOUNDARY
+1, 1, 3
+4, 1
+5, 1, 2
+8, 1
+2, 2, 3
+6, 2
+3, 3
+4, 3
+"""
+LINEAR = "*MATERIAL, NAME=M\n*ELASTIC\n1000., .25\n*SOLID SECTION, ELSET=E, MATERIAL=M\n"
+
+
+@pytest.fixture
+def tables(run_deck: Callable[..., object], tmp_path: Path) -> Callable[..., list[Block]]:
+    """Runs a deck and reads its tables."""
+
+    def read(text: str, dialect: str = "calculix") -> list[Block]:
+        result = run_deck(text, f"--dialect={dialect}")
+        assert result.returncode == 0, result.stdout + result.stderr  # type: ignore[attr-defined]
+        return read_dat(tmp_path / "job.dat")
+
+    return read
+
+
+def times(blocks: list[Block]) -> list[float]:
+    """The times of the blocks."""
+    return [round(block.time, 6) for block in blocks]
+
+
+def test_linear_steps_are_whole(tables: Callable[..., list[Block]]) -> None:
+    """A linear step is one increment whatever it asks for, an NLGEOM step is not, and the abaqus dialect keeps increments."""
+    points = "*TIME POINTS, NAME=T\n.3\n"
+    load = "*CLOAD\n7, 1, 2.\n*NODE PRINT, NSET=N, TIME POINTS=T\nU\n"
+    linear = CUBE + points + LINEAR + f"*STEP\n*STATIC\n.25, 1.\n{load}*END STEP\n"
+    assert times(tables(linear)) == [1.0]
+    assert times(tables(linear, "abaqus")) == [0.3, 1.0]
+    assert times(tables(linear.replace("*STEP\n", "*STEP, NLGEOM\n"))) == [0.3, 1.0]
+
+
+def test_clock(tables: Callable[..., list[Block]]) -> None:
+    """TOTAL TIME AT START sets the clock; TIME RESET turns it back by the length of the step; both carry on from there."""
+    out = "*NODE PRINT, NSET=N\nU\n*END STEP\n"
+    text = CUBE + LINEAR
+    for option, length in ((", TOTAL TIME AT START=2.5", 2), ("", 1), (", TIME RESET", 3), ("", 4)):
+        text += f"*STEP\n*STATIC{option}\n{length}, {length}\n" + out
+    assert times(tables(text)) == [4.5, 5.5, 5.5, 9.5]
+
+
+def test_amplitude_follows_the_clock(tables: Callable[..., list[Block]]) -> None:
+    """An amplitude in total time is read at the time that TOTAL TIME AT START sets."""
+    text = CUBE + LINEAR + "*AMPLITUDE, NAME=A, TIME=TOTAL TIME\n0., 0., 10., 1.\n"
+    text += "*STEP\n*STATIC, TOTAL TIME AT START=4.\n1., 1.\n*CLOAD, AMPLITUDE=A\n" + "".join(f"{n}, 1, 25.\n" for n in (2, 3, 6, 7))
+    blocks = tables(text + "*EL PRINT, ELSET=E\nS\n*END STEP\n")
+    assert list(blocks[0].rows.values())[0][0] == pytest.approx(50.0, rel=1e-6)  # half of 4 x 25 over an area of 1
+
+
+@pytest.mark.parametrize("plastic", ["", "*PLASTIC\n1.E6, 0.\n"])
+def test_free_expansion(tables: Callable[..., list[Block]], plastic: str) -> None:
+    """Under NLGEOM a thermal strain is a stretch: a free edge of 1 grows by alpha dT, the mechanical strain is zero."""
+    material = LINEAR.replace("*SOLID", f"{plastic}*EXPANSION\n1.E-4\n*SOLID")
+    blocks = tables(CUBE + material + "*STEP, NLGEOM\n*STATIC\n*TEMPERATURE\nN, 1000.\n*NODE PRINT, NSET=N\nU\n"
+                    "*EL PRINT, ELSET=E\nE, ME\n*END STEP\n")
+    u, strain, mechanical = blocks
+    assert u.rows[(7,)] == pytest.approx([0.1, 0.1, 0.1], rel=1e-6)
+    assert strain.rows[(1, 1)][:3] == pytest.approx([0.105] * 3, rel=1e-6)
+    assert mechanical.title == "mechanical strains"
+    assert max(abs(v) for row in mechanical.rows.values() for v in row) < 1e-7
+
+
+def test_mechanical_strain(tables: Callable[..., list[Block]]) -> None:
+    """ME is E less alpha dT at small displacements, and E itself where nothing is warm."""
+    material = LINEAR.replace("*SOLID", "*EXPANSION\n1.E-4\n*SOLID")
+    cold = "*STEP\n*STATIC\n*BOUNDARY\n7, 1, 1, .01\n*EL PRINT, ELSET=E\nE, ME\n*END STEP\n"
+    warm = "*STEP\n*STATIC\n*TEMPERATURE\nN, 10.\n*EL PRINT, ELSET=E\nE, ME\n*END STEP\n"
+    blocks = tables(CUBE + material + cold + warm)
+    for total, mechanical, thermal in ((blocks[0], blocks[1], 0.0), (blocks[2], blocks[3], 1e-3)):
+        for key, row in total.rows.items():
+            expected = [v - thermal * (i < 3) for i, v in enumerate(row)]
+            assert mechanical.rows[key] == pytest.approx(expected, abs=1e-8)
+
+
+def test_sector(tables: Callable[..., list[Block]]) -> None:
+    """Volume, energy and forces of a ring in uniform biaxial strain are those of two degrees of it, as CalculiX expands it.
+
+    With u_r = c r and u_y = 0 radial and hoop stress are s = 2 (lambda + G) c. The shares of the two outer nodes of the
+    force of the radial stress alone are s h (a + b)/2 times the angle, the hoop stress takes no part.
+    """
+    a, b, h, c = 1.0, 1.5, 0.4, 1e-3
+    lame, G = 400.0, 400.0
+    s = 2 * (lame + G) * c
+    text = f"""*NODE, NSET=N
+1, {a}, 0.
+2, {b}, 0.
+3, {b}, {h}
+4, {a}, {h}
+*NSET, NSET=OUT
+2, 3
+*ELEMENT, TYPE=CAX4, ELSET=E
+1, 1, 2, 3, 4
+{LINEAR}*BOUNDARY
+N, 2
+1, 1, 1, {c * a}
+4, 1, 1, {c * a}
+OUT, 1, 1, {c * b}
+*STEP
+*STATIC
+*NODE PRINT, NSET=OUT, TOTALS=ONLY
+RF
+*EL PRINT, ELSET=E
+EVOL, ELSE
+*END STEP
+"""
+    force, volume, energy = (list(block.rows.values())[0] for block in tables(text))
+    angle = math.radians(2)
+    assert force[0] == pytest.approx(s * h * (a + b) / 2 * angle, rel=1e-6)
+    assert volume[0] == pytest.approx((b**2 - a**2) / 2 * angle * h, rel=1e-6)
+    assert energy[0] == pytest.approx(s * c * (b**2 - a**2) / 2 * angle * h, rel=1e-6)
+
+
+def test_totals_are_global(tables: Callable[..., list[Block]]) -> None:
+    """The total of forces at nodes with directions of their own is summed in global directions: it balances the load."""
+    body = solid("C3D8")
+    turned = hold(body) + "*TRANSFORM, NSET=LEFT, TYPE=R\n.6, .8, 0., -.8, .6, 0.\n"
+    text = deck(body, "*ELASTIC\n1000., .3\n", turned, step("*CLOAD\nTIP, 1, 5.\n" + prints(element_items="")))
+    text = text.replace("*NODE PRINT, NSET=NODES", "*NODE PRINT, NSET=LEFT")
+    total = next(block for block in tables(text) if block.title == "total force")
+    assert list(total.rows.values())[0] == pytest.approx([-5.0, 0.0, 0.0], abs=1e-5)
