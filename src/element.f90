@@ -11,8 +11,8 @@ module amontons_element
   use amontons_condition, only: tangent_at_rest, CONDITION_NONE
   use amontons_discrete, only: truss_element, truss_volumes, truss_body_force, spring_element
   use amontons_enhanced, only: incompatible_gradients, correct_modes, condense_modes, N_MODES
-  use amontons_hourglass, only: hourglass_type, prepare_hourglass, add_hourglass
-  use amontons_materials, only: material_type
+  use amontons_hourglass, only: hourglass_type, prepare_hourglass, soften_hourglass, add_hourglass
+  use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_material_point, only: point_type, update_point
   use amontons_plane, only: plane_element, plane_volumes, plane_body_force, plane_temperature_weights, edge_pressure
   use amontons_points, only: points_type, begin_point, keep_history, ELEMENT_OK, ELEMENT_INVERTED, &
@@ -444,7 +444,12 @@ contains
     end if
     call tangent_at_rest(CONDITION_NONE, material, is_nlgeom, 8, points, c)
     call prepare_hourglass(3, X, mean(:8, :), volume, c, hourglass)
-    call add_hourglass(hourglass, u, is_nlgeom, energy, force, stiffness)
+    if (material%law == LAW_SAINT_VENANT) then
+      call soften_hourglass(hourglass, volume, c, [real(DP) ::], 1.0_DP)
+      call add_hourglass(hourglass, u, .false., energy, force, stiffness)   ! |q|^2 is free of rotations
+    else
+      call add_hourglass(hourglass, u, is_nlgeom, energy, force, stiffness)
+    end if
     points%energy(1) = points%energy(1) + energy / volume
   end subroutine evaluate_one_point
 

@@ -11,6 +11,10 @@
 !! the strains that vary linearly over the element, those that make hexahedra lock left out, as assumed strain and
 !! incompatible modes do. Force and tangent are the exact derivatives of W. No parameter is to be chosen.
 !!
+!! CalculiX takes Flanagan and Belytschko's artificial stiffness instead, W = k/2 sum |sum_a 8 gamma_a alpha u_a|^2 with
+!! k = 0.0005 E V sum |grad N_a|^2, which is far softer; so does the calculix dialect. (Release 2.20 leaves the first two
+!! coordinates out where it makes the vectors gamma orthogonal to linear fields; ours are orthogonal to all.)
+!!
 !! References: D. P. Flanagan, T. Belytschko, A uniform strain hexahedron and quadrilateral with orthogonal hourglass
 !! control, Int. J. Numer. Meth. Engng 17 (1981) 679-706; T. Belytschko, L. P. Bindeman, Assumed strain stabilization of
 !! the eight node hexahedral element, Comput. Meth. Appl. Mech. Engng 105 (1993) 225-260; M. A. Puso, A highly efficient
@@ -22,9 +26,10 @@ module amontons_hourglass
   use amontons_topology, only: MAX_NODES
   implicit none
   private
-  public :: hourglass_type, prepare_hourglass, add_hourglass
+  public :: hourglass_type, prepare_hourglass, soften_hourglass, add_hourglass
 
   integer, parameter :: MAX_CORNERS = 8, MAX_MODES = 4
+  real(DP), parameter :: SOFTNESS = 0.0005_DP      !< of CalculiX's hourglass stiffness [-]
 
   ! Signs of the corners: xi, eta, zeta.
   real(DP), parameter :: CORNER(3, 8) = reshape([real(DP) :: &
@@ -80,6 +85,26 @@ contains
     if (d == 3) call set_solid_matrix(J, volume, c, hourglass%matrix)
     if (d == 2) call set_plane_matrix(J, volume, c, hourglass%matrix)
   end subroutine prepare_hourglass
+
+
+  !> Puts CalculiX's stiffness in place of M. A plane element is a hexahedron of one layer there: its mode moves both sides
+  !! alike, and it has gradients across.
+  pure subroutine soften_hourglass(hourglass, volume, c, across, n_sectors)
+    type(hourglass_type), intent(inout) :: hourglass
+    real(DP), intent(in) :: volume                 !< [length^3]
+    real(DP), intent(in) :: c(6, 6)                !< elastic tangent at rest [stress]
+    real(DP), intent(in) :: across(:)              !< plane: (nodes) mean gradients along the third axis, of either side [1/length]
+    real(DP), intent(in) :: n_sectors              !< of the circle, 1 for all but axisymmetric elements
+    real(DP) :: k
+    integer :: i
+    k = sum(hourglass%gradient(:hourglass%n, :hourglass%d)**2)
+    if (hourglass%d == 2) k = 0.5_DP * k + 2 * sum(across**2)
+    k = SOFTNESS * uniaxial_modulus(c, 1, 2, 3) * (volume / n_sectors) * k
+    hourglass%matrix = 0
+    do i = 1, 3 * MAX_MODES
+      hourglass%matrix(i, i) = 64 * k * n_sectors
+    end do
+  end subroutine soften_hourglass
 
 
   !> M of the hexahedron. With P_alpha = J^T p_alpha the strains in natural components are

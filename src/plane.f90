@@ -14,9 +14,9 @@ module amontons_plane
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP, PI
   use amontons_condition, only: stress_under, tangent_at_rest, CONDITION_NONE, CONDITION_PLANE_STRESS
-  use amontons_hourglass, only: hourglass_type, prepare_hourglass, add_hourglass
+  use amontons_hourglass, only: hourglass_type, prepare_hourglass, soften_hourglass, add_hourglass
   use amontons_material_point, only: point_type
-  use amontons_materials, only: material_type
+  use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_points, only: points_type, begin_point, end_point, ELEMENT_OK, ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
@@ -29,6 +29,7 @@ module amontons_plane
   public :: plane_element, plane_volumes, plane_body_force, plane_temperature_weights, edge_pressure
 
   integer, parameter :: N_MOST = 8                    !< most nodes
+  real(DP), parameter :: SECTORS = 180                !< of CalculiX's expansion in the circle
   integer, parameter :: P_MOST = 9                    !< most points
   integer, parameter :: PLANE(4) = [1, 2, 3, 4]       !< xx yy zz xy among the six
 
@@ -46,6 +47,7 @@ module amontons_plane
     real(DP) :: j(P_MOST)                             !< det(1 + H) - 1 [-]
     real(DP) :: mean(2 * N_MOST)                      !< mean of B^T 1 over the (current) volume [1/length]
     real(DP) :: at_rest(N_MOST, 2)                    !< dN_a/dX of the first point [1/length]
+    real(DP) :: at_rest_hoop(4)                       !< N_a/X of the first point [1/length]
   end type strip_type
 
 contains
@@ -129,6 +131,7 @@ contains
     if (is_one_point(kind) .and. status == ELEMENT_OK) call take_mean(strip)
     call set_weights(entry, xi, strip)
     strip%at_rest = strip%gradient(:, :, 1)
+    strip%at_rest_hoop = strip%hoop(:4, 1)
     strip%current = strip%reference
   end subroutine set_reference
 
@@ -439,7 +442,17 @@ contains
     real(DP) :: energy, c(6, 6)
     call tangent_at_rest(condition_of(entry), material, is_nlgeom, 4, points, c)
     call prepare_hourglass(2, X, strip%at_rest, strip%reference(1), c, hourglass)
-    call add_hourglass(hourglass, u, is_nlgeom, energy, force, stiffness)
+    if (material%law == LAW_SAINT_VENANT) then
+      call tangent_at_rest(CONDITION_NONE, material, is_nlgeom, 4, points, c)
+      if (entry%family == FAMILY_AXISYMMETRIC) then
+        call soften_hourglass(hourglass, strip%reference(1), c, SECTORS / (2 * PI) * strip%at_rest_hoop, SECTORS)
+      else
+        call soften_hourglass(hourglass, strip%reference(1), c, strip%N_a(:4, 1) / points%section, 1.0_DP)
+      end if
+      call add_hourglass(hourglass, u, .false., energy, force, stiffness)   ! |q|^2 is free of rotations
+    else
+      call add_hourglass(hourglass, u, is_nlgeom, energy, force, stiffness)
+    end if
     points%energy(1) = points%energy(1) + energy / strip%reference(1)
   end subroutine hold_hourglass
 

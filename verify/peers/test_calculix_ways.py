@@ -156,3 +156,15 @@ def test_totals_are_global(tables: Callable[..., list[Block]]) -> None:
     text = text.replace("*NODE PRINT, NSET=NODES", "*NODE PRINT, NSET=LEFT")
     total = next(block for block in tables(text) if block.title == "total force")
     assert list(total.rows.values())[0] == pytest.approx([-5.0, 0.0, 0.0], abs=1e-5)
+
+
+@pytest.mark.parametrize("nlgeom", ["", ", NLGEOM"])
+def test_hourglass_stiffness(tables: Callable[..., list[Block]], nlgeom: str) -> None:
+    """C3D8R: the forces of an hourglass mode of size d on a unit cube are k 8 d with k = 0.0005 E V sum |grad N_a|^2 = 0.00075 E."""
+    d = 1e-3
+    signs = {1: 1, 2: -1, 3: 1, 4: -1, 5: 1, 6: -1, 7: 1, 8: -1}  # xi eta
+    text = CUBE[: CUBE.index("*BOUNDARY")].replace("C3D8", "C3D8R") + LINEAR + "*BOUNDARY\nN, 2, 3\n"
+    text += f"*STEP{nlgeom}\n*STATIC\n*BOUNDARY\n" + "".join(f"{n}, 1, 1, {d * s}\n" for n, s in signs.items())
+    (force,) = tables(text + "*NODE PRINT, NSET=N\nRF\n*END STEP\n")
+    for node, sign in signs.items():
+        assert force.rows[(node,)][0] == pytest.approx(sign * 0.00075 * 1000 * 8 * d, rel=1e-6)

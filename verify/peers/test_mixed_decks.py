@@ -31,8 +31,10 @@ RESIDUE = 1e-7  # of the largest of a kind of block in a deck: rounding
 
 # Where the two differ, and why. A reason that begins with "CalculiX:" is an error of CalculiX (2.20); others are open here.
 DIFFERENT: dict[str, str] = {
-    r"element-C3D8R|element-C...4R": "hourglass stiffness: ours follows from the elasticity, CalculiX's is far softer",
-    r"element-C3D8I": "the gradients of the incompatible modes differ on skew elements",
+    r"element-C3D8R|element-C...4R": "CalculiX: on skew elements its hourglass vectors are orthogonal to one coordinate only, so that "
+                                     "it misses the patch test; equal on bricks",
+    r"element-C3D8I": "CalculiX: 2.20 leaves the ratio of the determinants out of the incompatible modes and misses the patch test; "
+                      "its later reference of patch_c3d8i agrees with ours",
     r"element-CPS": "CalculiX joins the thickness at the nodes; here it is free at each point",
     r"element-CAX": "the points of the solid sector stand in turned directions: only shears in the third direction differ",
     r"element-C3D20R-nl": "CalculiX: gives up; the corner pulled is soft without full integration",
