@@ -131,10 +131,12 @@ contains
   end function cross
 
 
-  !> The faces of a slave surface; of a surface of nodes, as CalculiX takes them, all outer faces with one of its nodes.
-  subroutine cover_slave(mesh, surface, cover)
+  !> The faces of a slave surface; of a surface of nodes, as CalculiX takes them, all outer faces with one of its nodes, but
+  !! no edges of plane elements, which it does not find where it has expanded them.
+  subroutine cover_slave(mesh, surface, is_calculix, cover)
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(in) :: surface
+    logical, intent(in) :: is_calculix             !< .false.: edges count too
     type(faces_type), intent(out) :: cover
     logical, allocatable :: is_slave(:), is_outer(:)
     integer, allocatable :: last(:), before(:)     ! of the faces found, by their smallest node
@@ -156,6 +158,7 @@ contains
       do f = 1, kind%n_faces
         shape = facet_kind(kind%face_kind(f))
         n = shape%n_corners
+        if (is_calculix .and. n == 2) cycle
         nodes(:n) = mesh%nodes(mesh%first(e) - 1 + kind%face_nodes(:n, f))
         low = minval(nodes(:n))
         j = last(low)

@@ -14,7 +14,7 @@ module amontons_assembly
   use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
   use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
   use amontons_steps, only: step_type
-  use amontons_shapes, only: calculix_face_rule
+  use amontons_shapes, only: face_rule
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
   use amontons_follower, only: follower_type, begin_follower, add_follower
@@ -802,8 +802,7 @@ contains
       n = count(local > 0)
       x(:, :n) = mesh%coordinates(:, nodes(local(:n)))
       if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(local(:n)))
-      rule = kind%face_kind(load%face)
-      if (model%dialect == DIALECT_CALCULIX) rule = calculix_face_rule(mesh%kind(e), rule)
+      rule = face_rule(mesh%kind(e), kind%face_kind(load%face), model%dialect == DIALECT_CALCULIX)
       if (load%is_user) then
         call ask_pressures(model, load, kind%face_kind(load%face), x(:, :n), fields, profile)
         call facet_pressure(kind%face_kind(load%face), x, 1.0_DP, force, stiffness, profile)

@@ -114,7 +114,7 @@ contains
         end associate
         if (allocated(error)) return
       else if (is_compliant(contact%laws(p))) then
-        call cover_slave(model%mesh, model%surfaces(model%pairs(p)%slave), contact%cover(p))
+        call cover_slave(model%mesh, model%surfaces(model%pairs(p)%slave), model%dialect == DIALECT_CALCULIX, contact%cover(p))
       end if
       if (.not. model%pairs(p)%is_pointwise) call append_slaves(contact, model, p, slaves)
     end do

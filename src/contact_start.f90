@@ -1,7 +1,7 @@
 !> Contact start: where the slaves stand before the first iteration of an increment, and what overlap they are allowed.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_contact_start
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, PI
   use amontons_topology, only: MAX_FACE_NODES
   use amontons_model, only: model_type
   use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED
@@ -140,7 +140,7 @@ contains
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates now [length]
     type(slave_type), intent(inout) :: slaves(:)
     real(DP), allocatable :: area(:), area_vector(:, :)
-    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), vector(3)
+    real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), vector(3), depth
     integer :: nodes(MAX_FACE_NODES), n, s, p
     do p = 1, size(model%pairs)
       if (.not. is_compliant(contact%laws(p)) .or. model%pairs(p)%is_mortar) cycle
@@ -152,8 +152,9 @@ contains
           slaves(s)%area = area(slaves(s)%node)
         else if (slaves(s)%facet > 0 .and. .not. allocated(contact%facets(p)%profile)) then
           call facet_weights(contact%facets(p), slaves(s)%facet, slaves(s)%xi, n, nodes, weights, dN)
-          call face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), &
-            depth_of(model%mesh, contact%facets(p)%element(slaves(s)%facet)), vector, slaves(s)%area)
+          depth = depth_of(model%mesh, contact%facets(p)%element(slaves(s)%facet))
+          if (depth < 0.0_DP) depth = 2 * PI * x(1, slaves(s)%node)   ! of the circle on which the node is
+          call face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), depth, vector, slaves(s)%area)
         end if
       end do
       deallocate (area_vector, area)

@@ -1,4 +1,5 @@
-!> Expanded: what CalculiX prints of axisymmetric elements, which it makes a solid sector of two degrees of the circle.
+!> Expanded: what CalculiX prints of axisymmetric elements, which it makes a solid sector of two degrees of the circle,
+!! and of the plane elements beside them, of whose thickness it takes the same part.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Volumes and energies are those of the sector, a 180th of the circle. Forces are sums of the forces in space on the
@@ -21,12 +22,16 @@ module amontons_expanded
 
 contains
 
-  !> The part of an element that CalculiX has in its sector: 1 but for axisymmetric elements of its dialect.
-  pure real(DP) function sector_share(model, e) result(share)
+  !> The part of an element that CalculiX has in its sector: 1 but in models of its dialect with axisymmetric elements.
+  pure real(DP) function sector_share(model) result(share)
     type(model_type), intent(in) :: model
-    integer, intent(in) :: e                       !< element index
+    integer :: e
     share = 1
-    if (model%dialect == DIALECT_CALCULIX .and. is_axisymmetric(model%mesh, e)) share = 1 / SECTORS
+    if (model%dialect /= DIALECT_CALCULIX) return
+    do e = 1, model%mesh%n_elements
+      if (is_axisymmetric(model%mesh, e)) share = 1 / SECTORS
+      if (share < 1) return
+    end do
   end function sector_share
 
 
@@ -36,22 +41,20 @@ contains
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_nlgeom
     real(DP), intent(inout) :: force(:, :)         !< (3, n_nodes) [force]
-    logical :: is_of_circle(mesh%n_nodes)
+    logical :: has_circle
     real(DP) :: hoop(MAX_NODES)
     integer :: e, a, n, nodes(MAX_NODES)
-    is_of_circle = .false.
+    has_circle = .false.
     do e = 1, mesh%n_elements
       if (.not. is_axisymmetric(mesh, e) .or. is_out(mesh, e)) cycle
       call element_nodes(mesh, e, n, nodes)
-      is_of_circle(nodes(:n)) = .true.
+      has_circle = .true.
       call hoop_forces(mesh, e, fields, is_nlgeom, hoop)
       do a = 1, n
         force(1, nodes(a)) = force(1, nodes(a)) - hoop(a)
       end do
     end do
-    do a = 1, mesh%n_nodes
-      if (is_of_circle(a)) force(:, a) = force(:, a) / SECTORS
-    end do
+    if (has_circle) force = force / SECTORS
   end subroutine take_sector
 
 

@@ -527,11 +527,12 @@ contains
     real(DP), intent(in) :: time                   !< total time [time]
     real(DP), intent(in), optional :: density(:)   !< (n_points); default 1
     type(set_type) :: set
-    real(DP) :: volumes(MAX_POINTS), integral, total
+    real(DP) :: volumes(MAX_POINTS), integral, total, share
     integer :: i, n, first
     set = set_of(model%mesh, request)
     if (.not. request%is_only_totals) call print_head(unit, trim(titles(1)), set, time)
     total = 0
+    share = sector_share(model)
     associate (mesh => model%mesh)
       do i = 1, size(set%members)
         if (is_out(mesh, set%members(i))) cycle
@@ -539,7 +540,7 @@ contains
         integral = sum(volumes(:n))
         first = mesh%point_first(set%members(i))
         if (present(density)) integral = dot_product(volumes(:n), density(first:first + n - 1))
-        integral = sector_share(model, set%members(i)) * integral
+        integral = share * integral
         total = total + integral
         if (.not. request%is_only_totals) write (unit, NODE_FORM) mesh%element_label(set%members(i)), integral
       end do

@@ -10,7 +10,7 @@ module amontons_sections
   use amontons_topology, only: element_kind, kind_type, FAMILY_SOLID, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_surfaces, only: surface_type
-  use amontons_shapes, only: calculix_face_rule, facet_shapes, facet_quadrature, MAX_FACET_POINTS
+  use amontons_shapes, only: face_rule, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_state, only: fields_type
   use amontons_nodal, only: average_at_nodes
   implicit none
@@ -63,7 +63,7 @@ contains
     nodes(:n) = mesh%nodes(mesh%first(e) - 1 + kind%face_nodes(:n, face))
     x(:, :n) = mesh%coordinates(:, nodes(:n))
     if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(:n))
-    call facet_quadrature(calculix_face_rule(mesh%kind(e), kind%face_kind(face)), n_points, xi, w)
+    call facet_quadrature(face_rule(mesh%kind(e), kind%face_kind(face), .true.), n_points, xi, w)
     do p = 1, n_points
       call facet_shapes(kind%face_kind(face), xi(:, p), shape, slope, bend)
       at = matmul(x(:, :n), shape(:n))

@@ -13,7 +13,7 @@ module amontons_shapes
   implicit none
   private
   public :: shape_functions, quadrature, node_coordinates, extrapolation_matrix
-  public :: calculix_face_rule
+  public :: face_rule
   public :: facet_shapes, facet_quadrature, facet_node_coordinates, shape_of
   public :: MAX_FACET_POINTS
 
@@ -315,10 +315,12 @@ contains
 
   !> The rule by which CalculiX integrates over the faces of elements, a facet kind or RULE_...; it has fewer points than ours
   !! on wedges, on triangles, and on elements of reduced integration.
-  pure integer function calculix_face_rule(kind, facet) result(rule)
+  pure integer function face_rule(kind, facet, is_calculix) result(rule)
     integer, intent(in) :: kind                    !< KIND_... of the element
     integer, intent(in) :: facet                   !< FACET_... of the face
+    logical, intent(in) :: is_calculix             !< .false.: the rule of the facet's own kind
     rule = facet
+    if (.not. is_calculix) return
     select case (kind)
     case (KIND_C3D4)
       rule = RULE_TRI1
@@ -335,7 +337,7 @@ contains
     case (KIND_CPS3, KIND_CPS4R, KIND_CPE3, KIND_CPE4R, KIND_CAX3, KIND_CAX4R)
       rule = RULE_LINE1
     end select
-  end function calculix_face_rule
+  end function face_rule
 
 
   !> The product rule on the cube, xi fastest.
@@ -642,7 +644,7 @@ contains
   !!   tri3 3 points (degree 2), quad4 2x2 (degree 3 each way), tri6 6 points (degree 4), quad8 3x3 (degree 5 each way);
   !!   edges: 2 points (degree 3), 3 points (degree 5), enough for N times the normal times the radius too
   pure subroutine facet_quadrature(facet_kind, n, xi, w)
-    integer, intent(in) :: facet_kind              !< FACET_... or a rule of calculix_face_rule
+    integer, intent(in) :: facet_kind              !< FACET_... or a rule of face_rule
     integer, intent(out) :: n                      !< number of points
     real(DP), intent(out) :: xi(2, MAX_FACET_POINTS)   !< natural coordinates [-], zero past n
     real(DP), intent(out) :: w(MAX_FACET_POINTS)   !< weights [-], zero past n; sum 1/2 (triangles), 4 (squares), 2 (edges)

@@ -168,3 +168,75 @@ def test_hourglass_stiffness(tables: Callable[..., list[Block]], nlgeom: str) ->
     (force,) = tables(text + "*NODE PRINT, NSET=N\nRF\n*END STEP\n")
     for node, sign in signs.items():
         assert force.rows[(node,)][0] == pytest.approx(sign * 0.00075 * 1000 * 8 * d, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["CPE4", "CAX4"])
+def test_area_of_a_slave_node_in_the_plane(tables: Callable[..., list[Block]], kind: str) -> None:
+    """A slave of a surface of nodes stands for the length L of its facet, times the thickness or 2 pi times its own radius.
+
+    A stiff block of width w is pressed by p on one such node; CalculiX's exponential law is p_n = p0 exp(d ln(100)/c0) at overclosure d.
+    """
+    length, w, x, t, load, p0, c0 = 2.0, 0.6, 2.2, 10.0, 0.25, 0.1, 1e-2
+    text = f"""*NODE, NSET=N
+1, 2., 0.
+2, {2 + length}, 0.
+3, {2 + length}, 1.
+4, 2., 1.
+11, {x}, 1.
+12, {x + w}, 1.
+13, {x + w}, 2.
+14, {x}, 2.
+*ELEMENT, TYPE={kind}, ELSET=E
+1, 1, 2, 3, 4
+2, 11, 12, 13, 14
+*MATERIAL, NAME=M
+*ELASTIC
+1.E6, 0.
+*SOLID SECTION, ELSET=E, MATERIAL=M
+{t if kind == "CPE4" else ","}
+*BOUNDARY
+1, 1, 2
+2, 1, 2
+3, 1, 2
+4, 1, 2
+11, 1
+12, 1
+13, 1
+14, 1
+*SURFACE, NAME=MASTER
+1, S3
+*SURFACE, NAME=SLAVE, TYPE=NODE
+11
+*SURFACE INTERACTION, NAME=I
+*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL
+{c0}, {p0}
+*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE
+SLAVE, MASTER
+*STEP
+*STATIC
+*DLOAD
+2, P3, {load}
+*NODE PRINT, NSET=N
+U
+*END STEP
+"""
+    is_plane = kind == "CPE4"
+    force = load * (w * t if is_plane else math.pi * ((x + w) ** 2 - x**2))
+    area = length * (t if is_plane else 2 * math.pi * x)
+    overclosure = c0 / math.log(100) * math.log(force / area / p0)
+    (u,) = tables(text)[-1:]
+    assert -u.rows[(11,)][1] == pytest.approx(overclosure, rel=1e-3)
+
+
+def test_plane_beside_axisymmetric(tables: Callable[..., list[Block]]) -> None:
+    """Where a model has axisymmetric elements, forces and volumes of plane ones are those of a 180th of their thickness too."""
+    ring = "*NODE\n11, 5., 0.\n12, 6., 0.\n13, 6., 1.\n14, 5., 1.\n*ELEMENT, TYPE=CAX4, ELSET=A\n2, 11, 12, 13, 14\n"
+    ring += "*SOLID SECTION, ELSET=A, MATERIAL=M\n,\n*BOUNDARY\n11, 2\n12, 2\n"
+    text = "*NODE, NSET=N\n1, 2., 0.\n2, 3., 0.\n3, 3., 1.\n4, 2., 1.\n*ELEMENT, TYPE=CPS4, ELSET=P\n1, 1, 2, 3, 4\n"
+    text += "*MATERIAL, NAME=M\n*ELASTIC\n1000., .3\n*SOLID SECTION, ELSET=P, MATERIAL=M\n18.\n*BOUNDARY\n1, 1, 2\n4, 1\n"
+    end = "*STEP\n*STATIC\n*CLOAD\n2, 1, 9.\n3, 1, 9.\n*NODE PRINT, NSET=N\nRF\n*EL PRINT, ELSET=P\nS, EVOL\n*END STEP\n"
+    for more, share in (("", 1), (ring, 180)):
+        force, stress, volume = tables(text + more + end)
+        assert force.rows[(2,)][0] == pytest.approx(9 / share, rel=1e-6)
+        assert stress.rows[(1, 1)][0] == pytest.approx(1.0, rel=1e-6)
+        assert volume.rows[(1,)][0] == pytest.approx(18 / share, rel=1e-6)

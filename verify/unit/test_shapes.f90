@@ -3,7 +3,7 @@
 program test_shapes
   use amontons_kinds, only: DP
   use amontons_shapes, only: shape_functions, quadrature, node_coordinates, extrapolation_matrix, facet_shapes, &
-    facet_quadrature, facet_node_coordinates, calculix_face_rule, MAX_FACET_POINTS
+    facet_quadrature, facet_node_coordinates, face_rule, MAX_FACET_POINTS
   use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_POINTS, &
     MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, &
     KIND_T3D2, KIND_T3D3, KIND_CPS3, KIND_CAX8R, FAMILY_SOLID, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FACET_TRI3, &
@@ -297,7 +297,7 @@ contains
     integer :: face, n, own
     entry = element_kind(kind)
     do face = 1, entry%n_faces
-      call facet_quadrature(calculix_face_rule(kind, entry%face_kind(face)), n, xi, w)
+      call facet_quadrature(face_rule(kind, entry%face_kind(face), .true.), n, xi, w)
       call facet_quadrature(entry%face_kind(face), own, own_xi, own_w)
       call suite%that('no more points than the own rule', n <= own .and. n >= 1)
       call suite%near('weights', sum(w), sum(own_w), 1e-14_DP)
