@@ -605,14 +605,26 @@ contains
     if (status /= STRESS_OK) return
     call add_isochoric(b, moduli%G, moduli%lambda + 2 * moduli%G / 3, J, point)
     flow = back%plastic + back%creep
+    if (flow > 0) call subtract_flow(x, moduli%G, J, back, point)
+    if (flow > 0 .or. any(abs(point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)) > 0)) &
+      point%energy = stored_energy(moduli%lambda + 2 * moduli%G / 3, modulus, J, point%stress)
     if (.not. flow > 0) return
-    call subtract_flow(x, moduli%G, J, back, point)
     correction = (2 * SQRT_3_2 * modulus / moduli%G * flow / norm2(N)) * principal_stress(x, N)
     call keep_simo(F, J, principal_stress(b, b%x) - J**(2 / 3.0_DP) * correction, k + (SQRT_2_3 * J * back%back / &
       norm2(N)) * principal_stress(x, N), point)
     point%history(HISTORY_PEEQ) = point%past(HISTORY_PEEQ) + back%plastic
     point%history(HISTORY_CEEQ) = point%past(HISTORY_CEEQ) + back%creep
   end subroutine update_simo
+
+
+  !> The elastic energy of a point that has flowed. Its b keeps the trace, which is no measure of it any more: the deviator
+  !! of the stress is.
+  pure real(DP) function stored_energy(bulk, modulus, J, tau) result(energy)
+    real(DP), intent(in) :: bulk, modulus          !< K and G' [stress]
+    real(DP), intent(in) :: J                      !< det F [-]
+    real(DP), intent(in) :: tau(6)                 !< Kirchhoff stress [stress]
+    energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) + von_mises(tau)**2 / (6 * modulus)
+  end function stored_energy
 
 
   !> A symmetric tensor carried forward: F T F^T.

@@ -22,7 +22,7 @@ module amontons_sections
     real(DP) :: force(3) = 0                       !< on the body that the faces belong to [force]
     real(DP) :: moment(3) = 0                      !< about the origin [force length]
     real(DP) :: center(3) = 0                      !< of the area [length]
-    real(DP) :: normal(3) = 0                      !< mean, out of the body, of length 1
+    real(DP) :: normal(3) = 0                      !< mean over the area, out of the body: shorter than 1 if it is bent
     real(DP) :: area = 0                           !< [length^2]
   end type section_type
 
@@ -41,8 +41,9 @@ contains
     do i = 1, size(surface%element)
       call add_face(mesh, surface%element(i), surface%face(i), fields, stress, is_nlgeom, section)
     end do
-    if (section%area > 0) section%center = section%center / section%area
-    if (norm2(section%normal) > 0) section%normal = section%normal / norm2(section%normal)
+    if (.not. section%area > 0) return
+    section%center = section%center / section%area
+    section%normal = section%normal / section%area
   end subroutine measure_section
 
 

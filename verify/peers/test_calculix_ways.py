@@ -240,3 +240,22 @@ def test_plane_beside_axisymmetric(tables: Callable[..., list[Block]]) -> None:
         assert force.rows[(2,)][0] == pytest.approx(9 / share, rel=1e-6)
         assert stress.rows[(1, 1)][0] == pytest.approx(1.0, rel=1e-6)
         assert volume.rows[(1,)][0] == pytest.approx(18 / share, rel=1e-6)
+
+
+def test_mean_normal_of_a_section(tables: Callable[..., list[Block]]) -> None:
+    """The mean normal of two equal faces at right angles is half of each: it is a mean over the area, not a direction."""
+    text = CUBE + "*SURFACE, NAME=BOTH\nE, S2\nE, S4\n" + LINEAR
+    blocks = tables(text + "*STEP\n*STATIC\n*BOUNDARY\n7, 1, 1, .01\n*SECTION PRINT, SURFACE=BOTH, NAME=B\nSOF, SOM\n*END STEP\n")
+    row = list(next(block for block in blocks if block.title.startswith("center")).rows.values())[0]
+    assert row == pytest.approx([0.75, 0.5, 0.75, 0.5, 0.0, 0.5], abs=1e-6)
+
+
+def test_energy_after_flow(tables: Callable[..., list[Block]]) -> None:
+    """Simo's plasticity: a bar that is drawn far beyond yield stores the elastic energy s s/(2 E), to the order of s/E."""
+    material = LINEAR.replace("*SOLID", "*PLASTIC\n2., 0.\n*SOLID")
+    pull = "".join(f"{n}, 1, 1, .2\n" for n in (2, 3, 6, 7))
+    steps = f"*STEP, NLGEOM\n*STATIC\n.1, 1., , .1\n*BOUNDARY\n{pull}*EL PRINT, ELSET=E\nS, ENER\n*END STEP\n"
+    blocks = tables(CUBE + material + steps)
+    stress, energy = (list(block.rows.values())[0][0] for block in blocks[-2:])
+    assert stress == pytest.approx(2.0, rel=5e-3)
+    assert energy == pytest.approx(2.0**2 / 2 / 1000, rel=1e-2)
