@@ -16,7 +16,7 @@ module amontons_analysis
   use amontons_factor, only: set_blas_threads, choose_blas_kernels
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, commit_state, restore_state
-  use amontons_contact, only: commit_slip
+  use amontons_slaves, only: commit_slip
   use amontons_changes, only: change_model, bear_elements
   use amontons_adjust, only: adjust_slaves
   use amontons_user_job, only: start_routines, heed_routines, ask_amplitudes, recall_amplitudes

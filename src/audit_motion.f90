@@ -14,6 +14,7 @@ module amontons_audit_motion
   use amontons_tensor, only: cross_product
   use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
   use amontons_dense, only: symmetric_eigen, DENSE_OK
+  use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, direction_of
   use amontons_state, only: slave_type
@@ -394,7 +395,9 @@ contains
     logical :: is_open
     call touching_row(contact, slave, row)
     is_open = .not. is_closed(contact, slave)
-    n_directions = merge(3, 1, model%interactions(model%pairs(slave%pair)%interaction)%friction > 0.0_DP)
+    associate (law => model%interactions(model%pairs(slave%pair)%interaction))
+      n_directions = merge(3, 1, law%friction > 0.0_DP .or. law%is_user_friction .or. law%behavior == BEHAVIOR_USER)
+    end associate
     direction(:, 1) = slave%normal
     direction(:, 2) = 0.0_DP
     direction(minloc(abs(slave%normal), dim=1), 2) = 1.0_DP

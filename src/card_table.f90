@@ -149,12 +149,14 @@ contains
     type(card_table_type), intent(inout) :: table
     character(*), parameter :: EXACT = 'HARD contact is enforced exactly, without a penalty.'
     call table%card('SURFACE INTERACTION', IN_MODEL, 'Starts an interaction; SURFACE BEHAVIOR and FRICTION follow.', &
-      data='one line, which is ignored')
+      data='one line, which is ignored; with USER the properties of UINTER, eight in each')
     call table%option('NAME', VALUE_NAME, 'Name of the interaction.', default='required')
     call table%option('PAD THICKNESS|TRACKING THICKNESS', VALUE_TEXT, 'Surfaces have no thickness.', &
       status=STATUS_REFUSED)
-    call table%option('USER|UNSYMM|DEPVAR|PROPERTIES', VALUE_TEXT, 'User subroutines do not exist here.', &
-      status=STATUS_REFUSED)
+    call table%option('USER', VALUE_NONE, 'The whole law is by the user routine UINTER; the properties follow the first line.')
+    call table%option('DEPVAR', VALUE_INTEGER, 'USER: number of STATEV at each slave node.', default='0')
+    call table%option('PROPERTIES', VALUE_INTEGER, 'USER: number of properties, in lines of eight.', default='0')
+    call table%option('UNSYMM', VALUE_NONE, 'The tangent always is what it is.', status=STATUS_NOTED)
 
     call table%card('SURFACE BEHAVIOR', IN_BOTH, 'The law normal to the surfaces; without this card it is HARD.', &
       parent='SURFACE INTERACTION|CHANGE SURFACE BEHAVIOR', data='none with HARD; LINEAR: stiffness, tension at large ' // &
@@ -177,7 +179,12 @@ contains
     call table%option('LAGRANGE', VALUE_NONE, 'Sticking is enforced exactly.', status=STATUS_NOTED)
     call table%option('ROUGH', VALUE_NONE, 'Surfaces that touch never slip; no data line.')
     call table%option('TAUMAX', VALUE_REAL, 'Largest shear stress, whatever the pressure.')
-    call table%option('EXPONENTIAL DECAY|ANISOTROPIC|USER|DEPENDENCIES|DEPVAR|PROPERTIES|TEST DATA', VALUE_TEXT, &
+    call table%option('USER', VALUE_OPTIONAL_WORD, 'Friction is by the user routine FRIC; the data lines are its properties.', &
+      allowed='FRIC')
+    call table%refuse_words('COEFFICIENT', 'Write it as FRIC.')
+    call table%option('DEPVAR', VALUE_INTEGER, 'USER: number of STATEV at each slave node.', default='0')
+    call table%option('PROPERTIES', VALUE_INTEGER, 'USER: number of properties, in lines of eight.', default='0')
+    call table%option('EXPONENTIAL DECAY|ANISOTROPIC|DEPENDENCIES|TEST DATA', VALUE_TEXT, &
       'The coefficient of friction is one constant.', status=STATUS_REFUSED)
     call table%differ('The second number is a slip rate under abaqus, which is refused, and the stick slope under calculix.')
 

@@ -8,16 +8,18 @@ module amontons_contact
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_topology, only: N_SOLID_KINDS
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_surfaces, only: interaction_type, is_compliant, pair_laws, BEHAVIOR_TIED
+  use amontons_surfaces, only: interaction_type, is_compliant, pair_laws, BEHAVIOR_TIED, BEHAVIOR_USER
+  use amontons_slaves, only: slip_view_type, lose_master, set_force, set_view, shear_most
+  use amontons_user_contact, only: user_answer_type, ask_interface, ask_friction
   use amontons_steps, only: step_type
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_state, only: fields_type, slave_type, amplitude_memory, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, condensation
   use amontons_rows, only: contact_row_type, facet_row, relative_position, imbalance_of, spread_force
   use amontons_areas, only: faces_type, add_face_areas, cover_slave, mean_edge
   use amontons_profiles, only: extent_of, PROFILE_FLAT
   use amontons_sparse, only: sparse_type, multiply
   use amontons_overlaps, only: overlaps_type, find_overlaps, free_directions, is_friction_taken, fit_overlaps
-  use amontons_facets, only: facets_type, build_facets
+  use amontons_facets, only: facets_type, build_facets, is_line
   use amontons_analytic, only: build_profile_facets
   use amontons_search, only: search_type
   use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar, turned_with
@@ -26,25 +28,15 @@ module amontons_contact
   use amontons_compliance, only: law_pressure, law_reach, law_shear
   implicit none
   private
-  public :: contact_type, slip_view_type, create_contact, begin_contact_step, set_supports, &
-    evaluate_contact, fit_contact
-  public :: touching_row, origin_row, row_imbalance, contact_slip_vector, commit_slip, elastic_trial, shear_most, &
-    is_cornered, renew_rows, refresh_facet, lose_master, set_origin, SEARCH_REACH
+  public :: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, fit_contact
+  public :: touching_row, origin_row, row_imbalance, contact_slip_vector, elastic_trial, is_cornered, renew_rows, &
+    refresh_facet, set_origin, SEARCH_REACH
 
   real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
   real(DP), parameter :: SUPPORTED = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
 
   real(DP), parameter :: LED = 1.0e-9_DP          !< a node that supports lead farther than this times the edge slides [-]
-
-  !> What the slip procedure looks at, for all slave nodes at one configuration.
-  type :: slip_view_type
-    real(DP), allocatable :: imbalance_t(:, :)    !< (3, n_slaves) Rt [force]
-    real(DP), allocatable :: normal_force(:)      !< (n_slaves) N [force]
-    real(DP), allocatable :: slip(:, :)           !< (3, n_slaves) g since the start of the increment [length]
-    real(DP), allocatable :: position(:, :)       !< (3, n_slaves) slave relative to the touching point of its master [length]
-    integer, allocatable :: status(:)             !< (n_slaves) STATUS_...
-  end type slip_view_type
 
   !> The pairs made ready: facets, search, and the free directions of the slave nodes.
   type :: contact_type
@@ -69,6 +61,8 @@ module amontons_contact
     type(mortar_type), allocatable :: mortar(:)   !< (n_pairs) rows of surface-to-surface pairs: slave%row; empty for others
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
     type(slip_view_type) :: view                  !< of the last evaluation
+    type(user_answer_type), allocatable :: answers(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
+    real(DP), allocatable :: memory(:)            !< committed STATEV
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
     integer :: n_opened = 0                       !< changes found by the last evaluation
     integer :: n_closed = 0
@@ -123,6 +117,7 @@ contains
     allocate (contact%mask(3, n), source=1.0_DP)
     allocate (contact%free(3, 3, n), contact%friction(n), contact%carried(3, n), source=0.0_DP)
     allocate (contact%direction(3, n), source=0.0_DP)
+    allocate (contact%answers(n))
     allocate (contact%view%imbalance_t(3, n), contact%view%slip(3, n), contact%view%position(3, n), source=0.0_DP)
     allocate (contact%view%normal_force(n), source=0.0_DP)
     allocate (contact%view%status(n), source=STATUS_OPEN)
@@ -147,6 +142,8 @@ contains
     contact%mask = reshape(contact%mask(:, :min(n, size(contact%friction))), [3, n], pad=[1.0_DP])
     contact%free = reshape([0.0_DP], [3, 3, n], pad=[0.0_DP])
     contact%friction = spread(0.0_DP, 1, n)
+    deallocate (contact%answers)
+    allocate (contact%answers(n))
     contact%carried = reshape([0.0_DP], [3, n], pad=[0.0_DP])
     contact%direction = contact%carried
     contact%view%imbalance_t = contact%carried
@@ -216,6 +213,8 @@ contains
         end if
         slave = slave_type(pair=pair, node=node, area=merge(1.0_DP, area(node), surface%is_node_based))
         if (model%pairs(pair)%is_mortar) slave%row = i
+        slave%memory = amplitude_memory(model)
+        if (size(slaves) > 0) slave%memory = slaves(size(slaves))%memory + contact%laws(slaves(size(slaves))%pair)%n_statev
         slaves = [slaves, slave]
         contact%slave_normal = reshape([contact%slave_normal, &
           area_vector(:, node) / max(norm2(area_vector(:, node)), tiny(1.0_DP))], [3, size(slaves)])
@@ -325,18 +324,6 @@ contains
       slave%area = place%area
     end associate
   end subroutine take_place
-
-
-  !> The node has left its master: open, without force.
-  subroutine lose_master(slave)
-    type(slave_type), intent(inout) :: slave
-    slave%facet = 0
-    slave%status = STATUS_OPEN
-    slave%gap = 0.0_DP
-    slave%force = 0.0_DP
-    slave%shear = 0.0_DP
-    slave%energy = 0.0_DP
-  end subroutine lose_master
 
 
   !> The node touches the master at this point of a facet from now on.
@@ -452,6 +439,7 @@ contains
     contact%worst_gap = 0.0_DP
     contact%worst_slave = 0
     if (size(fields%slaves) == 0) return
+    contact%memory = old%user_memory
     allocate (x, source=model%mesh%coordinates + fields%u)
     do p = 1, size(model%pairs)
       if (model%pairs(p)%is_mortar .and. .not. contact%is_small(p)) call renew_rows(contact, p, x)
@@ -546,7 +534,16 @@ contains
       N = -dot_product(free_normal, imbalance)
       slave%slip_increment = d - dot_product(free_normal, d) * free_normal
       if (status == STATUS_OPEN) slave%slip_increment = 0.0_DP
-      call set_force(slave, imbalance, N / share, min(mu * N, most) * trial%direction)
+      slave%status = status
+      if (status /= STATUS_OPEN .and. contact%laws(slave%pair)%is_user_friction) call rub_by_user(contact, model, before, &
+        imbalance / slave%area, d, s, fields)
+      if (is_frozen) slave%status = status
+      status = slave%status
+      if (contact%laws(slave%pair)%is_user_friction .and. status == STATUS_SLIP) then
+        slave%force = N / share * slave%normal
+      else
+        call set_force(slave, imbalance, N / share, min(mu * N, most) * trial%direction)
+      end if
       if (status == STATUS_STICK .and. is_cornered(contact, s)) slave%shear = -imbalance - N * free_normal
       call set_view(view, s, status, imbalance + N * free_normal, N, slave%slip_increment)
       view%position(:, s) = d
@@ -563,6 +560,25 @@ contains
     real(DP), intent(in) :: edge                   !< of the master [length]
     is_led = free(1, 1) + free(2, 2) + free(3, 3) < 1.5_DP .and. norm2(d) > LED * edge
   end function is_led
+
+
+  !> FRIC at a slave node of exact contact: LM = 1 sticks, all else slips by the shear that it gives.
+  subroutine rub_by_user(contact, model, before, pull, d, s, fields)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: before                  !< status before
+    real(DP), intent(in) :: pull(3)                !< imbalance over the area: what the contact has to answer [stress]
+    real(DP), intent(in) :: d(3)                   !< slip in this increment [length]
+    integer, intent(in) :: s                       !< index of the slave
+    type(fields_type), intent(inout) :: fields
+    associate (slave => fields%slaves(s))
+      slave%status = before
+      slave%shear = 0.0_DP
+      call ask_friction(model, contact%laws(slave%pair), is_line(contact%facets(slave%pair)%kind(1)), d, pull, contact%memory, s, &
+        fields, contact%answers(s))
+      slave%status = merge(STATUS_STICK, STATUS_SLIP, contact%answers(s)%is_stuck)
+    end associate
+  end subroutine rub_by_user
 
 
   !> Whether other pairs hold directions of a slave that supports leave free.
@@ -609,6 +625,15 @@ contains
     associate (slave => fields%slaves(s), law => contact%laws(fields%slaves(s)%pair))
       before = slave%status
       slave%slip_increment = 0.0_DP
+      if (law%behavior == BEHAVIOR_USER) then
+        if (slave%origin_facet == 0) call close_slave(contact, model, u_old, fields%u, slave)
+        call ask_interface(model, law, is_line(contact%facets(slave%pair)%kind(1)), elastic_trial(contact, model, old, fields%u, &
+          slave), old, contact%memory, s, fields, contact%answers(s))
+        if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
+        call set_view(contact%view, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
+        call count_changes(contact, before, s, slave)
+        return
+      end if
       if (slave%gap > law_reach(law, slave%area)) then
         slave%status = STATUS_OPEN
         slave%force = 0.0_DP
@@ -630,11 +655,29 @@ contains
       slave%shear = -k * slave%elastic
       slave%energy = slave%energy + 0.5_DP * k * dot_product(slave%elastic, slave%elastic)
       slave%status = merge(STATUS_SLIP, STATUS_STICK, is_slipping)
+      if (law%is_user_friction) call rub_softly(contact, model, before, -p * slave%normal - slave%shear / slave%area, d, s, fields)
       N = -dot_product(slave%normal, imbalance)
       call set_view(contact%view, s, slave%status, imbalance + N * slave%normal, N, slave%slip_increment)
       call count_changes(contact, before, s, slave)
     end associate
   end subroutine press_slave
+
+
+  !> FRIC at a slave node of a compliant law: LM = 1 sticks by the stick slope.
+  subroutine rub_softly(contact, model, before, pull, d, s, fields)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: before                  !< status before
+    real(DP), intent(in) :: pull(3)                !< what the contact has to answer [stress]
+    real(DP), intent(in) :: d(3)                   !< tangential slip in this increment [length]
+    integer, intent(in) :: s                       !< index of the slave
+    type(fields_type), intent(inout) :: fields
+    type(slave_type) :: stuck
+    stuck = fields%slaves(s)
+    call rub_by_user(contact, model, before, pull, d, s, fields)
+    if (contact%answers(s)%is_stuck) fields%slaves(s) = stuck
+    if (.not. contact%answers(s)%is_stuck) fields%slaves(s)%elastic = 0.0_DP
+  end subroutine rub_softly
 
 
   !> Tangential displacement of a slave node under a compliant law, counted as if all since the last commit were elastic.
@@ -648,16 +691,6 @@ contains
     d = old%elastic + contact_slip_vector(contact, model, u, slave)
     d = d - dot_product(slave%normal, d) * slave%normal
   end function elastic_trial
-
-
-  !> The largest shear force that a compliant law lets a node carry.
-  pure real(DP) function shear_most(law, area, pressure) result(most)
-    type(interaction_type), intent(in) :: law
-    real(DP), intent(in) :: area                   !< [length^2]
-    real(DP), intent(in) :: pressure               !< [stress]
-    most = min(law%friction * max(pressure, 0.0_DP), law%shear_limit) * area
-    if (law%behavior == BEHAVIOR_TIED) most = law%shear_limit * area
-  end function shear_most
 
 
   !> Facet, natural coordinates, gap and normal of a slave node now.
@@ -710,39 +743,6 @@ contains
   end subroutine close_slave
 
 
-  !> Normal and tangential contact force on the slave by its status.
-  pure subroutine set_force(slave, imbalance, normal_force, friction)
-    type(slave_type), intent(inout) :: slave
-    real(DP), intent(in) :: imbalance(3)           !< Rhat [force]
-    real(DP), intent(in) :: normal_force           !< N [force]
-    real(DP), intent(in) :: friction(3)            !< mu N along the direction of friction [force]
-    select case (slave%status)
-    case (STATUS_OPEN)
-      slave%force = 0.0_DP
-      slave%shear = 0.0_DP
-    case (STATUS_STICK)
-      slave%force = normal_force * slave%normal
-      slave%shear = -imbalance - slave%force
-    case (STATUS_SLIP)
-      slave%force = normal_force * slave%normal
-      slave%shear = friction
-    end select
-  end subroutine set_force
-
-
-  !> Notes for the slip procedure what it looks at.
-  pure subroutine set_view(view, s, status, imbalance_t, normal_force, slip)
-    type(slip_view_type), intent(inout) :: view
-    integer, intent(in) :: s, status
-    real(DP), intent(in) :: imbalance_t(3), normal_force, slip(3)
-    view%status(s) = status
-    view%imbalance_t(:, s) = imbalance_t
-    view%normal_force(s) = normal_force
-    view%slip(:, s) = slip
-    view%position(:, s) = 0.0_DP
-  end subroutine set_view
-
-
   !> Counts changes of status and keeps the worst violation of a closed node.
   subroutine count_changes(contact, before, s, slave)
     type(contact_type), intent(inout) :: contact
@@ -778,23 +778,5 @@ contains
     end if
     call spread_force(row, slave%force + slave%shear, contact_force)
   end subroutine add_contact_force
-
-
-  !> At the end of a converged increment: gather the slip, and the work that friction took.
-  subroutine commit_slip(old, fields)
-    type(fields_type), intent(in) :: old           !< committed before
-    type(fields_type), intent(inout) :: fields
-    real(DP) :: work
-    integer :: s
-    work = 0.0_DP
-    do s = 1, size(fields%slaves)
-      associate (slave => fields%slaves(s))
-        if (slave%status /= STATUS_SLIP) slave%slip_increment = 0.0_DP
-        slave%slip = old%slaves(s)%slip + slave%slip_increment
-        work = work - dot_product(slave%shear, slave%slip_increment)
-      end associate
-    end do
-    fields%friction_work = old%friction_work + work
-  end subroutine commit_slip
 
 end module amontons_contact

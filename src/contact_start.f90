@@ -11,7 +11,8 @@ module amontons_contact_start
   use amontons_search, only: build_search
   use amontons_mortar, only: search_margin
   use amontons_overlaps, only: order_slaves
-  use amontons_contact, only: contact_type, renew_rows, refresh_facet, lose_master, set_origin, SEARCH_REACH
+  use amontons_slaves, only: lose_master
+  use amontons_contact, only: contact_type, renew_rows, refresh_facet, set_origin, SEARCH_REACH
   implicit none
   private
   public :: begin_contact_increment

@@ -14,11 +14,12 @@ module amontons_contact_tangent
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, from_triplets, multiply, product_of, sum_of
   use amontons_gap, only: gap_derivative, gap_derivative_type, vertex_derivative
-  use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
+  use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER
   use amontons_compliance, only: law_pressure
   use amontons_rows, only: contact_row_type, relative_position
   use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector, elastic_trial, &
-    shear_most, is_cornered
+    is_cornered
+  use amontons_slaves, only: shear_most
   implicit none
   private
   public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices, contact_springs, &
@@ -222,11 +223,21 @@ contains
     integer :: j
     associate (slave => fields%slaves(link%slave), law => contact%laws(fields%slaves(link%slave)%pair))
       n = slave%normal
+      link%is_spring = .true.
+      if (law%behavior == BEHAVIOR_USER) then
+        call link_user(contact, x, old, model, fields, link)
+        return
+      end if
       call law_pressure(law, -slave%gap, p, slope, energy)
       w = old%elastic + contact_slip_vector(contact, model, fields%u, slave)
       e = elastic_trial(contact, model, old, fields%u, slave)
       force_gap = -slope * slave%area * n
-      call shear_derivatives(law, slave, p, slope, e, b, force_gap)
+      if (law%is_user_friction .and. .not. contact%answers(link%slave)%is_stuck) then
+        b = contact%answers(link%slave)%by_slip
+        force_gap = force_gap - slope * contact%answers(link%slave)%by_pressure
+      else
+        call shear_derivatives(law, slave, p, slope, e, b, force_gap)
+      end if
       force_slip = matmul(b, unit_matrix() - outer(n, n))
       force_normal = slave%area * p * unit_matrix() - matmul(b, dot_product(n, w) * unit_matrix() + outer(n, w))
       call link_weights(contact, x, slave, force_normal, link)
@@ -234,10 +245,33 @@ contains
         link%force_nodes(:, :, j) = link%force_nodes(:, :, j) + outer(force_gap, link%gap_nodes(:, j))
       end do
       call link_origin(contact, slave, force_slip, link)
-      link%is_spring = .true.
       link%spring = slope * slave%area * outer(n, n) - matmul(unit_matrix() - outer(n, n), force_slip)
     end associate
   end subroutine link_spring
+
+
+  !> A law by UINTER: lambda = A (s_1 n - s_2 t_1 - s_3 t_2), and S its part along the surface, which turns with n.
+  subroutine link_user(contact, x, old, model, fields, link)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    type(slave_type), intent(in) :: old            !< committed
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    type(link_type), intent(inout) :: link
+    real(DP) :: w(3), n(3), force_normal(3, 3)
+    integer :: j
+    associate (slave => fields%slaves(link%slave), answer => contact%answers(link%slave))
+      n = slave%normal
+      w = old%elastic + contact_slip_vector(contact, model, fields%u, slave)
+      force_normal = dot_product(n, slave%force) * unit_matrix() - outer(n, slave%shear) - dot_product(n, w) * answer%by_slip
+      call link_weights(contact, x, slave, force_normal, link)
+      do j = 1, size(link%nodes)
+        link%force_nodes(:, :, j) = link%force_nodes(:, :, j) + outer(answer%by_gap, link%gap_nodes(:, j))
+      end do
+      call link_origin(contact, slave, answer%by_slip, link)
+      link%spring = max(-dot_product(n, answer%by_gap), 0.0_DP) * outer(n, n)
+    end associate
+  end subroutine link_user
 
 
   !> How the shear force changes with the elastic slip if all were elastic (b = dS/de), and with the gap.
@@ -331,6 +365,7 @@ contains
       n_f = n_f / share
       N = -dot_product(n_f, imbalance)
       mu = contact%friction(link%slave)
+      if (contact%laws(slave%pair)%is_user_friction) mu = 0.0_DP
       most = contact%laws(slave%pair)%shear_limit * slave%area
       is_capped = mu / share * N > most
       w = -matmul(m, imbalance) - slave%stiffness * matmul(m, contact_slip_vector(contact, model, fields%u, slave))
@@ -352,6 +387,13 @@ contains
       force_normal = -outer(a, matmul(imbalance, h)) + N / share * (unit - outer(a, matmul(n_f, m))) &
         - limit * matmul(turn, dot_product(n_f, w) * h + outer(n_f, matmul(w, h)))
     end associate
+    if (contact%laws(fields%slaves(link%slave)%pair)%is_user_friction) then   ! the shear is FRIC's, of pressure and slip
+      associate (answer => contact%answers(link%slave), slave => fields%slaves(link%slave))
+        link%force_imbalance = link%force_imbalance - outer(answer%by_pressure, n_f) / slave%area
+        force_slip = matmul(answer%by_slip, m)
+        force_normal = force_normal - outer(slave%normal, slave%shear)
+      end associate
+    end if
     link%force_imbalance = matmul(link%force_imbalance, m)
   end subroutine differentiate_force
 

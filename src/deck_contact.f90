@@ -11,7 +11,7 @@ module amontons_deck_contact
   use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_steps, only: step_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, is_compliant, BEHAVIOR_HARD, BEHAVIOR_LINEAR, &
-    BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, ROUGH_FRICTION, NO_SHEAR_LIMIT
+    BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
   use amontons_text, only: text_of, parse_real, NUMBER_OK
   implicit none
   private
@@ -51,6 +51,10 @@ contains
             ''' is defined twice.')
         end if
         if (next_row(reader%cards, row)) call need_at_most(reader, row, 1)
+        if (k > 0 .and. is_new .and. has_parameter(parameters, 'USER')) then
+          model%interactions(k)%behavior = BEHAVIOR_USER
+          call read_properties(reader, parameters, row, model%interactions(k))
+        end if
       else if (k > 0 .and. is_card(reader, c, 'SURFACEBEHAVIOR')) then
         call read_behavior(reader, model, c, model%interactions(k))
       else if (k > 0 .and. is_card(reader, c, 'FRICTION')) then
@@ -77,8 +81,9 @@ contains
     type(model_type), intent(in) :: model
     type(interaction_type), intent(inout) :: law
     if (.not. is_compliant(law) .or. law%stick_slope > 0.0_DP) return
+    if (law%behavior == BEHAVIOR_USER) return
     if (law%behavior == BEHAVIOR_TIED) law%stick_slope = law%stiffness
-    if (law%friction <= 0.0_DP .or. law%behavior == BEHAVIOR_TIED) return
+    if ((law%friction <= 0.0_DP .and. .not. law%is_user_friction) .or. law%behavior == BEHAVIOR_TIED) return
     law%stick_slope = STICK_SLOPE * first_modulus(model)
     call note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; half of Young''s modulus ' // &
       'of the first material is taken: ' // text_of(law%stick_slope) // '.')
@@ -95,6 +100,11 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     logical :: has_row
     call open_card(reader, c, parameters, row)
+    if (law%behavior == BEHAVIOR_USER) then
+      call complain(reader, reader%cards%cards(c)%line, 'UINTER gives the pressure too; *SURFACE BEHAVIOR has no ' // &
+        'place in this interaction.')
+      return
+    end if
     select case (parameter_word(parameters, 'PRESSURE-OVERCLOSURE', 'HARD'))
     case ('LINEAR')
       has_row = next_row(reader%cards, row)
@@ -231,6 +241,46 @@ contains
   end subroutine read_table
 
 
+  !> DEPVAR and PROPERTIES of FRIC and UINTER, and the properties, eight in each line.
+  subroutine read_properties(reader, parameters, row, law)
+    type(reader_type), intent(inout) :: reader
+    type(parameter_type), intent(in) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    type(interaction_type), intent(inout) :: law
+    integer, parameter :: FIELDS = 8
+    integer :: i, k, n
+    logical :: is_ok
+    n = parameter_count(parameters, 'PROPERTIES')
+    law%n_statev = parameter_count(parameters, 'DEPVAR')
+    if (allocated(law%props)) deallocate (law%props)
+    allocate (law%props(n), source=0.0_DP)
+    i = 0
+    is_ok = .true.
+    do while (next_row(reader%cards, row) .and. is_ok)
+      call need_at_most(reader, row, min(FIELDS, n - i))
+      do k = 1, min(FIELDS, n - i)
+        call need_real(reader, row, k, 'property', law%props(i + k), is_ok, 0.0_DP)
+      end do
+      i = i + min(FIELDS, n - i)
+    end do
+    if (i < n .and. is_ok) call complain(reader, row%line, 'PROPERTIES is ' // text_of(n) // ', but there is room for only ' // &
+      text_of(i) // ' in the data lines, eight in each.')
+  end subroutine read_properties
+
+
+  !> A parameter that counts; 0 if it is not there.
+  pure integer function parameter_count(parameters, name) result(n)
+    type(parameter_type), intent(in) :: parameters(:)
+    character(*), intent(in) :: name
+    real(DP) :: value
+    integer :: status
+    n = 0
+    if (.not. has_parameter(parameters, name)) return
+    call parse_real(parameter_text(parameters, name), value, status)
+    if (status == NUMBER_OK) n = nint(min(max(value, 0.0_DP), 1.0e6_DP))
+  end function parameter_count
+
+
   !> FRICTION: mu >= 0; the second value is a stick slope (calculix) or a slip rate (abaqus).
   subroutine read_friction(reader, c, law)
     type(reader_type), intent(inout) :: reader
@@ -243,6 +293,16 @@ contains
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     law%shear_limit = NO_SHEAR_LIMIT
+    law%is_user_friction = has_parameter(parameters, 'USER')
+    if (law%behavior == BEHAVIOR_USER) then
+      call complain(reader, reader%cards%cards(c)%line, 'UINTER gives friction too; *FRICTION has no place in this interaction.')
+      return
+    end if
+    if (law%is_user_friction) then
+      law%friction = 0.0_DP
+      call read_properties(reader, parameters, row, law)
+      return
+    end if
     if (has_parameter(parameters, 'TAUMAX')) then
       call parse_real(parameter_text(parameters, 'TAUMAX'), law%shear_limit, status)
       if (status == NUMBER_OK .and. law%shear_limit <= 0.0_DP) call complain(reader, reader%cards%cards(c)%line, &
@@ -321,6 +381,8 @@ contains
     end do
     if (any(model%pairs%interaction == 0)) return
     if (.not. all(is_compliant(model%interactions(model%pairs%interaction)))) model%pairs%is_pointwise = .false.
+    if (any(model%interactions%is_user_friction .or. model%interactions%behavior == BEHAVIOR_USER)) &
+      model%pairs%is_pointwise = .false.           ! STATEV belong to slave nodes
   end subroutine read_pairs
 
 
@@ -483,6 +545,9 @@ contains
       if (is_compliant(law) .neqv. is_compliant(step%interactions(interaction))) call complain(reader, &
         reader%cards%cards(c)%line, 'A step cannot change a HARD interaction to a compliant one, or back: their slave ' // &
         'nodes are not the same. Use one kind in all steps.')
+    end if
+    if (law%n_statev /= model%interactions(interaction)%n_statev) then
+      call complain(reader, reader%cards%cards(c)%line, 'A step cannot change DEPVAR of an interaction.')
     end if
     call complete_law(reader, model, law)
     step%interactions(interaction) = law

@@ -14,7 +14,7 @@ module amontons_line_search
   use amontons_steps, only: step_type, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type, STATUS_OPEN
   use amontons_slip, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip, NODE_SLIP, NODE_BALANCED
-  use amontons_contact, only: slip_view_type
+  use amontons_slaves, only: slip_view_type
   use amontons_travel, only: farthest_travel
   use amontons_system, only: system_type, evaluate, residual_pair, TROUBLE_NONE
   implicit none

@@ -14,7 +14,7 @@ module amontons_settle
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type
-  use amontons_contact, only: slip_view_type
+  use amontons_slaves, only: slip_view_type
   use amontons_system, only: system_type, foresee, correct_direction, return_to, TROUBLE_NONE
   implicit none
   private

@@ -13,7 +13,7 @@ module amontons_state
   use amontons_topology, only: MAX_NODES, MAX_POINTS
   implicit none
   private
-  public :: set_temperatures, history_row
+  public :: set_temperatures, history_row, amplitude_memory
   public :: state_type, fields_type, slave_type, create_state, create_material_state, commit_state, restore_state
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
 
@@ -23,6 +23,7 @@ module amontons_state
   type :: slave_type
     integer :: pair = 0                     !< index into model%pairs
     integer :: node = 0                     !< node index
+    integer :: memory = 0                   !< where its STATEV of FRIC or UINTER begin in user_memory, less one
     integer :: row = 0                      !< place of its row in the mortar of its pair; 0: the row follows from facet and xi
     integer :: side = 0                     !< of a point of a slave face: facet of the slave surface; 0: it is a node
     real(DP) :: at(2) = 0                   !< of a point: natural coordinates on that facet [-]
@@ -54,7 +55,7 @@ module amontons_state
     integer :: step = 0                     !< number, from 1, for routines of the user
     integer :: increment = 0                !< likewise
     real(DP) :: time_increment = 0          !< [time]
-    real(DP), allocatable :: user_memory(:) !< of each amplitude by UAMP its value and its variables
+    real(DP), allocatable :: user_memory(:) !< of each amplitude by UAMP its value and its variables, then STATEV of slave nodes
     real(DP) :: step_time = 0               !< [time]
     real(DP) :: total_time = 0              !< [time]
     real(DP), allocatable :: u(:, :)        !< (3, n_nodes) displacement [length]
@@ -116,8 +117,10 @@ contains
     associate (new => state%new)
       if (allocated(model%initial_temperature)) new%temperature = model%initial_temperature
       deallocate (new%history, new%user_memory)
-      n_memory = 0
-      if (allocated(model%amplitudes)) n_memory = sum(merge(1 + model%amplitudes%n_svars, 0, model%amplitudes%is_user))
+      n_memory = amplitude_memory(model)
+      do i = 1, size(new%slaves)
+        n_memory = n_memory + model%interactions(model%pairs(new%slaves(i)%pair)%interaction)%n_statev
+      end do
       allocate (new%user_memory(n_memory), source=0.0_DP)
       allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
       if (allocated(model%initial_history)) then
@@ -133,6 +136,14 @@ contains
     end associate
     state%old = state%new
   end subroutine create_material_state
+
+
+  !> The length of what amplitudes by UAMP keep.
+  pure integer function amplitude_memory(model) result(n)
+    type(model_type), intent(in) :: model
+    n = 0
+    if (allocated(model%amplitudes)) n = sum(merge(1 + model%amplitudes%n_svars, 0, model%amplitudes%is_user))
+  end function amplitude_memory
 
 
   !> The local axes of the points from the orientations of their elements.

@@ -6,7 +6,7 @@ module amontons_surfaces
   implicit none
   private
   public :: surface_type, interaction_type, contact_pair_type, is_compliant, pair_laws
-  public :: BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, ROUGH_FRICTION, &
+  public :: BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, &
     NO_SHEAR_LIMIT
 
   integer, parameter :: BEHAVIOR_HARD = 1          !< no penetration, no tension, exactly
@@ -14,6 +14,7 @@ module amontons_surfaces
   integer, parameter :: BEHAVIOR_EXPONENTIAL = 3   !< pressure is there before the surfaces meet: reach, pressure
   integer, parameter :: BEHAVIOR_TABULAR = 4       !< pressure by a table: table_pressure, table_overclosure
   integer, parameter :: BEHAVIOR_TIED = 5          !< a spring both ways: stiffness
+  integer, parameter :: BEHAVIOR_USER = 6          !< all of it by UINTER
   real(DP), parameter :: ROUGH_FRICTION = 1.0e30_DP   !< mu of surfaces that never slip [-]
   real(DP), parameter :: NO_SHEAR_LIMIT = 1.0e200_DP  !< without TAUMAX [stress]
 
@@ -42,6 +43,9 @@ module amontons_surfaces
     real(DP) :: friction = 0                    !< mu [-]; 0 is frictionless
     real(DP) :: stick_slope = 0                 !< lambda of compliant laws: shear over elastic slip [stress/length]
     real(DP) :: shear_limit = NO_SHEAR_LIMIT    !< TAUMAX [stress]
+    logical :: is_user_friction = .false.       !< friction is by FRIC; then mu is 0
+    real(DP), allocatable :: props(:)           !< PROPS of FRIC or UINTER
+    integer :: n_statev = 0                     !< number of its STATEV at each slave node
   end type interaction_type
 
   !> Two surfaces that may touch.

@@ -11,6 +11,7 @@ module amontons_user
   implicit none
   private
   public :: routines_type, umat_type, uamp_type, open_routines, close_routines, has_routine, hear_routines, name_job_to
+  public :: fric_type, uinter_type, call_fric, call_uinter
   public :: call_umat, call_sdvini, call_dload, call_disp, call_uamp
   public :: USER_UMAT, USER_FRIC, USER_UINTER, USER_DLOAD, USER_DISP, USER_UAMP, USER_SDVINI, ROUTINE_NAMES, CALL_NAME
 
@@ -57,7 +58,59 @@ module amontons_user
     integer(c_int) :: is_taken = 0                 !< out; 0: XIT
   end type uamp_type
 
+  !> What goes through FRIC beside names, STATEV and PROPS; in the plane only the first components count.
+  type, bind(C) :: fric_type
+    real(c_double) :: tau(2) = 0, ddtddg(2, 2) = 0, ddtddp(2) = 0   !< out [stress], [stress/length], [-]
+    real(c_double) :: dslip(2) = 0                 !< out: of the increment, that is not recovered [length]
+    real(c_double) :: sed = 0, sfd = 0             !< out [stress length]
+    real(c_double) :: dgam(2) = 0                  !< of the increment [length]
+    real(c_double) :: taulm(2) = 0                 !< that holds the point [stress]
+    real(c_double) :: press = 0, dpress = 0, ddpddh = 0   !< [stress], [stress], [stress/length]
+    real(c_double) :: slip(2) = 0                  !< at the start of the increment [length]
+    real(c_double) :: time(2) = 0, dtime = 0       !< step, total, at the end of the increment [time]
+    real(c_double) :: coords(3) = 0, length = 0    !< COORDS, CHRLNGTH [length]
+    real(c_double) :: temp(2) = 0                  !< [temperature]
+    integer(c_int) :: lm = 0                       !< in, out
+    integer(c_int) :: node = 0, nfdir = 2, mcrd = 3, step = 0, increment = 0
+    integer(c_int) :: is_taken = 0                 !< out; 0: XIT
+  end type fric_type
+
+  !> What goes through UINTER beside names, STATEV and PROPS; in the plane only the first two components count.
+  type, bind(C) :: uinter_type
+    real(c_double) :: stress(3) = 0, ddsddr(3, 3) = 0   !< in: at the start; out [stress], [stress/length]
+    real(c_double) :: sed = 0, sfd = 0             !< [stress length]
+    real(c_double) :: rdisp(3) = 0, drdisp(3) = 0  !< penetration, slip [length]
+    real(c_double) :: temp(2) = 0                  !< [temperature]
+    real(c_double) :: time(2) = 0, dtime = 0       !< step, total, at the end of the increment [time]
+    real(c_double) :: coords(3) = 0                !< [length]
+    real(c_double) :: axes(3, 3) = 0               !< ALOCALDIR
+    real(c_double) :: area = 0                     !< [length^2]
+    integer(c_int) :: node = 0, ndir = 3, mcrd = 3, step = 0, increment = 0
+    integer(c_int) :: is_closed = 0                !< LOPENCLOSE
+    integer(c_int) :: is_taken = 0                 !< out; 0: XIT
+  end type uinter_type
+
   interface
+    pure subroutine fric_c(handle, names, props, nprops, statev, nstatv, values) bind(C, name='amontons_user_fric')
+      import :: c_char, c_double, c_int, c_ptr, fric_type
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: names(*)
+      real(c_double), intent(in) :: props(*)
+      integer(c_int), value :: nprops, nstatv
+      real(c_double), intent(inout) :: statev(*)
+      type(fric_type), intent(inout) :: values
+    end subroutine fric_c
+
+    pure subroutine uinter_c(handle, names, props, nprops, statev, nstatv, values) bind(C, name='amontons_user_uinter')
+      import :: c_char, c_double, c_int, c_ptr, uinter_type
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: names(*)
+      real(c_double), intent(in) :: props(*)
+      integer(c_int), value :: nprops, nstatv
+      real(c_double), intent(inout) :: statev(*)
+      type(uinter_type), intent(inout) :: values
+    end subroutine uinter_c
+
     function open_c(path, message, room, handle) bind(C, name='amontons_user_open') result(status)
       import :: c_char, c_int, c_ptr
       character(kind=c_char), intent(in) :: path(*)
@@ -286,5 +339,27 @@ contains
     type(uamp_type), intent(inout) :: values
     call uamp_c(routines%handle, name, props, size(props), svars, size(svars), values)
   end subroutine call_uamp
+
+
+  !> FRIC.
+  pure subroutine call_fric(routines, names, props, statev, values)
+    type(routines_type), intent(in) :: routines
+    character(CALL_NAME), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
+    real(DP), intent(in) :: props(:)
+    real(DP), intent(inout) :: statev(:)
+    type(fric_type), intent(inout) :: values
+    call fric_c(routines%handle, names(1) // names(2) // names(3), props, size(props), statev, size(statev), values)
+  end subroutine call_fric
+
+
+  !> UINTER.
+  pure subroutine call_uinter(routines, names, props, statev, values)
+    type(routines_type), intent(in) :: routines
+    character(CALL_NAME), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
+    real(DP), intent(in) :: props(:)
+    real(DP), intent(inout) :: statev(:)
+    type(uinter_type), intent(inout) :: values
+    call uinter_c(routines%handle, names(1) // names(2) // names(3), props, size(props), statev, size(statev), values)
+  end subroutine call_uinter
 
 end module amontons_user

@@ -6,7 +6,8 @@ module amontons_user_job
   use amontons_journal, only: journal_type
   use amontons_model, only: model_type, job_options_type
   use amontons_user, only: routines_type, open_routines, has_routine, hear_routines, name_job_to, uamp_type, call_uamp, &
-    CALL_NAME, ROUTINE_NAMES, USER_UMAT, USER_UAMP, USER_DLOAD, USER_DISP
+    CALL_NAME, ROUTINE_NAMES, USER_UMAT, USER_UAMP, USER_DLOAD, USER_DISP, USER_FRIC, USER_UINTER
+  use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
   use amontons_state, only: state_type, fields_type
   use amontons_user_material, only: find_rest_tangent
   implicit none
@@ -45,6 +46,7 @@ contains
       end associate
     end do
     call need_loads(model, options, error)
+    if (.not. allocated(error)) call need_contact(model, options, error)
     call hear_routines(model%routines, pnewdt, text, is_stopped)   ! at rest PNEWDT means nothing
   end subroutine start_routines
 
@@ -63,6 +65,23 @@ contains
       if (any(model%steps(i)%prescribed%is_user)) call need_routine(model, options, USER_DISP, '*BOUNDARY, USER', error)
     end do
   end subroutine need_loads
+
+
+  !> The routines that interactions need.
+  subroutine need_contact(model, options, error)
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    type(interaction_type), allocatable :: laws(:)
+    integer :: i
+    laws = model%interactions
+    do i = 1, size(model%steps)
+      if (allocated(model%steps(i)%interactions)) laws = [laws, model%steps(i)%interactions]
+    end do
+    if (any(laws%is_user_friction)) call need_routine(model, options, USER_FRIC, '*FRICTION, USER', error)
+    if (allocated(error)) return
+    if (any(laws%behavior == BEHAVIOR_USER)) call need_routine(model, options, USER_UINTER, '*SURFACE INTERACTION, USER', error)
+  end subroutine need_contact
 
 
   !> Before an attempt: UAMP gives the factors at its end. What it keeps starts from what the last increment left.

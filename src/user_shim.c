@@ -450,3 +450,75 @@ void amontons_user_uamp(void *handle, const char *name, const double *props, int
                   &v->value, defined, &derivative, &second, &integral, &double_integral, NAME_ROOM, NAME_ROOM));
   v->is_taken = !self->is_stopped;
 }
+
+typedef void fric_routine(int *lm, double *tau, double *ddtddg, double *ddtddp, double *dslip, double *sed, double *sfd,
+                          double *ddtddt, double *pnewdt, double *statev, const double *dgam, const double *taulm,
+                          const double *press, const double *dpress, const double *ddpddh, const double *slip,
+                          const int *kstep, const int *kinc, const double *time, const double *dtime, const int *noel,
+                          const char *ciname, const char *slname, const char *msname, const int *npt, const int *node,
+                          const int *npatch, const double *coords, const double *rcoord, const double *drot,
+                          const double *temp, const double *predef, const int *nfdir, const int *mcrd, const int *npred,
+                          const int *nstatv, const double *chrlngth, const double *props, const int *nprops, size_t n_ciname,
+                          size_t n_slname, size_t n_msname);
+
+/* fric_type of user.f90. */
+typedef struct {
+  double tau[2], ddtddg[4], ddtddp[2], dslip[2], sed, sfd, dgam[2], taulm[2], press, dpress, ddpddh, slip[2], time[2], dtime,
+    coords[3], length, temp[2];
+  int lm, node, nfdir, mcrd, step, increment, is_taken;
+} fric_values;
+
+/* FRIC. `names`: interaction, slave, master, NAME_ROOM letters each. */
+void amontons_user_fric(void *handle, const char *names, const double *props, int nprops, double *statev, int nstatv,
+                        fric_values *v)
+{
+  routines *self = handle;
+  const int none = 0, one = 1;
+  const double turn[4] = {1, 0, 0, 1}, no_field[2] = {0, 0};
+  double ddtddt[4] = {0}, pnewdt = 1;
+  fric_routine *fric = (fric_routine *)(uintptr_t)self->routine[FRIC];
+  CALL(self, fric(&v->lm, v->tau, v->ddtddg, v->ddtddp, v->dslip, &v->sed, &v->sfd, ddtddt, &pnewdt, statev, v->dgam, v->taulm,
+                  &v->press, &v->dpress, &v->ddpddh, v->slip, &v->step, &v->increment, v->time, &v->dtime, &none, names,
+                  names + NAME_ROOM, names + 2 * NAME_ROOM, &one, &v->node, &none, v->coords, v->coords, turn, v->temp, no_field,
+                  &v->nfdir, &v->mcrd, &none, &nstatv, &v->length, props, &nprops, NAME_ROOM, NAME_ROOM, NAME_ROOM));
+  v->is_taken = !self->is_stopped;
+}
+
+typedef void uinter_routine(double *stress, double *ddsddr, double *dviscous, double *dstructural, double *flux, double *ddfddt,
+                            double *ddsddt, double *ddfddr, double *statev, double *sed, double *sfd, double *spd, double *svd,
+                            double *scd, double *pnewdt, const double *rdisp, const double *drdisp, const double *temp,
+                            const double *dtemp, const double *predef, const double *dpred, const double *time,
+                            const double *dtime, const double *freqr, const char *ciname, const char *slname,
+                            const char *msname, const double *props, const double *coords, const double *alocaldir,
+                            const double *drot, const double *area, const double *chrlngth, const int *node, const int *ndir,
+                            const int *nstatv, const int *npred, const int *nprops, const int *mcrd, const int *kstep,
+                            const int *kinc, const int *kit, const int *linper, int *lopenclose, int *lstate, int *lsdi,
+                            const int *lprint, size_t n_ciname, size_t n_slname, size_t n_msname);
+
+/* uinter_type of user.f90. */
+typedef struct {
+  double stress[3], ddsddr[9], sed, sfd, rdisp[3], drdisp[3], temp[2], time[2], dtime, coords[3], axes[9], area;
+  int node, ndir, mcrd, step, increment, is_closed, is_taken;
+} uinter_values;
+
+/* UINTER: in the plane the matrices are of two rows. */
+void amontons_user_uinter(void *handle, const char *names, const double *props, int nprops, double *statev, int nstatv,
+                          uinter_values *v)
+{
+  routines *self = handle;
+  const int none = 0, n = v->ndir;
+  const double turn[4] = {1, 0, 0, 1}, nothing[6] = {0}, length = sqrt(v->area);
+  double d[9] = {0}, viscous[9] = {0}, structural[9] = {0}, flux[2] = {0}, ddfddt[4] = {0}, ddsddt[6] = {0}, ddfddr[6] = {0};
+  double spd = 0, svd = 0, scd = 0, pnewdt = 1;
+  int state = -1, sdi = 0;
+  uinter_routine *uinter = (uinter_routine *)(uintptr_t)self->routine[UINTER];
+  CALL(self, uinter(v->stress, d, viscous, structural, flux, ddfddt, ddsddt, ddfddr, statev, &v->sed, &v->sfd, &spd, &svd, &scd,
+                    &pnewdt, v->rdisp, v->drdisp, v->temp, nothing, nothing, nothing, v->time, &v->dtime, nothing, names,
+                    names + NAME_ROOM, names + 2 * NAME_ROOM, props, v->coords, v->axes, turn, &v->area, &length, &v->node, &n,
+                    &nstatv, &none, &nprops, &v->mcrd, &v->step, &v->increment, &none, &none, &v->is_closed, &state, &sdi,
+                    &none, NAME_ROOM, NAME_ROOM, NAME_ROOM));
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) v->ddsddr[3 * j + i] = d[n * j + i];
+  if (n < 3) v->stress[2] = 0;
+  v->is_taken = !self->is_stopped;
+}

@@ -1,0 +1,94 @@
+!> Slaves: what is done to the memory of slave nodes alone: let go, loaded by their status, looked at, committed.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_slaves
+  use amontons_kinds, only: DP
+  use amontons_surfaces, only: interaction_type, BEHAVIOR_TIED
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  implicit none
+  private
+  public :: slip_view_type, lose_master, set_force, set_view, shear_most, commit_slip
+
+  !> What the slip procedure looks at, for all slave nodes at one configuration.
+  type :: slip_view_type
+    real(DP), allocatable :: imbalance_t(:, :)    !< (3, n_slaves) Rt [force]
+    real(DP), allocatable :: normal_force(:)      !< (n_slaves) N [force]
+    real(DP), allocatable :: slip(:, :)           !< (3, n_slaves) g since the start of the increment [length]
+    real(DP), allocatable :: position(:, :)       !< (3, n_slaves) slave relative to the touching point of its master [length]
+    integer, allocatable :: status(:)             !< (n_slaves) STATUS_...
+  end type slip_view_type
+
+contains
+
+  !> The node has left its master: open, without force.
+  subroutine lose_master(slave)
+    type(slave_type), intent(inout) :: slave
+    slave%facet = 0
+    slave%status = STATUS_OPEN
+    slave%gap = 0.0_DP
+    slave%force = 0.0_DP
+    slave%shear = 0.0_DP
+    slave%energy = 0.0_DP
+  end subroutine lose_master
+
+
+  !> Normal and tangential contact force on the slave by its status.
+  pure subroutine set_force(slave, imbalance, normal_force, friction)
+    type(slave_type), intent(inout) :: slave
+    real(DP), intent(in) :: imbalance(3)           !< Rhat [force]
+    real(DP), intent(in) :: normal_force           !< N [force]
+    real(DP), intent(in) :: friction(3)            !< mu N along the direction of friction [force]
+    select case (slave%status)
+    case (STATUS_OPEN)
+      slave%force = 0.0_DP
+      slave%shear = 0.0_DP
+    case (STATUS_STICK)
+      slave%force = normal_force * slave%normal
+      slave%shear = -imbalance - slave%force
+    case (STATUS_SLIP)
+      slave%force = normal_force * slave%normal
+      slave%shear = friction
+    end select
+  end subroutine set_force
+
+
+  !> Notes for the slip procedure what it looks at.
+  pure subroutine set_view(view, s, status, imbalance_t, normal_force, slip)
+    type(slip_view_type), intent(inout) :: view
+    integer, intent(in) :: s, status
+    real(DP), intent(in) :: imbalance_t(3), normal_force, slip(3)
+    view%status(s) = status
+    view%imbalance_t(:, s) = imbalance_t
+    view%normal_force(s) = normal_force
+    view%slip(:, s) = slip
+    view%position(:, s) = 0.0_DP
+  end subroutine set_view
+
+
+  !> The largest shear force that a compliant law lets a node carry.
+  pure real(DP) function shear_most(law, area, pressure) result(most)
+    type(interaction_type), intent(in) :: law
+    real(DP), intent(in) :: area                   !< [length^2]
+    real(DP), intent(in) :: pressure               !< [stress]
+    most = min(law%friction * max(pressure, 0.0_DP), law%shear_limit) * area
+    if (law%behavior == BEHAVIOR_TIED) most = law%shear_limit * area
+  end function shear_most
+
+
+  !> At the end of a converged increment: gather the slip, and the work that friction took.
+  subroutine commit_slip(old, fields)
+    type(fields_type), intent(in) :: old           !< committed before
+    type(fields_type), intent(inout) :: fields
+    real(DP) :: work
+    integer :: s
+    work = 0.0_DP
+    do s = 1, size(fields%slaves)
+      associate (slave => fields%slaves(s))
+        if (slave%status /= STATUS_SLIP) slave%slip_increment = 0.0_DP
+        slave%slip = old%slaves(s)%slip + slave%slip_increment
+        work = work - dot_product(slave%shear, slave%slip_increment)
+      end associate
+    end do
+    fields%friction_work = old%friction_work + work
+  end subroutine commit_slip
+
+end module amontons_slaves
