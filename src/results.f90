@@ -39,6 +39,7 @@ module amontons_results
   use amontons_store, only: append_rows, apply_pages, close_store, create_group, create_store, create_table, drop_store, &
     flush_store, form_type, open_store, open_table, pages_type, store_type, table_type, take_pages, write_attribute, &
     write_data, STORE_I64, STORE_TEXT, STORE_U8
+  use amontons_shown, only: shown_type, draw_profiles, displacement_of
   use amontons_columns, only: append_columns, check_finite, column_type, create_columns, open_columns, write_columns, &
     CONTACT_COLUMNS, CONTROL_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, &
     N_CONTACT_REALS, N_HISTORY_INTEGERS, N_HISTORY_REALS, N_INTEGRATION_REALS, N_ITERATION_INTEGERS, &
@@ -54,7 +55,8 @@ module amontons_results
   type :: results_type
     private
     type(store_type) :: store
-    integer :: n_nodes = 0
+    integer :: n_nodes = 0                             !< with the points of analytic surfaces
+    type(shown_type) :: shown                          !< analytic surfaces
     integer :: n_points = 0
     integer :: n_slaves = 0
     integer :: n_frames = 0                            !< increments of which the fields are written
@@ -91,7 +93,8 @@ contains
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    results%n_nodes = model%mesh%n_nodes
+    call draw_profiles(model, results%shown)
+    results%n_nodes = model%mesh%n_nodes + results%shown%n_points
     results%n_points = model%mesh%n_points
     results%far = model_size(model%mesh)
     results%point_columns = POINT_COLUMNS
@@ -99,7 +102,7 @@ contains
     if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
       results%point_columns(STRAIN_COLUMN)%name = 'LE'
     call create_store(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
-    if (.not. allocated(error)) call write_grid(results%store, model%mesh, error)
+    if (.not. allocated(error)) call write_grid(results%store, model%mesh, results%shown, error)
     if (.not. allocated(error)) call create_frames(results, error)
     if (.not. allocated(error)) call write_texts(results%store, model, error)
     if (.not. allocated(error)) call write_mesh(results%store, model%mesh, error)
@@ -118,7 +121,8 @@ contains
     integer, intent(in) :: n_slaves
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    results%n_nodes = model%mesh%n_nodes
+    call draw_profiles(model, results%shown)
+    results%n_nodes = model%mesh%n_nodes + results%shown%n_points
     results%n_points = model%mesh%n_points
     results%n_slaves = n_slaves
     results%far = model_size(model%mesh)
@@ -272,31 +276,41 @@ contains
 
   !> /VTKHDF: the mesh.
   !! Reference: VTK, Documentation/docs/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.md, UnstructuredGrid.
-  subroutine write_grid(store, mesh, error)
+  subroutine write_grid(store, mesh, shown, error)
     type(store_type), intent(in) :: store
     type(mesh_type), intent(in) :: mesh
+    type(shown_type), intent(in) :: shown           !< analytic surfaces, after the mesh
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: ROOT = '/VTKHDF/'
     type(kind_type) :: entry
-    integer :: vtk_type(mesh%n_elements), e
+    real(DP), allocatable :: points(:, :)
+    integer, allocatable :: nodes(:), first(:), vtk_type(:)
+    integer :: e
+    allocate (vtk_type(mesh%n_elements))
     do e = 1, mesh%n_elements
       entry = element_kind(mesh%kind(e))
       vtk_type(e) = entry%vtk_type
     end do
+    vtk_type = [vtk_type, shown%vtk_type]
+    nodes = [mesh%nodes, mesh%n_nodes + shown%nodes] - 1
+    first = [mesh%first - 1, size(mesh%nodes) + shown%last]
+    allocate (points(3, mesh%n_nodes + shown%n_points))
+    points(:, :mesh%n_nodes) = mesh%coordinates
+    points(:, mesh%n_nodes + 1:) = shown%points
     call create_group(store, '/VTKHDF', error)
     if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Version', [2, 0], error)
     if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Type', 'UnstructuredGrid', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfPoints', [mesh%n_nodes], '[-]', 'Nodes.', &
-      error, STORE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfCells', [mesh%n_elements], '[-]', 'Elements.', &
-      error, STORE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfConnectivityIds', [size(mesh%nodes)], '[-]', &
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfPoints', [mesh%n_nodes + shown%n_points], '[-]', &
+      'Nodes, and points of analytic surfaces.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfCells', [mesh%n_elements + shown%n_cells], '[-]', &
+      'Elements, and cells of analytic surfaces.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfConnectivityIds', [size(nodes)], '[-]', &
       'Length of Connectivity.', error, STORE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Points', mesh%coordinates, '[length]', &
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Points', points, '[length]', &
       'Reference coordinates of the nodes.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Connectivity', mesh%nodes - 1, '[-]', &
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Connectivity', nodes, '[-]', &
       'Nodes of all elements, one after the other.', error, STORE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Offsets', mesh%first - 1, '[-]', &
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Offsets', first, '[-]', &
       'Start of the nodes of each element in Connectivity, and the end.', error, STORE_I64)
     if (.not. allocated(error)) call write_data(store, ROOT // 'Types', vtk_type, &
       '[-]', 'VTK cell types.', error, STORE_U8)
@@ -580,7 +594,10 @@ contains
     allocate (reals(N_POINT_REALS, results%n_nodes), integers(N_POINT_INTEGERS, results%n_nodes))
     call check_points(results, fields, error)
     if (allocated(error)) return
-    call point_fields(mesh, fields, slaves, results%far, reals, integers)
+    call point_fields(mesh, fields, slaves, results%far, reals(:, :mesh%n_nodes), integers(:, :mesh%n_nodes))
+    reals(:, mesh%n_nodes + 1:) = 0.0_DP
+    reals(:3, mesh%n_nodes + 1:) = displacement_of(results%shown, fields%u)
+    integers(:, mesh%n_nodes + 1:) = 0
     call check_finite('node', results%point_columns, reals, error)
     if (allocated(error)) return
     call pack_slaves(slaves, contact_integers, contact_reals)

@@ -110,6 +110,30 @@ def test_hertz_ball_in_space(proof: Proof) -> None:
     case.done()
 
 
+def test_surface_is_shown(proof: Proof) -> None:
+    """The result file has the ball as cells, which turn and move with the reference node."""
+    case = proof(
+        "analytic-shown",
+        title="An analytic ball in the result file",
+        model="A cube under a ball of radius 3, a *SURFACE, TYPE=REVOLUTION, whose reference node, beside its axis, moves by (0.1, 0.2, 0) and turns by 0.5 about z.",
+        formula="The points of the surface are R x + t; they lie on a ball",
+        source="none needed",
+        proves="What ParaView shows of a rigid master is where it is.",
+    )
+    cube = block(between(0, 1, 1), between(0, 1, 1), between(-1, 0, 1), "CUBE")
+    profile = "0.5, 0.5, 3.5, 0.5, 0.5, 4.5\nSTART, 3., 0.\nCIRCL, 0., -3., 0., 0.\n"
+    moves = fix("CUBE_BOTTOM, 1, 3", "REFERENCE, 1, 1, 0.1", "REFERENCE, 2, 2, 0.2", "REFERENCE, 3, 5", "REFERENCE, 6, 6, 0.5")
+    job = case.run(solid_deck([(cube, (YOUNG, NU))], rigid("REVOLUTION", profile, "2., 0., 3.") + pair("CUBE_TOP", "TOOL"), step(moves, 2, True)), asked=2)
+    first = 8 + 1 + 1 + 4
+    shown, u = job.points[first:], job.last("U")[first:]
+    case.true("points of the surface", len(shown) > 500, why="5 degrees a cell")
+    centre, reference = np.array([0.5, 0.5, 3.5]), np.array([2.0, 0.0, 3.0])
+    case.near("on the ball", np.linalg.norm(shown - centre, axis=1), np.full(len(shown), 3.0), 1e-12, why="exact")
+    turn = np.array([[np.cos(0.5), -np.sin(0.5), 0], [np.sin(0.5), np.cos(0.5), 0], [0, 0, 1.0]])
+    case.near("where they are", shown + u, (shown - reference) @ turn.T + reference + [0.1, 0.2, 0], 1e-7, why="the tolerance of the rigid body", scale=3.0)
+    case.done()
+
+
 # ---------------------------------------------------------------------------------------------------------- planes
 
 WEIGHT = 4.0

@@ -116,7 +116,7 @@ def read_job(path: Path) -> Job:
         return Job(
             name=path.stem, path=path, version=_text(ours, "version"), dialect=_text(ours, "dialect"),
             heading=_text(ours, "heading"), deck=_text(ours, "deck"), points=grid["Points"][:],
-            labels=ours["mesh/node_label"][:].astype(np.int64), kinds=_words(ours["mesh/element_kind"]),
+            labels=_labels(ours["mesh/node_label"][:], n), kinds=_words(ours["mesh/element_kind"]),
             times=grid["Steps/Values"][:n_frames], fields=fields,
             units={name: _unit(data[name]) for name in data},
             history=_table(ours["history"]), iterations=_table(ours["iterations"]), steps=_table(ours["steps"]),
@@ -125,6 +125,11 @@ def read_job(path: Path) -> Job:
             slave_pair=contact["pair"][:].astype(np.int64) if "pair" in contact else np.zeros(0, dtype=np.int64),
             skin=outer_skin(*cells), lines=_lines(*cells),
         )  # fmt: skip
+
+
+def _labels(labels: Ints, n_points: int) -> Ints:
+    """The labels of the nodes; 0 for the points of analytic surfaces, which come after them."""
+    return np.concatenate([labels.astype(np.int64), np.zeros(n_points - len(labels), dtype=np.int64)])
 
 
 def _unit(item: h5py.Dataset) -> str:
