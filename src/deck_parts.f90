@@ -16,7 +16,8 @@ module amontons_deck_parts
   private
   public :: flatten_parts
 
-  character(*), parameter :: NAMED = 'NSET|ELSET|SURFACE|ORIENTATION|REFNODE|ROTNODE|NODE|TIENSET|PINNSET'
+  character(*), parameter :: NAMED = 'NSET|ELSET|SURFACE|ORIENTATION|REFNODE|ROTNODE|NODE|TIENSET|PINNSET|' // &
+    'ANALYTICALSURFACE'
   !< parameters whose values are names or numbers of a part
   character(*), parameter :: WITH_NAME = 'SURFACE|ORIENTATION|DISTRIBUTION'   !< cards whose NAME is one of a part
   character(*), parameter :: AS_THEY_ARE = 'SOLIDSECTION|SPRING|MASS|INSTANCE|RIGIDBODY|COUPLING|KINEMATIC|' // &
@@ -514,8 +515,15 @@ contains
       case ('ELSET')
         text = set_row(cards, work, row, scope, has(cards, c, 'GENERATE'), scope%element_shift)
       case ('SURFACE')
-        text = first_row(cards, work, row, scope, merge(scope%node_shift, scope%element_shift, &
-          squeezed(value_of(cards, c, 'TYPE')) == 'NODE'), 1)
+        if (is_one_of(squeezed(value_of(cards, c, 'TYPE')), 'SEGMENTS|CYLINDER|REVOLUTION')) then
+          if (row%n <= 1 .and. field_text(cards, row, 1) == '') n = n - 1   ! a blank line for the axes
+          if (row%n <= 1 .and. field_text(cards, row, 1) == '') cycle
+          if (n == 1) call write_axes(cards, work, c, row, scope)
+          text = profile_row(cards, row, scope, squeezed(value_of(cards, c, 'TYPE')) == 'SEGMENTS')
+        else
+          text = first_row(cards, work, row, scope, merge(scope%node_shift, scope%element_shift, &
+            squeezed(value_of(cards, c, 'TYPE')) == 'NODE'), 1)
+        end if
       case ('EQUATION')
         text = first_row(cards, work, row, scope, scope%node_shift, merge(0, 3, row%n == 1))
       case ('MPC')
@@ -706,6 +714,62 @@ contains
       end if
     end do
   end function first_row
+
+
+  !> The local axes of an analytic surface that begins with START: those of the part, where the instance has them.
+  subroutine write_axes(cards, work, c, row, scope)
+    type(cards_type), intent(in) :: cards
+    type(flat_type), intent(inout) :: work
+    integer, intent(in) :: c                     !< card
+    type(row_type), intent(in) :: row            !< its first
+    type(scope_type), intent(in) :: scope
+    character(:), allocatable :: text, type
+    type = squeezed(value_of(cards, c, 'TYPE'))
+    if (squeezed(field_text(cards, row, 1)) /= 'START' .or. type == 'SEGMENTS') return
+    text = numbers(moved(scope, [0.0_DP, 0.0_DP, 0.0_DP]))
+    if (type == 'REVOLUTION') then
+      text = text(3:) // numbers(moved(scope, [0.0_DP, 1.0_DP, 0.0_DP]))
+      call append_line(work%flat, text, cards%line_file(row%line), cards%line_number(row%line))
+    else
+      text = text(3:) // numbers(moved(scope, [1.0_DP, 0.0_DP, 0.0_DP]))
+      call append_line(work%flat, text, cards%line_file(row%line), cards%line_number(row%line))
+      text = numbers(moved(scope, [0.0_DP, 0.0_DP, -1.0_DP]))
+      call append_line(work%flat, text(3:), cards%line_file(row%line), cards%line_number(row%line))
+    end if
+  end subroutine write_axes
+
+
+  !> A row of an analytic surface: points of axes, and those of a profile in the plane, where the instance has them.
+  function profile_row(cards, row, scope, is_flat) result(text)
+    type(cards_type), intent(in) :: cards
+    type(row_type), intent(in) :: row
+    type(scope_type), intent(in) :: scope
+    logical, intent(in) :: is_flat               !< SEGMENTS
+    character(:), allocatable :: text
+    real(DP) :: x(3)
+    integer :: i, k, n, status
+    logical :: is_word
+    is_word = is_one_of(squeezed(field_text(cards, row, 1)), 'START|LINE|CIRCL|PARAB')
+    n = merge(2, 3, is_flat)
+    text = ''
+    if (is_word) text = ', ' // field_text(cards, row, 1)
+    do i = merge(2, 1, is_word), row%n, n
+      x = 0
+      do k = i, min(i + n - 1, row%n)
+        call field_real(cards, row, k, x(k - i + 1), status)
+      end do
+      if (status /= NUMBER_OK .or. (is_word .and. .not. is_flat) .or. .not. scope%is_moved) then   ! as it is
+        do k = i, min(i + n - 1, row%n)
+          text = text // ', ' // field_text(cards, row, k)
+        end do
+        cycle
+      end if
+      x = moved(scope, x)
+      text = text // numbers(x)
+      if (is_flat) text = text(:index(text, ',', back=.true.) - 1)
+    end do
+    text = text(3:)
+  end function profile_row
 
 
   !> A row of ORIENTATION or TRANSFORM: the first has two points. Those of axes through the origin are only turned.

@@ -134,6 +134,85 @@ def test_surface_is_shown(proof: Proof) -> None:
     case.done()
 
 
+IN_A_PART = """\
+*HEADING
+A ball as Abaqus/CAE writes it: in an instance that is shifted and turned.
+*PART, NAME=CUBE
+*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+*ELEMENT, TYPE=C3D8, ELSET=B
+1, 1,2,3,4,5,6,7,8
+*NSET, NSET=BOT
+1,2,3,4
+*SOLID SECTION, ELSET=B, MATERIAL=M
+*SURFACE, NAME=TOP
+B, S2
+*END PART
+*PART, NAME=BALL
+*END PART
+*ASSEMBLY, NAME=A
+*INSTANCE, NAME=C1, PART=CUBE
+*END INSTANCE
+*INSTANCE, NAME=BALL-1, PART=BALL
+0.5, 0., -0.5
+0.5, 0., 0., 1.5, 0., 0., 90.
+*NODE
+1, 0., 7., 0.
+*NSET, NSET=RP
+1
+*SURFACE, TYPE=REVOLUTION, NAME=SKIN
+START, 6., 7.
+CIRCL, 0., 1., 0., 7.
+*RIGID BODY, REF NODE=RP, ANALYTICAL SURFACE=SKIN
+*END INSTANCE
+*END ASSEMBLY
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.3
+*SURFACE INTERACTION, NAME=I
+*FRICTION
+0.2
+*CONTACT PAIR, INTERACTION=I
+C1.TOP, BALL-1.SKIN
+*STEP, NLGEOM
+*STATIC
+0.5, 1.
+*BOUNDARY
+C1.BOT, 1, 3
+BALL-1.RP, 1, 6
+BALL-1.RP, 3, 3, -0.2
+*END STEP
+"""
+PLAIN_BALL = "*SURFACE, NAME=SKIN, TYPE=REVOLUTION\n0.5, 0.5, 7., 0.5, 0.5, 8.\nSTART, 6., 0.\nCIRCL, 0., -6., 0., 0.\n*RIGID BODY, ANALYTICAL SURFACE=SKIN, REF NODE=900\n"
+
+
+@pytest.mark.parametrize("blank", ["", "\n"])
+def test_ball_in_a_part(proof: Proof, blank: str) -> None:
+    """The axes of an analytic surface of a part move with its instance."""
+    case = proof(
+        f"analytic-in-a-part{'-blank' if blank else ''}",
+        title="An analytic ball in a part" + (", a blank line for its axes" if blank else ""),
+        model="A cube under a ball of radius 6 that goes down by 0.2, mu = 0.2, NLGEOM: the ball in an instance that is shifted and turned by 90 degrees about x, its profile in the axes of the part; and written "
+        "where it is.",
+        formula="The force at the reference node is the same",
+        source="none needed",
+        proves="Parts as Abaqus/CAE writes them.",
+    )
+    deck = IN_A_PART.replace("NAME=SKIN\n", f"NAME=SKIN\n{blank}")
+    plain = deck.split("*PART, NAME=BALL")[0].replace("*PART, NAME=CUBE\n", "").replace("*END PART\n", "") + "*NODE\n900, 0.5, 0.5, 7.\n" + PLAIN_BALL
+    plain += deck.split("*END ASSEMBLY\n")[1].replace("C1.", "").replace("BALL-1.RP", "900").replace("BALL-1.", "")
+    forces = [case.run(text, name, asked=2).last("RF")[8] for name, text in (("part", deck), ("plain", plain))]
+    case.near("force", forces[0], forces[1], 1e-10, why="the same model")
+    case.done()
+
+
 # ---------------------------------------------------------------------------------------------------------- planes
 
 WEIGHT = 4.0
