@@ -439,22 +439,18 @@ contains
       call add_node(scope, made%label(i), made%x(:, i), set)
     end do
     if (set == 0) return
-    call write_line(cards, c, '*NSET, NSET="' // name // '"', flat)
-    do i = 1, made%n
-      call write_line(cards, c, text_of(made%label(i)), flat)
-    end do
     if (cards%cards(c)%key /= 'NCOPY') then      ! the ends belong to the set: two nodes, or two sets
-      call start_rows(cards%cards(c), row)
-      do while (next_row(cards, row))
-        call write_line(cards, c, field_text(cards, row, 1) // ', ' // field_text(cards, row, 2), flat)
-      end do
       call start_rows(cards%cards(c), row)
       do while (next_row(cards, row))
         row%n = min(row%n, 2)
         call add_members(cards, row, set, scope%node_names, scope%node_sets)
       end do
     end if
-    call sort_items(scope%node_sets(set))
+    call sort_items(scope%node_sets(set))        ! Abaqus keeps sets in the order of the numbers
+    call write_line(cards, c, '*NSET, NSET="' // name // '"', flat)
+    do i = 1, scope%node_sets(set)%n
+      call write_line(cards, c, text_of(scope%node_sets(set)%items(i)), flat)
+    end do
   end subroutine write_nodes
 
 
@@ -484,12 +480,14 @@ contains
       end associate
     end do
     if (set == 0) return
-    call write_line(cards, c, '*ELSET, ELSET="' // name // '"', flat)
     do i = 1, made%n_elements
-      call write_line(cards, c, text_of(made%elements(i)%label), flat)
       call scope%element_sets(set)%add(made%elements(i)%label)
     end do
     call sort_items(scope%element_sets(set))     ! the first one may be in it already
+    call write_line(cards, c, '*ELSET, ELSET="' // name // '"', flat)
+    do i = 1, scope%element_sets(set)%n
+      call write_line(cards, c, text_of(scope%element_sets(set)%items(i)), flat)
+    end do
   end subroutine write_elements
 
 

@@ -77,6 +77,8 @@ def test_block(run_deck: Run, tmp_path: Path) -> None:
     moves = rows_of(tmp_path, "displacements")
     labels = {100 * k + 10 * j + i + 1: (float(i), float(j), 1.5 * k) for i in range(5) for j in range(3) for k in range(3)}
     assert moves.keys() == labels.keys()
+    floor = [label for label in moves if label < 100]
+    assert floor == sorted(floor)  # sets are in the order of the numbers
     for label, (x, y, z) in labels.items():
         assert moves[label][0] == pytest.approx(10.0 * x / 1000.0, rel=DIGITS, abs=1e-12)
         if places:
