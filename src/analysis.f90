@@ -374,6 +374,7 @@ contains
     integer :: outcome
     associate (record => analysis%records(analysis%n_records))
       record%is_converged = .true.
+      record%n_carried = analysis%newton%n_carried
       call close_ledger(analysis%model%mesh%is_abstract, analysis%state, record)
       call close_record(analysis, record)
       call commit_state(analysis%state)
@@ -663,6 +664,8 @@ contains
       end do
       record%external_work = new%external_work
       record%friction_work = new%friction_work
+      record%carried_work = new%carried_work
+      record%carried_now = new%carried_work - old%carried_work
       record%strain_energy = sum(new%energy * new%volume)
       record%contact_energy = sum(new%slaves%energy)
     end associate

@@ -724,8 +724,8 @@ contains
       text = ' as the deck places it: no support, no equation and no contact holds it there. Under NLGEOM it may be ' // &
         'held where the steps before have brought it.'
     else if (is_start) then
-      text = ' until its contact closes: what could hold it is open at the start. Move the bodies together, or ' // &
-        'drive the body into contact by a prescribed displacement.'
+      text = ' until its contact closes: what could hold it is open at the start. It will be carried to where it ' // &
+        'touches; a body that shall not move so is to be driven by a prescribed displacement.'
     else
       text = ': no support, no equation and no contact holds it. Hold it by *BOUNDARY, or let it touch a body ' // &
         'that is held (only friction holds it along the surface).'

@@ -19,7 +19,7 @@ module amontons_failure
   use amontons_forensics, only: find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
   use amontons_converge, only: VERDICT_DIVERGES
   use amontons_newton, only: newton_type, TROUBLE_FREE, TROUBLE_THROUGH
-  use amontons_system, only: system_type, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
+  use amontons_system, only: system_type, TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
   implicit none
   private
   public :: failure_reason, failure_lines
@@ -39,6 +39,11 @@ contains
     type(newton_type), intent(in) :: newton
     integer, intent(in) :: verdict                 !< VERDICT_... of the last iteration
     character(:), allocatable :: reason
+    if (newton%is_carried .and. newton%farthest > 0 .and. any(newton%trouble == [TROUBLE_NONE, TROUBLE_SOLVER])) then
+      reason = 'FREE BODY: nothing holds a body against its load, wherever it goes; it went farthest at node ' // &
+        text_of(model%mesh%node_label(newton%farthest)) // '.'
+      return
+    end if
     select case (newton%trouble)
     case (TROUBLE_ELEMENT)
       reason = 'MATERIAL: element ' // text_of(model%mesh%element_label(max(1, system%trouble_item))) // &

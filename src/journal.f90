@@ -207,6 +207,8 @@ contains
       text_of(record%total_time), text_of(record%dt), record%n_iterations, record%n_status, &
       int(100 * fraction + 0.01_DP), ' %', duration(self%elapsed()), time_left(self)
     call put(self, trim(line))
+    if (record%is_converged .and. record%n_carried > 0) call put(self, '        Bodies that nothing held were carried to ' // &
+      'where they touch in ' // plural(record%n_carried, 'iteration') // ', work ' // text_of(record%carried_now) // '.')
     if (record%is_converged) return
     if (allocated(record%reason)) then
       call put(self, '        This attempt failed: ' // harmless(record%reason))

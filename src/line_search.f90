@@ -245,6 +245,7 @@ contains
     real(DP) :: alpha, best, best_merit
     integer :: halving
     trouble = TROUBLE_NONE
+    if (system%carry > 0.0_DP .and. system%is_settled) return   ! a body on its way to its master: nothing pushes back yet
     if (size(state%new%slaves) == 0) return        ! slender bodies without contact: the imbalance has to rise first
     if (.not. start%is_comparable .or. system%merit <= MERIT_GROWTH * start%merit) return
     best = search%step_length

@@ -12,7 +12,8 @@ module amontons_newton
   use amontons_converge, only: progress_type, judge, VERDICT_GO_ON, VERDICT_DIVERGES, VERDICT_CONVERGED
   use amontons_line_search, only: search_type, search_line
   use amontons_settle, only: settle_contact
-  use amontons_system, only: system_type, begin_increment, evaluate, find_direction, TROUBLE_NONE, &
+  use amontons_carry, only: is_carried_off, find_carried_direction, model_extent
+  use amontons_system, only: system_type, begin_increment, evaluate, find_direction, carry_bodies, TROUBLE_NONE, &
     TROUBLE_ELEMENT
   implicit none
   private
@@ -21,6 +22,8 @@ module amontons_newton
   integer, parameter :: TROUBLE_FREE = 4            !< a body flies off: newton%farthest is a node of it
   integer, parameter :: TROUBLE_THROUGH = 5         !< a slave passed through its master: newton%farthest is its node
   real(DP), parameter :: FAR_OFF = 100.0_DP         !< a displacement of this many sizes of the model in an increment is none [-]
+
+  real(DP), parameter :: CARRIED_OFF = 2.0_DP       !< so many sizes of the model are enough for a body that had to be carried [-]
 
   real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times the largest of the job so far [-]
   real(DP), parameter :: FAR_TRAVEL = 0.6_DP        !< facets: a slave node that goes farther may meet or leave its master [-]
@@ -31,6 +34,8 @@ module amontons_newton
     type(iteration_record_type) :: record          !< of the last iteration
     integer :: trouble = TROUBLE_NONE
     integer :: farthest = 0                        !< the node that moved farthest, where that was too far
+    integer :: n_carried = 0                       !< iterations in which bodies had to be carried
+    logical :: is_carried = .false.                !< the last one was such
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
     type(forensics_type) :: forensics
     real(DP) :: force_scale = 0                    !< largest force of the job so far [force]
@@ -52,6 +57,8 @@ contains
     newton%record = iteration_record_type()
     newton%forensics = forensics_type()
     newton%n_shifted = system%n_shifted
+    newton%n_carried = 0
+    newton%is_carried = .false.
     call begin_increment(system, model, step, is_step_start, state)
     newton%trouble = TROUBLE_ELEMENT
     if (.not. is_step_start) then
@@ -82,17 +89,27 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(search_type) :: search
     type(slave_type), allocatable :: ahead(:)
-    real(DP), allocatable :: du(:, :)
+    real(DP), allocatable :: du(:, :), u(:, :), residual(:, :)
     integer :: n_krylov
     verdict = VERDICT_DIVERGES
     if (newton%trouble /= TROUBLE_NONE) return
     n_krylov = system%n_krylov
     allocate (du, mold=state%new%u)
     call find_direction(system, model, step, state, du, newton%trouble, error)
-    if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
-    call settle_contact(system, model, step, state, du, ahead, newton%record%n_rounds, error)
     if (allocated(error)) return
+    newton%is_carried = is_carried_off(system, model, du, newton%trouble)
+    if (newton%trouble == TROUBLE_NONE .and. .not. newton%is_carried) then
+      call settle_contact(system, model, step, state, du, ahead, newton%record%n_rounds, error)
+      if (allocated(error)) return
+      newton%is_carried = is_carried_off(system, model, du, newton%trouble)   ! where it slips nothing may hold it
+    end if
+    if (newton%is_carried) call find_carried_direction(system, model, step, state, du, ahead, newton%record%n_rounds, &
+      newton%trouble, error)
+    if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
+    u = state%new%u
+    residual = system%residual
     call search_line(system, model, step, du, ahead, state, search, newton%trouble)
+    if (newton%is_carried) call put_down(newton, system, model, state, u, residual)
     if (newton%trouble /= TROUBLE_NONE) return
     call note_slaves(newton%forensics, state%new%slaves)
     call watch_bodies(newton, model, state)
@@ -102,6 +119,20 @@ contains
     verdict = judge(step%controls, newton%progress)
     if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)
   end subroutine iterate
+
+
+  !> After an iteration that carried bodies: K is as it is again; the work that the forces did which nothing balanced is added up.
+  subroutine put_down(newton, system, model, state, u, residual)
+    type(newton_type), intent(inout) :: newton
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(state_type), intent(inout) :: state
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) before the iteration [length]
+    real(DP), intent(in) :: residual(:, :)         !< (3, n_nodes) there [force]
+    newton%n_carried = newton%n_carried + 1
+    call carry_bodies(system, model, state%new, 0.0_DP)
+    state%new%carried_work = state%new%carried_work + 0.5_DP * sum((residual + system%residual) * (state%new%u - u))
+  end subroutine put_down
 
 
   !> A balance in which a slave node has passed through its master within the increment is none.
@@ -125,9 +156,10 @@ contains
     type(newton_type), intent(inout) :: newton
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
-    real(DP) :: extent
-    extent = norm2(maxval(model%mesh%coordinates, dim=2) - minval(model%mesh%coordinates, dim=2))
-    if (maxval(abs(state%new%u - state%old%u)) <= FAR_OFF * extent) return
+    real(DP) :: most
+    if (newton%is_carried) newton%farthest = maxloc(maxval(abs(state%new%u - state%old%u), dim=1), dim=1)
+    most = merge(CARRIED_OFF, FAR_OFF, newton%is_carried) * model_extent(model)
+    if (maxval(abs(state%new%u - state%old%u)) <= most) return
     newton%trouble = TROUBLE_FREE
     newton%farthest = maxloc(maxval(abs(state%new%u - state%old%u), dim=1), dim=1)
   end subroutine watch_bodies

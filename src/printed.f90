@@ -244,8 +244,14 @@ contains
       record%n_cutbacks, record%n_factorisations, record%n_krylov, record%residual, record%correction
     if (printed%status == 0) printed%status = status
     call bring_out(printed, printed%sta)
-    if (record%is_converged .or. printed%cvg == 0 .or. .not. allocated(record%reason)) return
-    write (printed%cvg, '(2a)', iostat=status) '  ** ', record%reason
+    if (printed%cvg == 0 .or. .not. allocated(record%reason)) return
+    if (record%is_converged .and. record%n_carried == 0) return
+    if (record%is_converged) then
+      write (printed%cvg, '(a,i0,a,es11.4,a)', iostat=status) '  ** carried in ', record%n_carried, ' iterations, work ', &
+        record%carried_now, ', nothing of it left at the end'
+    else
+      write (printed%cvg, '(2a)', iostat=status) '  ** ', record%reason
+    end if
     if (printed%status == 0) printed%status = status
     call bring_out(printed, printed%cvg)
   end subroutine print_increment

@@ -329,6 +329,7 @@ contains
     call parcel%carry(fields%creep_time)
     call parcel%carry(fields%external_work)
     call parcel%carry(fields%friction_work)
+    call parcel%carry(fields%carried_work)
     call parcel%carry(fields%u)
     call parcel%carry(fields%v)
     call parcel%carry(fields%stress)

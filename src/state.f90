@@ -77,6 +77,7 @@ module amontons_state
     real(DP), allocatable :: reaction_force(:, :)   !< (3, n_nodes) F_int - F_ext - F_c at supports, else 0 [force]
     real(DP) :: external_work = 0           !< since the start [energy]
     real(DP) :: friction_work = 0           !< since the start [energy]
+    real(DP) :: carried_work = 0            !< of what nothing balanced while bodies were carried, since the start [energy]
   end type fields_type
 
   !> Committed and trial fields.

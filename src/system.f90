@@ -43,7 +43,7 @@ module amontons_system
   implicit none
   private
   public :: system_type, create_system, begin_step, plan_solver, begin_increment, evaluate, linearise, find_direction, &
-    change_forces, foresee, correct_direction, return_to, &
+    change_forces, foresee, correct_direction, return_to, carry_bodies, &
     tangent_matrix, residual_pair
   public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
 
@@ -76,6 +76,7 @@ module amontons_system
     real(DP), allocatable :: bulk_u(:, :)          !< (3, n_nodes) where the bulk's factor was made [length]; not there: no factor
     logical, allocatable :: is_contact(:)          !< (n_unknowns) on the interface
     logical, allocatable :: is_held(:)             !< (n_unknowns) by the base constraints, where the bulk was analysed
+    real(DP) :: carry = 0                          !< part of its own diagonal that K has more, for bodies that nothing holds [-]
     logical :: is_bulk_nlgeom = .false.            !< the factor of the bulk is one of a step with NLGEOM
     logical, allocatable :: is_lone(:)             !< (3 n_nodes) of a node without elements
     real(DP) :: violation = 0                      !< largest of the bonds at the last evaluation, over their size [-]
@@ -415,6 +416,7 @@ contains
       call finish_follower(system%assembly%follower, 3 * model%mesh%n_nodes, error)
       if (allocated(error)) return
       system%is_assembled = system%is_constant
+      call add_carry(system)
     end if
     if (step%is_nlgeom .and. n_bonds(model) > 0) call add_curvatures(system%base, system%assembly, model, state%new)
     call scale_slaves(system, state%new)
@@ -422,6 +424,38 @@ contains
     call constrain(system, model, step, state%old, state%new, error)
     call stop_clock(clock, system%seconds(PHASE_CONTACT))
   end subroutine linearise
+
+
+  !> From now on K has so much more of its own diagonal; 0: as it is.
+  subroutine carry_bodies(system, model, fields, part)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(in) :: part                   !< [-]
+    logical, allocatable :: is_reached(:)
+    system%carry = part
+    if (part > 0.0_DP) then                        ! contact anywhere is what they are carried to
+      is_reached = interface_unknowns(system, model, fields, .true.)
+      if (any(is_reached .and. .not. system%is_contact)) system%condensed%is_analysed = .false.
+      system%is_contact = system%is_contact .or. is_reached
+    end if
+    system%is_assembled = .false.
+    system%is_dense_wanted = .true.
+    call forget_bulk(system)
+  end subroutine carry_bodies
+
+
+  !> K with a part of its own diagonal.
+  subroutine add_carry(system)
+    type(system_type), intent(inout) :: system
+    integer :: i
+    if (system%carry <= 0.0_DP) return
+    associate (K => system%assembly%stiffness)
+      do i = 1, K%n_rows
+        K%value(K%first(i)) = (1.0_DP + system%carry) * K%value(K%first(i))
+      end do
+    end associate
+  end subroutine add_carry
 
 
   !> The scale c of the trial traction: the mean of the node's own stiffness, a diagonal block of K.

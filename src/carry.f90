@@ -1,0 +1,114 @@
+!> Carry: bodies that nothing holds yet are carried towards what will hold them.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/newton.md, "Bodies that nothing holds yet". Where the tangent is singular because a body has not met its
+!! master, a part s of the stiffness' own diagonal holds each node where it is in this iteration alone:
+!!
+!!     (K + s diag K) du = R,
+!!
+!! so that the direction is finite, and s is as small as lets the body go on to where it touches, and some way beyond. The
+!! residual knows nothing of s: the next iteration starts from where the body is, and what converges is in balance without it.
+module amontons_carry
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_model, only: model_type
+  use amontons_steps, only: step_type
+  use amontons_state, only: state_type, slave_type, STATUS_OPEN
+  use amontons_rows, only: contact_row_type, relative_position
+  use amontons_contact, only: touching_row
+  use amontons_settle, only: settle_contact
+  use amontons_system, only: system_type, find_direction, carry_bodies, TROUBLE_NONE, TROUBLE_SOLVER
+  implicit none
+  private
+  public :: is_carried_off, find_carried_direction, model_extent
+
+  real(DP), parameter :: LEAST = 1.0e-9_DP         !< part of the stiffness that carries at first [-]
+  real(DP), parameter :: MOST = 1.0_DP             !< at most [-]
+  real(DP), parameter :: BEYOND = 10.0_DP          !< a body may go this many times the way to where it first touches [-]
+  real(DP), parameter :: IN_SIGHT = 2.5_DP         !< but not more than this many edges of a master [-]
+  real(DP), parameter :: ENOUGH = 2.0_DP           !< a direction may exceed its way by this [-]
+  integer, parameter :: MOST_TRIES = 6
+
+contains
+
+  !> Whether a direction says that nothing holds a body: there is none, or it goes farther than the whole model.
+  logical function is_carried_off(system, model, du, trouble)
+    type(system_type), intent(in) :: system
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction; read if trouble is none [length]
+    integer, intent(in) :: trouble                 !< TROUBLE_... of the direction
+    is_carried_off = trouble == TROUBLE_SOLVER .and. size(system%contact%view%status) > 0
+    if (trouble /= TROUBLE_NONE .or. size(system%contact%view%status) == 0) return
+    is_carried_off = .not. maxval(abs(du)) <= model_extent(model) + 2.0_DP * maxval(abs(system%base%offset))
+  end function is_carried_off
+
+
+  !> The diagonal of the box around the model [length].
+  pure real(DP) function model_extent(model)
+    type(model_type), intent(in) :: model
+    model_extent = norm2(maxval(model%mesh%coordinates, dim=2) - minval(model%mesh%coordinates, dim=2))
+  end function model_extent
+
+
+  !> A direction with every node held by a part of its own stiffness, which is chosen so that bodies go where they touch; contact
+  !! has settled at its end where it does.
+  subroutine find_carried_direction(system, model, step, state, du, ahead, n_rounds, trouble, error)
+    type(system_type), intent(inout), target :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
+    type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at its end
+    integer, intent(out) :: n_rounds               !< corrections made
+    integer, intent(out) :: trouble                !< TROUBLE_...
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: part, excess
+    integer :: attempt
+    part = LEAST
+    n_rounds = 0
+    do attempt = 1, MOST_TRIES
+      call carry_bodies(system, model, state%new, part)
+      call find_direction(system, model, step, state, du, trouble, error)
+      if (allocated(error)) return
+      if (trouble == TROUBLE_SOLVER .and. part < MOST) then
+        part = min(MOST, 1.0e3_DP * part)
+        cycle
+      end if
+      if (trouble /= TROUBLE_NONE) return
+      excess = maxval(abs(du)) / free_way(system, model, state, du)
+      if (excess <= ENOUGH .or. attempt == MOST_TRIES) then
+        call settle_contact(system, model, step, state, du, ahead, n_rounds, error)
+        if (allocated(error)) return
+        excess = maxval(abs(du)) / free_way(system, model, state, du)
+      end if
+      if (excess <= ENOUGH .or. part >= MOST) exit
+      part = min(MOST, part * excess)
+    end do
+    if (.not. allocated(ahead)) ahead = state%new%slaves
+  end subroutine find_carried_direction
+
+
+  !> How far a direction may go: to where the first slave node touches and some way beyond, and never out of sight.
+  real(DP) function free_way(system, model, state, du) result(way)
+    type(system_type), intent(in) :: system
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
+    type(contact_row_type) :: row
+    real(DP) :: closing, share
+    integer :: s
+    way = IN_SIGHT * minval(system%contact%edge)
+    share = huge(1.0_DP)
+    do s = 1, size(state%new%slaves)
+      associate (slave => state%new%slaves(s))
+        if (slave%facet == 0 .or. slave%status /= STATUS_OPEN) cycle
+        call touching_row(system%contact, slave, row)
+        closing = -dot_product(slave%normal, relative_position(row, du))
+        if (closing > 0.0_DP) share = min(share, max(slave%gap, 1.0e-3_DP * system%contact%edge(slave%pair)) / closing)
+      end associate
+    end do
+    way = min(way, merge(BEYOND, 1.0_DP, system%is_condensed) * share * maxval(abs(du)))
+    way = max(way, 1.0e-6_DP * model_extent(model))
+  end function free_way
+
+end module amontons_carry

@@ -1,0 +1,155 @@
+"""Bodies that nothing holds at the start: they are carried to where they touch, and what is left in the end is balance.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from conftest import Run
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
+
+from make_decks import Mesh, block  # noqa: E402
+from planes import flat_deck, flatten, join_planes  # noqa: E402
+from proof import Case  # noqa: E402
+from sheets import Floats, between, fix, pair, sheet, solid_deck, step  # noqa: E402
+
+Proof = Callable[..., Case]
+STEEL, SOFT = (210000.0, 0.3), (2000.0, 0.3)
+DENSITY, GRAVITY = 1e-3, 9810.0
+
+
+def heavy(deck: str) -> str:
+    """BODY gets a density."""
+    return deck.replace("*SOLID SECTION, ELSET=BODY", f"*DENSITY\n{DENSITY}\n*SOLID SECTION, ELSET=BODY", 1)
+
+
+def gravity(is_plane: bool) -> str:
+    """The weight of BODY."""
+    return f"*DLOAD\nBODY, GRAV, {GRAVITY}, " + ("0., -1.\n" if is_plane else "0., 0., -1.\n")
+
+
+def plane(parts: list[tuple[Mesh, tuple[float, float]]], cards: str) -> str:
+    """CPE4 of thickness 1."""
+    return heavy(flat_deck([(flatten(part), elastic) for part, elastic in parts], "CPE4", cards))
+
+
+def carried_work(path: Path) -> Floats:
+    """history/carried_work of the increments that converged."""
+    with h5py.File(path) as file:
+        history = file["AMONTONS/history"]
+        return np.asarray(history["carried_work"])[np.asarray(history["is_converged"]) == 1]
+
+
+@pytest.mark.parametrize("gap", [0.01, 0.9])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_fall(proof: Proof, dimension: int, gap: float) -> None:
+    """A block falls on a table, then the table draws it along."""
+    case = proof(
+        f"fall-{dimension}d-{gap:g}".replace(".", ""),
+        title=f"A block without supports falls {gap:g} on a table and is drawn along, {dimension}D",
+        model=f"A block of edge 1 (E = 210000, nu = 0.3, density 0.001) hangs {gap:g} above a table without any support; gravity 9810 in one "
+        "increment, then the table moves sideways by 0.5 (5 increments); mu = 0.3, NLGEOM.",
+        formula="At the end of the fall the table carries the weight and the block stands on it; then it goes with the table, without "
+        "friction. Work of what nothing balanced: between half the weight (it grows with the load) and all of it, times the fall.",
+        source="statics",
+        proves="One-sided contact from a start without hold; nothing of what carried the block is left.",
+    )
+    weight = DENSITY * GRAVITY
+    if dimension == 2:
+        body, table = sheet("BODY", between(0, 1, 4), between(gap, 1 + gap, 4)), sheet("TABLE", between(-1, 2, 9), between(-1, 0, 3))
+        hold = fix("TABLE_BOTTOM, 1, 2")
+    else:
+        body = block(between(0, 1, 3), between(0, 1, 3), between(gap, 1 + gap, 3), "BODY")
+        table = block(between(-1, 2, 5), between(-1, 2, 5), between(-1, 0, 2), "TABLE")
+        hold = fix("TABLE_BOTTOM, 1, 3")
+    parts, up = [(body, STEEL), (table, STEEL)], dimension - 1
+    cards = pair("BODY_BOTTOM", "TABLE_TOP", 0.3)
+    steps = step(hold + gravity(dimension == 2), 1, True) + step(fix("TABLE_BOTTOM, 1, 1, 0.5"), 5, True)
+    deck = plane(parts, cards + steps) if dimension == 2 else heavy(solid_deck(parts, cards, steps))
+    job = case.run(deck, asked=6)
+    landed = job.frame(1.0)
+    force = (job.field("CNORMF") + job.field("CSHEARF")).sum(axis=1)
+    n_body = len(flatten(body).nodes) if dimension == 2 else len(body.nodes)
+    fall = job.field("U")[landed, :n_body, up]
+    case.near("weight on the table", force[landed, up], weight, 1e-6, why="equilibrium", time="1")
+    case.near("the block's fall", fall.mean(), -gap, 0.01, why="and both give way by about W/E = 5e-5", time="1")
+    work = carried_work(job.path)
+    case.within("carried work over W times the fall", work[0] / (weight * gap), (0.5, 1.0), why="between the ramp and the whole load", time="1")
+    case.near("carried work afterwards", work[-1], work[0], 1e-9, why="nothing is carried any more", time="2")
+    case.near("weight on the table", force[-1, up], weight, 1e-6, why="equilibrium", time="2")
+    case.near("the block goes with the table", job.last("U")[:n_body, 0].mean() / 0.5, 1.0, 1e-4, why="it sticks", time="2")
+    case.done()
+
+
+def test_disc_between_plates(proof: Proof) -> None:
+    """A disc between two plates, one pressed by forces."""
+    case = proof(
+        "disc-between-plates",
+        title="A disc without supports between two plates, pressed by forces",
+        model="A disc of diameter 2 lies 0.01 above a fixed plate and 0.02 below another, which nothing holds but a guide along x; the upper one is "
+        "pressed down by 50 at each node of its top (5 increments). E = 210000, plane strain, mu = 0.3, NLGEOM.",
+        formula="Both contacts carry the force, and the disc does not turn.",
+        source="statics",
+        proves="Two bodies that only contact holds, one through the other.",
+    )
+
+    def round_place(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        u, v = 2 * s - 1, 2 * t - 1
+        return u * np.sqrt(1 - v * v / 2), v * np.sqrt(1 - u * u / 2) + 1.01
+
+    disc = sheet("DISC", between(0, 1, 12), between(0, 1, 12), round_place)
+    low, up = sheet("LOW", between(-2, 2, 20), between(-1, 0, 4)), sheet("UP", between(-2, 2, 20), between(2.03, 3, 4))
+    cards = pair("DISC_BOTTOM", "LOW_TOP", 0.3) + pair("DISC_TOP", "UP_BOTTOM", 0.3)
+    cards += step(fix("LOW_BOTTOM, 1, 2", "UP_TOP, 1") + "*CLOAD\nUP_TOP, 2, -50.\n", 5, True)
+    job = case.run(plane([(disc, STEEL), (low, STEEL), (up, STEEL)], cards), asked=5)
+    plane_disc = flatten(disc)
+    force = (job.last("CNORMF") + job.last("CSHEARF"))[:, 1]
+    total = 50.0 * 21
+    case.near("below", force[plane_disc.node_sets["DISC_BOTTOM"]].sum(), total, 1e-5, why="equilibrium")
+    case.near("above", force[plane_disc.node_sets["DISC_TOP"]].sum(), -total, 1e-5, why="equilibrium")
+    sideways = job.last("U")[plane_disc.node_sets["DISC_BOTTOM"], 0].mean()
+    case.near("it stays in the middle", sideways, 0.0, 1e-3, why="symmetry; nothing but rounding chooses a side before it touches", scale=1.0)
+    case.done()
+
+
+def test_pushed_to_a_wall(proof: Proof) -> None:
+    """A block on a floor is pushed by a force, beyond what friction holds, to a wall."""
+    case = proof(
+        "pushed-to-a-wall",
+        title="A heavy block pushed over a floor to a wall",
+        model="A block of edge 1 (E = 2000, density 0.001) lies on a floor, 0.1 from a wall, and is pushed towards it by 5 at each of the 5 nodes of "
+        "its side, in 4 increments; gravity 9810; mu = 0.2 at both, plane strain, NLGEOM.",
+        formula="The floor and the wall carry weight and push, and friction turns neither round.",
+        source="statics",
+        proves="A body that slides without a hold until another master catches it.",
+    )
+    body, floor = sheet("BODY", between(0.1, 1.1, 4), between(0, 1, 4)), sheet("FLOOR", between(-1, 3, 15), between(-1, 0, 3))
+    wall = sheet("WALL", between(-1, 0, 3), between(0, 3, 11))
+    cards = pair("BODY_BOTTOM", "FLOOR_TOP", 0.2) + pair("BODY_LEFT", "WALL_RIGHT", 0.2)
+    loads = fix("FLOOR_BOTTOM, 1, 2", "WALL_LEFT, 1, 2") + gravity(True) + "*CLOAD\nBODY_RIGHT, 1, -5.\n"
+    job = case.run(plane([(body, SOFT), (floor, STEEL), (wall, STEEL)], cards + step(loads, 4, True)), asked=4)
+    whole = join_planes([flatten(part) for part in (body, floor, wall)])
+    held = np.concatenate([whole.node_sets["FLOOR_BOTTOM"], whole.node_sets["WALL_LEFT"]])
+    case.near("reactions", job.last("RF")[held].sum(axis=0)[:2], np.array([25.0, DENSITY * GRAVITY]), 1e-5, why="equilibrium")
+    pressed = job.last("U")[flatten(body).node_sets["BODY_LEFT"], 0]
+    case.near("the way to the wall", pressed.mean(), -0.1, 0.02, why="and the wall gives way by 25/E")
+    case.done()
+
+
+def test_slides_away(run: Run, tmp_path: Path) -> None:
+    """The same without a wall: exit code 5 and FREE BODY, not a place where it happens to stop."""
+    body, floor = sheet("BODY", between(0, 1, 4), between(0, 1, 4)), sheet("FLOOR", between(-1, 3, 15), between(-1, 0, 3))
+    loads = fix("FLOOR_BOTTOM, 1, 2") + gravity(True) + "*CLOAD\nBODY_RIGHT, 1, 5.\n"
+    (tmp_path / "job.inp").write_text(plane([(body, SOFT), (floor, STEEL)], pair("BODY_BOTTOM", "FLOOR_TOP", 0.2) + step(loads, 4, True)))
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 5, done.stdout + done.stderr
+    assert "FREE BODY" in done.stdout, done.stdout
+    assert "hold the body by supports" in done.stdout
