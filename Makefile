@@ -181,9 +181,10 @@ verify: programs $(VENV)/installed ## Run the verification cases and write their
 bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) and write the table of doc/performance.md
 	@$(PY) verify/benchmark/bench.py --program $(BIN)/amontons --write
 
-study: programs $(VENV)/installed ## Ironing over facets: iterations by friction, shape and size of the increments; all line searches
+study: programs $(VENV)/installed ## Iterations of all line searches by friction, shape and size of the increments: ironing, blocks, cylinder, ball
 	@$(PY) verify/study/ironing_table.py --program $(BIN)/amontons
 	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons
+	@$(PY) verify/study/contact_table.py --program $(BIN)/amontons
 
 # --- the documentation --------------------------------------------------------------------------------------------
 doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, and the pages of the source into build/site/api

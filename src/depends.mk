@@ -128,7 +128,8 @@ uses_audit_motion = kinds errors text lookup tensor dense topology surfaces step
 uses_audit = kinds errors text lookup topology loads steps model element state constraints bonds contact audit_words audit_contact audit_bodies audit_motion
 
 # 6 solution: the increment, the steps, the results
-uses_travel = kinds model analytic rows state contact
+uses_crossing = kinds tensor topology facets
+uses_travel = kinds model analytic rows state contact crossing
 uses_converge = kinds steps
 uses_settle = kinds errors steps model state slaves system
 uses_line_search = kinds steps model slip state slaves system travel

@@ -143,7 +143,8 @@ contains
     type(state_type), intent(in) :: state
     integer, intent(inout) :: verdict
     integer :: s
-    s = passed_through(system%contact, model%mesh%coordinates + state%new%u, state%old%slaves, state%new%slaves)
+    s = passed_through(system%contact, model%mesh%coordinates + state%old%u, model%mesh%coordinates + state%new%u, &
+      state%old%slaves, state%new%slaves)
     if (s == 0) return
     newton%trouble = TROUBLE_THROUGH
     newton%farthest = state%new%slaves(s)%node

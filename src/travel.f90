@@ -3,9 +3,10 @@
 module amontons_travel
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
-  use amontons_state, only: slave_type
+  use amontons_state, only: slave_type, STATUS_OPEN
   use amontons_rows, only: contact_row_type, relative_position
   use amontons_analytic, only: bending_at
+  use amontons_crossing, only: has_crossed
   use amontons_contact, only: contact_type, touching_row
   implicit none
   private
@@ -58,26 +59,37 @@ contains
   end function width_along
 
 
-  !> The first slave that stood before its master at the start of the increment and is now so far behind that place that the
-  !! search does not see it: it has passed through. 0 if there is none.
-  !!
-  !! Depth is measured from the point of the master where the node stood, along the normal there. A node that went over the
-  !! edge of its master as far as that in one increment is taken for one that passed through: the path between is not known.
-  pure integer function passed_through(contact, x, old, new) result(found)
+  !> The first slave that has passed through its master within the increment; 0 if there is none. Two signs are looked for:
+  !! a node that stood before its master and is now out of sight behind the place where it stood, deeper than the search looks
+  !! (over the edge of the master too: the path between is not known); and a node that the search does not see, or sees
+  !! before another side of the master, or that came from out of sight, whose straight way goes through a facet from the front.
+  pure integer function passed_through(contact, x_old, x_new, old, new) result(found)
     type(contact_type), intent(in) :: contact
-    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates at the end of the increment [length]
+    real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) at the start and at the end of the increment [length]
     type(slave_type), intent(in) :: old(:)         !< (n_slaves) at the start of the increment
     type(slave_type), intent(in) :: new(:)         !< (n_slaves) at its end
     type(contact_row_type) :: row
     integer :: s
-    do s = 1, size(new)
-      if (old(s)%facet == 0 .or. new(s)%facet > 0 .or. contact%is_removed(new(s)%pair)) cycle
-      call touching_row(contact, old(s), row)
-      if (dot_product(old(s)%normal, relative_position(row, x)) >= -OUT_OF_SIGHT * contact%edge(old(s)%pair)) cycle
-      found = s
-      return
+    do found = 1, size(new)
+      s = found
+      if (contact%is_removed(new(s)%pair)) cycle
+      if (.not. contact%overlaps%is_kept(s)) cycle   ! the other side of a symmetric pair watches
+      if (old(s)%facet > 0 .and. new(s)%facet == 0) then
+        call touching_row(contact, old(s), row)
+        if (dot_product(old(s)%normal, relative_position(row, x_new)) < -OUT_OF_SIGHT * contact%edge(old(s)%pair)) return
+      end if
+      if (contact%is_small(new(s)%pair) .or. .not. is_suspect(old(s), new(s))) cycle
+      if (has_crossed(contact%facets(new(s)%pair), x_old, x_new, new(s)%node)) return
     end do
     found = 0
   end function passed_through
+
+
+  !> Whether a node may have passed through its master: it does not touch, and is not on the side where it stood.
+  pure logical function is_suspect(old, new)
+    type(slave_type), intent(in) :: old, new
+    is_suspect = new%status == STATUS_OPEN
+    if (old%facet > 0 .and. new%facet > 0) is_suspect = is_suspect .and. dot_product(old%normal, new%normal) < 0.0_DP
+  end function is_suspect
 
 end module amontons_travel

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
-from proof import Case, write_index
+from proof import MOST_OVER_ALL, Case, write_index
 
 ROOT = Path(__file__).resolve().parent.parent
 TIME_LIMIT = 900  # [s] of one job
@@ -84,6 +84,9 @@ def proof(run: Run, tmp_path: Path) -> Callable[..., Case]:
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    """The index of the pages, once, when all workers are done."""
+    """The index of the pages, once, when all workers are done; too many iterations over all cases fail the session."""
     if PAGES and not hasattr(session.config, "workerinput"):
-        write_index(Path(PAGES).resolve())
+        mean = write_index(Path(PAGES).resolve())
+        if mean > MOST_OVER_ALL:
+            print(f"\n{mean:.2f} Newton iterations per increment over all cases; at most {MOST_OVER_ALL:g} are allowed.")
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
