@@ -6,7 +6,7 @@
 module amontons_analysis
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, complaints_type, set_error, EXIT_NOT_CONVERGED, EXIT_SOLVER
-  use amontons_posix, only: has_memory, is_status_asked, stop_signal
+  use amontons_posix, only: peak_megabytes, has_memory, is_status_asked, stop_signal
   use amontons_dense, only: symmetric_eigen
   use amontons_text, only: text_of, plural
   use amontons_journal, only: journal_type
@@ -391,7 +391,9 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: start, now, rate
     integer :: first
+    real(DP) :: peak
     call system_clock(start)
+    peak = peak_megabytes()
     first = analysis%n_committed + 1
     if (analysis%n_records < first) return
     call note_commit(analysis)
@@ -404,6 +406,7 @@ contains
     associate (record => analysis%records(analysis%n_records))
       call system_clock(now, rate)
       record%seconds(PHASE_OUTPUT) = record%seconds(PHASE_OUTPUT) + real(now - start, DP) / real(rate, DP)
+      record%megabytes(PHASE_OUTPUT) = record%megabytes(PHASE_OUTPUT) + peak_megabytes() - peak
       call journal%show_increment(record, done_fraction(analysis))
     end associate
   end subroutine commit_analysis
@@ -556,6 +559,7 @@ contains
     analysis%state%new%time_increment = dt
     call ask_amplitudes(analysis%model, analysis%state)
     analysis%system%seconds = 0.0_DP
+    analysis%system%megabytes = 0.0_DP
     analysis%system%n_factorisations = 0
     analysis%system%n_krylov = 0
     call system_clock(analysis%clock)
@@ -681,6 +685,7 @@ contains
     record%n_factorisations = analysis%system%n_factorisations
     record%n_krylov = analysis%system%n_krylov
     record%seconds = analysis%system%seconds
+    record%megabytes = analysis%system%megabytes
     record%seconds(PHASE_OTHER) = max(0.0_DP, real(now - analysis%clock, DP) / real(rate, DP) - sum(record%seconds))
   end subroutine close_record
 

@@ -11,7 +11,7 @@ uses_lookup = kinds text
 uses_tensor = kinds
 uses_profiles = kinds tensor
 uses_history = kinds
-uses_journal = kinds errors text history
+uses_journal = kinds errors text history posix
 uses_posix = kinds errors
 
 # 1 tools: one outer library each
@@ -120,7 +120,7 @@ uses_adjust = kinds errors model state contact contact_start
 uses_contact_tangent = kinds errors sparse surfaces model gap rows compliance state constraints slaves contact
 uses_iterative = kinds sparse dense
 uses_reduced = kinds errors text posix sparse partition factor mesh steps constraints iterative
-uses_system = kinds errors history sparse factor krylov surfaces steps model rows symmetry state changes constraints condensed follower assembly bonds supports contact contact_start contact_points contact_tangent reduced
+uses_system = kinds errors history posix sparse factor krylov surfaces steps model rows symmetry state changes constraints condensed follower assembly bonds supports contact contact_start contact_points contact_tangent reduced
 uses_audit_words = errors text
 uses_audit_contact = kinds errors text lookup surfaces loads model state contact audit_words
 uses_audit_bodies = kinds text topology mesh model element

@@ -45,6 +45,7 @@ module amontons_history
     real(DP) :: residual = 0                   !< last [-]
     real(DP) :: correction = 0                 !< last [-]
     real(DP) :: seconds(N_PHASES) = 0          !< by phase [s]
+    real(DP) :: megabytes(N_PHASES) = 0        !< by which the peak of memory grew, by phase; in the table at the end alone
     real(DP) :: applied_force(3) = 0           !< sum over the model [force]
     real(DP) :: reaction_force(3) = 0          !< sum over the supports [force]
     real(DP) :: contact_force(3) = 0           !< sum on slave and master nodes; the balance wants 0 [force]

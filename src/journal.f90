@@ -9,7 +9,8 @@ module amontons_journal
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: complaints_type, complaint_type
   use amontons_text, only: plural, text_of, NEWLINE
-  use amontons_history, only: iteration_record_type, increment_record_type, N_PHASES, PHASE_NAMES
+  use amontons_history, only: iteration_record_type, increment_record_type, N_PHASES, PHASE_NAMES, PHASE_OTHER
+  use amontons_posix, only: peak_megabytes
   implicit none
   private
   public :: journal_type, listener_type, open_journal, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
@@ -284,23 +285,27 @@ contains
   subroutine put_phases(journal, records)
     class(journal_type), intent(inout) :: journal
     type(increment_record_type), intent(in) :: records(:)
-    real(DP) :: seconds(N_PHASES), whole
+    real(DP) :: seconds(N_PHASES), megabytes(N_PHASES), whole, peak
     integer :: i, phase
     character(28) :: name
     character(80) :: line
     seconds = 0
+    megabytes = 0
     do i = 1, size(records)
       seconds = seconds + records(i)%seconds
+      megabytes = megabytes + records(i)%megabytes
     end do
+    peak = peak_megabytes()
+    megabytes(PHASE_OTHER) = peak - sum(megabytes)   ! the program itself, reading, the state
     whole = max(sum(seconds), tiny(whole))
-    call put(journal, '  seconds')
+    call put(journal, '  by phase                          seconds             MB by which the peak of memory grew')
     do phase = 1, N_PHASES
       name = PHASE_NAMES(phase)
-      write (line, '(4x,a28,f10.2,f7.1,a)') name, seconds(phase), 100 * seconds(phase) / whole, ' %'
+      write (line, '(4x,a28,f10.2,f7.1,a,f10.0)') name, seconds(phase), 100 * seconds(phase) / whole, ' %', megabytes(phase)
       call put(journal, trim(line))
     end do
     name = 'the whole job'
-    write (line, '(4x,a28,f10.2)') name, journal%elapsed()
+    write (line, '(4x,a28,f10.2,9x,f10.0)') name, journal%elapsed(), peak
     call put(journal, trim(line))
   end subroutine put_phases
 

@@ -7,7 +7,7 @@ module amontons_posix
   implicit none
   private
   public :: write_whole_file, sync_file, cut_file, checksum_of_words, checksum_of_text, reason_of
-  public :: has_memory, available_megabytes, watch_signals, stop_signal, is_status_asked, watch_end
+  public :: has_memory, available_megabytes, peak_megabytes, watch_signals, stop_signal, is_status_asked, watch_end
 
   interface
     function write_whole_c(path, temporary, bytes, n_bytes) bind(C, name='amontons_write_whole') result(status)
@@ -70,6 +70,12 @@ module amontons_posix
       import :: c_double
       real(c_double) :: megabytes
     end function available_megabytes
+
+    !> The most memory that the process has had in the machine so far [megabytes].
+    function peak_megabytes() bind(C, name='amontons_peak_megabytes') result(megabytes)
+      import :: c_double
+      real(c_double) :: megabytes
+    end function peak_megabytes
 
     subroutine watch_end_c(is_on) bind(C, name='amontons_watch_end')
       import :: c_int

@@ -20,6 +20,7 @@
 #include <umfpack.h>
 #include "supernodes_shim.h"
 
+enum { MOST_COLUMNS = 512 }; /* of a supernode */
 enum { HUGE_PAGE = 2097152 }; /* the system gives large rooms in pages of this size if it is asked to */
 static const double WORTH_THREADS = 3.0e7; /* operations of a factorisation */
 
@@ -167,6 +168,63 @@ static int permute_pattern(cholesky *self, int n, int *first, int *column)
   return c->status;
 }
 
+/* Columns of the panels into which a supernode is cut: alike, and not too many. */
+static size_t panel_width(size_t columns)
+{
+  size_t n = (columns + MOST_COLUMNS - 1) / MOST_COLUMNS;
+  return (columns + n - 1) / n;
+}
+
+/* Cuts supernodes of many columns into panels, each with the rows from its own first column on: the room above the diagonal of a
+ * block, which holds nothing, is then small. */
+static int cut_supernodes(cholmod_factor *l, cholmod_common *c)
+{
+  const int *super = l->super, *pi = l->pi, *rows = l->s;
+  size_t n = 0, n_rows = 0, n_numbers = 0, n_old = l->nsuper + 1, k = 0;
+  for (size_t s = 0; s < l->nsuper; s++) {
+    size_t all = (size_t)(super[s + 1] - super[s]), width = panel_width(all), length = (size_t)(pi[s + 1] - pi[s]);
+    for (size_t first = 0; first < all; first += width) {
+      n++;
+      n_rows += length - first;
+      n_numbers += (length - first) * (first + width < all ? width : all - first);
+    }
+  }
+  if (n == l->nsuper) return 1;
+  int *super_new = cholmod_malloc(n + 1, sizeof(int), c), *pi_new = cholmod_malloc(n + 1, sizeof(int), c);
+  int *px_new = cholmod_malloc(n + 1, sizeof(int), c), *rows_new = cholmod_malloc(n_rows, sizeof(int), c);
+  int is_done = super_new && pi_new && px_new && rows_new;
+  if (is_done) pi_new[0] = px_new[0] = super_new[0] = 0;
+  for (size_t s = 0; s < l->nsuper && is_done; s++) {
+    int all = super[s + 1] - super[s], width = (int)panel_width((size_t)all), length = pi[s + 1] - pi[s];
+    for (int first = 0; first < all; first += width, k++) {
+      int columns = first + width < all ? width : all - first;
+      memcpy(rows_new + pi_new[k], rows + pi[s] + first, (size_t)(length - first) * sizeof(int));
+      super_new[k + 1] = super_new[k] + columns;
+      pi_new[k + 1] = pi_new[k] + length - first;
+      px_new[k + 1] = px_new[k] + (length - first) * columns;
+    }
+  }
+  if (!is_done) {
+    cholmod_free(n + 1, sizeof(int), super_new, c);
+    cholmod_free(n + 1, sizeof(int), pi_new, c);
+    cholmod_free(n + 1, sizeof(int), px_new, c);
+    cholmod_free(n_rows, sizeof(int), rows_new, c);
+    return 0;
+  }
+  cholmod_free(n_old, sizeof(int), l->super, c);
+  cholmod_free(n_old, sizeof(int), l->pi, c);
+  cholmod_free(n_old, sizeof(int), l->px, c);
+  cholmod_free(l->ssize, sizeof(int), l->s, c);
+  l->super = super_new;
+  l->pi = pi_new;
+  l->px = px_new;
+  l->s = rows_new;
+  l->nsuper = n;
+  l->ssize = n_rows;
+  l->xsize = n_numbers;
+  return 1;
+}
+
 /* Threads for a factorisation of so many operations. */
 static int threads_worth(double operations)
 {
@@ -190,12 +248,13 @@ int amontons_cholesky_analyse(void *handle, int n, int *first, int *column, int 
     .itype = CHOLMOD_INT, .xtype = CHOLMOD_PATTERN, .dtype = CHOLMOD_DOUBLE, .sorted = 1, .packed = 1};
   c->method[0].ordering = permutation ? CHOLMOD_GIVEN : CHOLMOD_METIS;
   self->factor = cholmod_analyze_p(&matrix, permutation, NULL, 0, c);
+  if (self->factor && c->status == CHOLMOD_OK) cut_supernodes(self->factor, c);
   if (self->factor && c->status == CHOLMOD_OK) permute_pattern(self, n, first, column);
   if (self->factor && c->status == CHOLMOD_OK) {
     const cholmod_factor *l = self->factor;
     statistics[0] = c->lnz;
     statistics[1] = c->fl;
-    statistics[2] = 8.0 * l->xsize + 4.0 * l->ssize + 8.0 * l->maxcsize + 16.0 * first[n] + 60.0 * n;
+    statistics[2] = 8.0 * l->xsize + 4.0 * l->ssize + 8.0 * l->maxcsize * threads_worth(c->fl) + 16.0 * first[n] + 60.0 * n;
     statistics[3] = l->nsuper;
   }
   end_quiet(&before);

@@ -13,6 +13,7 @@
 module amontons_system
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type
+  use amontons_posix, only: peak_megabytes
   use amontons_model, only: model_type, n_bonds
   use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type, SOLVER_AUTO
@@ -97,6 +98,8 @@ module amontons_system
     integer :: n_shifted = 0                       !< factorisations that needed a shift
     integer :: n_whole = 0                         !< directions that needed UMFPACK
     real(DP) :: seconds(N_PHASES) = 0              !< [s]
+    real(DP) :: megabytes(N_PHASES) = 0            !< by which the peak of memory grew
+    real(DP) :: peak = 0                           !< of memory, when the clock was read last [megabytes]
   end type system_type
 
   !> J: the exact tangent as an operator on the free unknowns.
@@ -240,7 +243,7 @@ contains
     type(error_type), allocatable :: error         ! rows that contradict each other here
     integer :: failed
     integer(I64) :: clock
-    call start_clock(clock)
+    call start_clock(system, clock)
     call assemble_forces(system%assembly, model, step%is_nlgeom, state, failed)
     trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
     system%trouble_item = failed
@@ -250,10 +253,10 @@ contains
     if (allocated(error)) trouble = TROUBLE_SOLVER
     if (allocated(error)) return
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
-    call stop_clock(clock, system%seconds(PHASE_ASSEMBLY))
+    call stop_clock(system, clock, PHASE_ASSEMBLY)
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
     call measure(system, state%new)
-    call stop_clock(clock, system%seconds(PHASE_CONTACT))
+    call stop_clock(system, clock, PHASE_CONTACT)
     if (.not. system%merit <= huge(1.0_DP)) trouble = TROUBLE_NOT_FINITE
   end subroutine evaluate
 
@@ -302,12 +305,12 @@ contains
     integer(I64) :: clock
     call linearise(system, model, step, state, trouble, error)
     if (allocated(error) .or. trouble /= TROUBLE_NONE) return
-    call start_clock(clock)
+    call start_clock(system, clock)
     call factorise_condensed(system, model, step, state, error)
     if (allocated(error)) return
     if (.not. system%is_condensed) call factorise_whole(system, model, trouble, error)
     if (allocated(error) .or. trouble /= TROUBLE_NONE) return
-    call stop_clock(clock, system%seconds(PHASE_FACTOR))
+    call stop_clock(system, clock, PHASE_FACTOR)
     system%n_before = system%n_factorisations
     system%is_settled = .false.
     call solve_direction(system, floor_of(system, step), du, trouble, error)
@@ -317,7 +320,7 @@ contains
       if (allocated(error) .or. trouble /= TROUBLE_NONE) return
       call solve_direction(system, floor_of(system, step), du, trouble, error)
     end if
-    call stop_clock(clock, system%seconds(PHASE_KRYLOV))
+    call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine find_direction
 
 
@@ -341,7 +344,7 @@ contains
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     real(DP), allocatable :: change(:)
     integer(I64) :: clock
-    call start_clock(clock)
+    call start_clock(system, clock)
     allocate (change(size(du)))
     call multiply_symmetric(system%assembly%stiffness, reshape(du, [size(du)]), change)
     state%new%u = u + du
@@ -349,7 +352,7 @@ contains
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
     call evaluate_contact(system%contact, model, state%old, system%imbalance, .false., state%new)
     call measure(system, state%new)
-    call stop_clock(clock, system%seconds(PHASE_CONTACT))
+    call stop_clock(system, clock, PHASE_CONTACT)
   end subroutine foresee
 
 
@@ -363,16 +366,16 @@ contains
     integer, intent(out) :: trouble                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: clock
-    call start_clock(clock)
+    call start_clock(system, clock)
     trouble = TROUBLE_SOLVER
     call constrain(system, model, step, state%old, state%new, error)
     if (allocated(error)) return
-    call stop_clock(clock, system%seconds(PHASE_CONTACT))
+    call stop_clock(system, clock, PHASE_CONTACT)
     call factorise_condensed(system, model, step, state, error)
     if (allocated(error) .or. .not. system%is_condensed) return
-    call stop_clock(clock, system%seconds(PHASE_FACTOR))
+    call stop_clock(system, clock, PHASE_FACTOR)
     call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, du, trouble, error)
-    call stop_clock(clock, system%seconds(PHASE_KRYLOV))
+    call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine correct_direction
 
 
@@ -406,7 +409,7 @@ contains
     integer :: failed
     integer(I64) :: clock
     trouble = TROUBLE_NONE
-    call start_clock(clock)
+    call start_clock(system, clock)
     if (.not. system%is_assembled) then
       system%reduced%is_current = .false.
       call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
@@ -420,9 +423,9 @@ contains
     end if
     if (step%is_nlgeom .and. n_bonds(model) > 0) call add_curvatures(system%base, system%assembly, model, state%new)
     call scale_slaves(system, state%new)
-    call stop_clock(clock, system%seconds(PHASE_ASSEMBLY))
+    call stop_clock(system, clock, PHASE_ASSEMBLY)
     call constrain(system, model, step, state%old, state%new, error)
-    call stop_clock(clock, system%seconds(PHASE_CONTACT))
+    call stop_clock(system, clock, PHASE_CONTACT)
   end subroutine linearise
 
 
@@ -843,20 +846,27 @@ contains
 
 
   !> Starts a clock.
-  subroutine start_clock(clock)
+  subroutine start_clock(system, clock)
+    type(system_type), intent(inout) :: system
     integer(I64), intent(out) :: clock
     call system_clock(clock)
+    system%peak = peak_megabytes()
   end subroutine start_clock
 
 
-  !> Adds the time since the clock was started or last read, and starts it again.
-  subroutine stop_clock(clock, seconds)
+  !> Adds the time since the clock was started or last read, and what the peak of memory grew, and starts it again.
+  subroutine stop_clock(system, clock, phase)
+    type(system_type), intent(inout) :: system
     integer(I64), intent(inout) :: clock
-    real(DP), intent(inout) :: seconds             !< [s]
+    integer, intent(in) :: phase                   !< PHASE_...
     integer(I64) :: now, rate
+    real(DP) :: peak
     call system_clock(now, rate)
-    seconds = seconds + real(now - clock, DP) / real(rate, DP)
+    peak = peak_megabytes()
+    system%seconds(phase) = system%seconds(phase) + real(now - clock, DP) / real(rate, DP)
+    system%megabytes(phase) = system%megabytes(phase) + peak - system%peak
     clock = now
+    system%peak = peak
   end subroutine stop_clock
 
 end module amontons_system

@@ -181,3 +181,19 @@ def test_all_errors_of_a_deck_at_once(run_deck: Run, tmp_path: Path) -> None:
         assert any(line.strip() == card for line in lines), f"the card {card} is not shown:\n{done.stdout}"
     assert lines[-1].startswith("*ERROR")
     assert [path.name for path in tmp_path.iterdir()] == ["job.inp"]
+
+
+def test_table_of_phases(run: Run, tmp_path: Path) -> None:
+    """The table at the end: shares of the phases make 100 %, and what they add to the peak of memory makes the peak."""
+    (tmp_path / "cube.inp").write_text(CUBE)
+    done = run(["cube"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    table = done.stdout.split("by phase", 1)[1]
+    rows = re.findall(r"^    (assembly|contact|factor|krylov|output|other) +([\d.]+) +([\d.]+) % +([\d.]+)\.$", table, re.M)
+    assert [name for name, *_ in rows] == ["assembly", "contact", "factor", "krylov", "output", "other"], table
+    whole = re.search(r"^    the whole job +([\d.]+) +(\d+)\.$", table, re.M)
+    assert whole, table
+    assert abs(sum(float(share) for *_, share, _ in rows) - 100) < 1
+    grown = sum(float(megabytes) for *_, megabytes in rows)
+    assert abs(grown - float(whole[2])) <= 3.5, "six phases, each rounded to a megabyte"
+    assert 5 < float(whole[2]) < 200

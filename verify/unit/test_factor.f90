@@ -6,7 +6,8 @@ program test_factor
   use amontons_errors, only: error_type, EXIT_INTERNAL, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, from_triplets, full_of, multiply, multiply_symmetric
   use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, &
-    elimination_order, choose_blas_kernels, FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
+    elimination_order, trailing_block, choose_blas_kernels, &
+    FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -19,6 +20,7 @@ program test_factor
   end do
   call test_kernels()
   call test_repeat()
+  call test_full()
   call test_shift()
   call test_two_factors()
   call test_breakdown()
@@ -157,6 +159,7 @@ contains
       call omp_set_num_threads(1)
       call solve(factor, b, again)
       call suite%near('a factor of more threads serves one', maxval(abs(again - alone)), 0.0_DP, 1.0e-12_DP * maxval(abs(alone)))
+      call suite%that('large enough for threads', factor%n_operations > 3.0e7_DP)
       call test_broken_together(n_threads)
     end do
     call omp_set_num_threads(before)
@@ -189,6 +192,43 @@ contains
     call factorise(factor, matrix, status, error=error)
     call suite%that('broken: whole again', status == FACTOR_OK)
   end subroutine test_broken_together
+
+
+  !> A full matrix is one supernode, cut into panels: L L' is the matrix, for any number of threads.
+  subroutine test_full()
+    use omp_lib, only: omp_set_num_threads, omp_get_max_threads
+    integer, parameter :: N = 1100
+    type(sparse_type) :: matrix
+    type(factor_type) :: factor
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: a(:, :), l(:, :)
+    real(DP) :: x(N)
+    integer :: i, status, n_threads, before
+    allocate (a(N, N), l(N, N))
+    call random_number(x)
+    call random_number(a)
+    a = a + transpose(a)
+    do i = 1, N
+      a(i, i) = 2.0_DP * N
+    end do
+    matrix%n_rows = N
+    matrix%n_columns = N
+    matrix%first = [(1 + (i - 1) * N - (i - 1) * (i - 2) / 2, i=1, N + 1)]
+    matrix%column = [([(status, status=i, N)], i=1, N)]
+    matrix%value = [(a(i, i:), i=1, N)]
+    before = omp_get_max_threads()
+    do n_threads = 1, 3
+      call omp_set_num_threads(n_threads)
+      call analyse(factor, matrix, [(i, i=1, N)], error)
+      call factorise(factor, matrix, status, error=error)
+      call suite%that('full: status', status == FACTOR_OK .and. .not. allocated(error))
+      call suite%that('full: cut into panels', factor%n_supernodes > 1)
+      call trailing_block(factor, l)
+      call suite%near('full: product of the triangles', maxval(abs(matmul(l, matmul(x, l)) - matmul(a, x))), 0.0_DP, &
+        4 * N * N * epsilon(1.0_DP))
+    end do
+    call omp_set_num_threads(before)
+  end subroutine test_full
 
 
   subroutine test_shift()
