@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-#define AMONTONS_ABI 2 /* changes when a structure or a signature below does */
+#define AMONTONS_ABI 3 /* changes when a structure or a signature below does */
 
 enum {
   AMONTONS_DONE = 0,          /* all is well */
@@ -47,11 +47,12 @@ typedef struct {
   const char *outdir;      /* their folder, or NULL: that of the deck */
   const char *dialect;     /* "abaqus", "calculix", or NULL: what the deck says */
   const char *user;        /* routines of the user (UMAT, ...): a Fortran file or a shared library; or NULL */
+  const char *old_job;     /* the job whose restart file a deck with *RESTART, READ goes on from; or NULL */
   amontons_log log;        /* or NULL */
   void *context;           /* first argument of log */
 } amontons_options;
 
-#define AMONTONS_OPTIONS {AMONTONS_ABI, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
+#define AMONTONS_OPTIONS {AMONTONS_ABI, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
 
 int amontons_abi(void);
 void amontons_version(char *text, int room); /* e.g. "0.1.0", ended by 0 */

@@ -10,7 +10,7 @@ module amontons_analysis
   use amontons_dense, only: symmetric_eigen
   use amontons_text, only: text_of, plural
   use amontons_journal, only: journal_type
-  use amontons_model, only: model_type, job_options_type, job_path
+  use amontons_model, only: model_type, job_options_type, job_path, DIALECT_CALCULIX
   use amontons_steps, only: step_type
   use amontons_history, only: increment_record_type, iteration_record_type, PHASE_OUTPUT, PHASE_OTHER, N_PHASES
   use amontons_factor, only: set_blas_threads, choose_blas_kernels
@@ -36,7 +36,10 @@ module amontons_analysis
   use amontons_printed, only: printed_type, open_printed, resume_printed, print_iteration, print_increment, print_fields, &
     sync_printed, measure_printed, check_printed, close_printed
   use amontons_frd, only: frd_type, open_frd, resume_frd, write_frd, measure_frd, sync_frd, close_frd
-  use amontons_restart, only: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint
+  use amontons_restart, only: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint, &
+    pack_state, unpack_state
+  use amontons_archive, only: archive_type, label_type, start_archive, reopen_archive, append_state, read_state
+  use amontons_drive, only: drive_type, list_driven, recall_driven
   implicit none
   private
   public :: analysis_type, start_analysis, advance_analysis, finish_analysis
@@ -56,6 +59,8 @@ module amontons_analysis
     type(results_type) :: results
     type(printed_type) :: printed
     type(frd_type) :: frd
+    type(archive_type) :: archive                  !< states kept by RESTART, WRITE
+    type(drive_type) :: drive                      !< what a calling program has set
     type(complaints_type) :: complaints            !< what the reader remarked
     type(snapshot_type) :: snapshot                !< the last commit
     type(increment_record_type), allocatable :: records(:)   !< all attempts
@@ -109,12 +114,16 @@ contains
     call change_model(analysis%model, 0)
     call create_system(analysis%system, analysis%model, analysis%state, error)
     if (allocated(error)) return
-    if (.not. options%is_resumed) call audit(analysis, journal, error)
+    if (.not. (options%is_resumed .or. allocated(analysis%model%origin%path))) call audit(analysis, journal, error)
     if (allocated(error) .or. analysis%options%is_check) return
     call note_commit(analysis)
     if (options%is_resumed) then
       call resume(analysis, journal, error)
-    else if (options%has_files) then
+    else if (allocated(analysis%model%origin%path)) then
+      call go_on(analysis, journal, error)
+    end if
+    if (allocated(error)) return
+    if (options%has_files .and. .not. options%is_resumed) then
       !$omp critical (result_files)
       call open_files(analysis, error)
       !$omp end critical (result_files)
@@ -146,13 +155,48 @@ contains
     if (allocated(error)) return
     call open_frd(analysis%frd, analysis%model, analysis%options, error)
     if (allocated(error)) return
-    call write_increment(analysis%results, analysis%model, analysis%state%old, increment_record_type(reason=''), error)
+    call write_increment(analysis%results, analysis%model, analysis%state%old, first_record(analysis), error)
+    if (allocated(error)) return
+    if (any(analysis%model%steps%restart_frequency > 0)) call start_archive(analysis%archive, &
+      job_path(analysis%options, '.res'), analysis%model%deck_text, analysis%model%dialect, error)
     if (allocated(error)) return
     analysis%has_files = .true.
     call measure_printed(analysis%printed, analysis%lengths)
     call measure_frd(analysis%frd, analysis%frd_counts)
     call guard(analysis, .false., error)
   end subroutine open_files
+
+
+  !> The row of the history before the first increment: of a job that goes on from another one's state what that had reached.
+  pure function first_record(analysis) result(record)
+    type(analysis_type), intent(in) :: analysis
+    type(increment_record_type) :: record
+    associate (old => analysis%state%old)
+      record = increment_record_type(reason='', step=analysis%stepper%step, step_time=old%step_time, &
+        total_time=old%total_time, external_work=old%external_work, friction_work=old%friction_work, &
+        strain_energy=sum(old%energy * old%volume))
+    end associate
+  end function first_record
+
+
+  !> Goes on from the state of another job.
+  subroutine go_on(analysis, journal, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(journal_type), intent(inout) :: journal
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64), allocatable :: words(:)
+    associate (origin => analysis%model%origin)
+      call read_state(origin%path, origin%label, words, error)
+      if (.not. allocated(error)) call unpack_state(origin%path, words, analysis%model, analysis%snapshot, error)
+      if (allocated(error)) return
+      if (origin%is_cut) analysis%snapshot%is_step_start = .true.
+      call recall_driven(analysis%drive, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
+      call rollback_analysis(analysis, error)
+      if (allocated(error)) return
+      call journal%say('The job goes on from increment ' // text_of(origin%label%increment) // ' of step ' // &
+        text_of(origin%label%step) // ' in ' // origin%path // ', at time ' // text_of(origin%label%total_time) // '.')
+    end associate
+  end subroutine go_on
 
 
   !> Goes back to the checkpoint: the result files are made what they were then.
@@ -172,6 +216,10 @@ contains
       if (allocated(error)) return
       call resume_frd(analysis%frd, model, options, files%frd, error)
       if (allocated(error)) return
+      if (any(model%steps%restart_frequency > 0)) call reopen_archive(analysis%archive, job_path(options, '.res'), &
+        files%archive, error)
+      if (allocated(error)) return
+      call recall_driven(analysis%drive, model, analysis%snapshot%driven, analysis%snapshot%friction)
       analysis%has_files = .true.
       analysis%is_guarded = .true.
       analysis%lengths = files%lengths
@@ -418,6 +466,7 @@ contains
     analysis%n_committed = analysis%n_records
     call take_snapshot(analysis%snapshot, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
       analysis%is_step_start)
+    call list_driven(analysis%drive, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
   end subroutine note_commit
 
 
@@ -452,9 +501,34 @@ contains
     if (allocated(error)) return
     call measure_printed(analysis%printed, analysis%lengths)
     call measure_frd(analysis%frd, analysis%frd_counts)
+    call keep_state(analysis, analysis%records(analysis%n_records), error)
+    if (allocated(error)) return
     analysis%is_guarded = .false.
     if (is_guard_due(analysis)) call guard(analysis, .false., error)
   end subroutine write_committed
+
+
+  !> RESTART, WRITE: keeps the state of an increment if it is due: every n-th and the last of the step; under the calculix
+  !! dialect the last of every n-th step.
+  subroutine keep_state(analysis, record, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64), allocatable :: words(:)
+    logical :: is_due, is_calculix
+    associate (step => analysis%model%steps(record%step))
+      if (step%restart_frequency == 0 .or. .not. allocated(analysis%archive%path)) return
+      is_calculix = analysis%model%dialect == DIALECT_CALCULIX
+      is_due = analysis%is_step_start .or. mod(record%increment, step%restart_frequency) == 0
+      if (is_calculix) is_due = analysis%is_step_start .and. mod(record%step, step%restart_frequency) == 0
+      if (.not. is_due) return
+      call pack_state(analysis%model, analysis%snapshot, words)
+      if (is_calculix .and. step%is_restart_overlay) analysis%archive%step = record%step   ! the last of all is replaced
+      call append_state(analysis%archive, label_type(step=record%step, increment=record%increment, &
+        is_step_done=analysis%is_step_start, step_time=record%step_time, total_time=record%total_time), words, &
+        step%is_restart_overlay, error)
+    end associate
+  end subroutine keep_state
 
 
   !> Writes the iterations that are not in the file, and some attempts without their fields.
@@ -505,6 +579,7 @@ contains
     if (.not. (allocated(error) .or. is_old)) call sync_frd(analysis%frd, error)
     files%lengths = analysis%lengths
     files%frd = analysis%frd_counts
+    files%archive = [analysis%archive%last, analysis%archive%end, int(analysis%archive%step, I64)]
     if (.not. allocated(error)) call write_checkpoint(job_path(analysis%options, '.restart'), analysis%model, &
       analysis%snapshot, files, error)
     if (.not. allocated(error)) call apply_result_pages(analysis%results, error)

@@ -14,11 +14,11 @@ module amontons_capi
   implicit none
   private
 
-  integer(c_int32_t), parameter :: ABI = 2         !< AMONTONS_ABI of the header
+  integer(c_int32_t), parameter :: ABI = 3         !< AMONTONS_ABI of the header
   !> amontons_options of the header.
   type, bind(C) :: options_type
     integer(c_int32_t) :: abi, n_threads, has_files, has_checkpoint, is_resumed, is_check
-    type(c_ptr) :: deck, text, job, outdir, dialect, user
+    type(c_ptr) :: deck, text, job, outdir, dialect, user, old_job
     type(c_funptr) :: log
     type(c_ptr) :: context
   end type options_type
@@ -121,6 +121,7 @@ contains
     if (c_associated(options%job)) wanted%job = text_at(options%job)
     if (c_associated(options%outdir)) wanted%outdir = text_at(options%outdir)
     if (c_associated(options%user)) wanted%user = text_at(options%user)
+    if (c_associated(options%old_job)) wanted%old_job = text_at(options%old_job)
     wanted%n_threads = max(1, options%n_threads)
     wanted%is_guarded = options%has_checkpoint /= 0
     wanted%is_resumed = options%is_resumed /= 0

@@ -476,13 +476,21 @@ contains
       'length from the slave nodes; NODAL: a length for each slave node; AUTO: we choose.', allowed= &
       'NONE|ALL|GLOBAL|NODAL|AUTO', default='required')
 
-    call table%card('RESTART', IN_BOTH, 'The checkpoint job.restart, which every job writes, and which goes when the job ' // &
-      'is done.')
-    call table%option('WRITE', VALUE_NONE, 'The checkpoint stays when the job is done.')
-    call table%option('READ', VALUE_NONE, 'amontons --resume job goes on from a checkpoint, with the same deck; the ' // &
-      'results of another job cannot be gone on from.', status=STATUS_REFUSED)
-    call table%option('FREQUENCY|OVERLAY|STEP|INC|ITERATION|END STEP', VALUE_TEXT, 'There is one checkpoint, of the last ' // &
-      'converged increment.', status=STATUS_NOTED)
+    call table%card('RESTART', IN_BOTH, 'Keeps states in the restart file job.res, from which another job can go on. ' // &
+      '(To go on with the same deck after a crash, amontons --resume job needs no card.)')
+    call table%option('WRITE', VALUE_NONE, 'States are kept from this step on, with the deck, in job.res.')
+    call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last of each step; 0: none. Under the ' // &
+      'calculix dialect the last of every n-th step.', default='1')
+    call table%option('OVERLAY', VALUE_NONE, 'Of each step the last state alone is kept; under the calculix dialect the last ' // &
+      'of all.')
+    call table%option('READ', VALUE_NONE, 'The deck goes on from the restart file of another job: amontons new oldjob=old ' // &
+      'reads old.res; without oldjob new.rin is read, a copy of it. It holds new steps, and before them sets, surfaces, ' // &
+      'amplitudes and time points.')
+    call table%option('STEP', VALUE_INTEGER, 'READ: the step to go on from.', default='the last')
+    call table%option('INC', VALUE_INTEGER, 'READ: its increment. The rest of the step is done first.', default='the last')
+    call table%option('END STEP', VALUE_NONE, 'READ: the step ends at that increment, with the loads that it has reached.')
+    call table%option('ITERATION', VALUE_TEXT, 'There is one state for an increment.', status=STATUS_NOTED)
+    call table%option('NUMBER INTERVAL|TIME MARKS', VALUE_TEXT, 'Use FREQUENCY.', status=STATUS_REFUSED)
 
     call table%card('END STEP', IN_STEP, 'Ends the step.')
   end subroutine describe_steps

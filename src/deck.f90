@@ -3,7 +3,7 @@
 module amontons_deck
   use amontons_cards, only: row_type, parameter_type, open_cards, open_cards_text, publish_remarks, line_text, &
     read_parameters, start_rows, next_row
-  use amontons_card_form, only: find_entry, has_parameter, match_parameters, &
+  use amontons_card_form, only: find_entry, has_parameter, match_parameters, parameter_text, &
     IN_MODEL, IN_STEP, IN_BOTH, STATUS_USED, STATUS_NOTED, &
     STATUS_REFUSED
   use amontons_card_table, only: make_card_table
@@ -15,6 +15,7 @@ module amontons_deck
   use amontons_deck_bonds, only: read_transforms, read_bonds
   use amontons_deck_parts, only: flatten_parts
   use amontons_deck_generate, only: generate_mesh
+  use amontons_deck_restart, only: join_decks
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
   use amontons_whole_steps, only: take_whole_steps
   use amontons_explain, only: explain_cards
@@ -26,7 +27,7 @@ module amontons_deck
   use amontons_deck_steps, only: read_steps
   use amontons_errors, only: complaints_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
-  use amontons_text, only: squeezed, plural
+  use amontons_text, only: squeezed, plural, parse_integer, NUMBER_OK
   implicit none
   private
   public :: read_deck, read_deck_text, explain_deck
@@ -94,6 +95,8 @@ contains
     type(draft_type) :: draft
     logical :: is_flat
     call make_card_table(reader%table)
+    if (reader%remarks%n_errors == 0) call join_decks(reader%cards, reader%remarks, options, model%origin, error)
+    if (allocated(error)) return
     model%deck_text = reader%cards%text(:reader%cards%n_text)
     call generate_mesh(reader%cards, reader%remarks)
     call flatten_parts(reader%cards, reader%remarks, is_flat)
@@ -104,6 +107,11 @@ contains
       return
     end if
     call choose_dialect(reader, options)
+    if (allocated(model%origin%path)) then
+      reader%dialect = model%origin%dialect
+      reader%cut_step = merge(model%origin%label%step, 0, model%origin%is_cut)
+      reader%cut_time = model%origin%label%step_time
+    end if
     model%dialect = reader%dialect
     call check_cards(reader)
     call read_heading(reader, model)
@@ -137,16 +145,28 @@ contains
   end subroutine read_model
 
 
-  !> RESTART, WRITE anywhere in the deck: the checkpoint stays when the job is done.
+  !> RESTART, WRITE: which states are kept, from the step of the card on; the checkpoint stays when the job is done.
   subroutine read_restart(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     type(parameter_type), allocatable :: parameters(:)
-    integer :: c
+    integer :: c, frequency, status, first
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'RESTART')) cycle
       call read_parameters(reader%cards, reader%cards%cards(c), parameters)
-      model%keeps_restart = model%keeps_restart .or. has_parameter(parameters, 'WRITE')
+      if (has_parameter(parameters, 'READ') .and. reader%step_of_card(c) > 0) call complain(reader, &
+        reader%cards%cards(c)%line, '*RESTART, READ must stand before the first step.')
+      if (.not. has_parameter(parameters, 'WRITE')) cycle
+      frequency = 1
+      if (has_parameter(parameters, 'FREQUENCY')) then
+        call parse_integer(parameter_text(parameters, 'FREQUENCY'), frequency, status)
+        if (status == NUMBER_OK .and. frequency < 0) call complain(reader, reader%cards%cards(c)%line, &
+          'FREQUENCY must not be negative.')
+      end if
+      model%keeps_restart = model%keeps_restart .or. frequency > 0
+      first = max(1, reader%step_of_card(c))
+      model%steps(first:)%restart_frequency = frequency
+      model%steps(first:)%is_restart_overlay = has_parameter(parameters, 'OVERLAY')
     end do
   end subroutine read_restart
 

@@ -16,7 +16,8 @@ module amontons_deck_conditions
   implicit none
   private
   public :: read_orientations, read_initial_conditions
-  public :: thermal_type, start_thermal, begin_thermal_step, read_temperature, hand_over_temperatures
+  public :: thermal_type, start_thermal, begin_thermal_step, read_temperature, hand_over_temperatures, &
+    cut_temperatures
 
   integer, parameter :: DECK_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order shears 12 13 23, we xy yz xz
 
@@ -335,6 +336,19 @@ contains
     end do
     thermal%n = n
   end subroutine begin_thermal_step
+
+
+  !> What the temperatures of a step that ends early have reached.
+  subroutine cut_temperatures(thermal, fraction)
+    type(thermal_type), intent(inout) :: thermal
+    real(DP), intent(in) :: fraction             !< of the step that was done [-]
+    integer :: i
+    do i = 1, thermal%n
+      associate (load => thermal%loads(i))
+        if (load%amplitude == 0) load%end = load%start + (load%end - load%start) * fraction
+      end associate
+    end do
+  end subroutine cut_temperatures
 
 
   !> TEMPERATURE in the present step.

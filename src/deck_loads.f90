@@ -23,7 +23,8 @@ module amontons_deck_loads
   use amontons_topology, only: kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
   implicit none
   private
-  public :: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, hand_over_loads
+  public :: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, hand_over_loads, &
+    cut_loads
 
   integer, parameter :: FAMILY_BOUNDARY = 1, FAMILY_CLOAD = 2, FAMILY_DLOAD = 3, FAMILY_VOLUME = 4
 
@@ -111,6 +112,35 @@ contains
     call keep_forces(model, period, total_time, standing%pressures)
     call keep_forces(model, period, total_time, standing%volumes)
   end subroutine begin_step
+
+
+  !> What the loads of a step that ends early have reached: a fraction of the way of those that run straight.
+  subroutine cut_loads(standing, fraction)
+    type(standing_type), intent(inout) :: standing
+    real(DP), intent(in) :: fraction             !< of the step that was done [-]
+    integer :: i
+    do i = 1, standing%n_held
+      call cut_load(standing%held(i)%load_type)
+    end do
+    do i = 1, standing%cloads%n
+      call cut_load(standing%cloads%items(i)%load_type)
+    end do
+    do i = 1, standing%pressures%n
+      call cut_load(standing%pressures%items(i)%load_type)
+    end do
+    do i = 1, standing%volumes%n
+      call cut_load(standing%volumes%items(i)%load_type)
+    end do
+
+  contains
+
+    !> One of them.
+    subroutine cut_load(load)
+      type(load_type), intent(inout) :: load
+      if (load%amplitude == 0) load%end = load%start + (load%end - load%start) * fraction
+    end subroutine cut_load
+
+  end subroutine cut_loads
 
 
   !> A load after its step: constant at its last value, unless its amplitude runs in total time.

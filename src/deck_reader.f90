@@ -26,6 +26,8 @@ module amontons_deck_reader
     type(card_table_type) :: table
     type(remarks_type) :: remarks
     integer :: dialect = DIALECT_ABAQUS          !< DIALECT_ABAQUS or DIALECT_CALCULIX
+    integer :: cut_step = 0                      !< a step that a restart has ended early; 0: none
+    real(DP) :: cut_time = 0                     !< at its end [step time]
     integer, allocatable :: delayed_amplitude(:) !< (n_cards) amplitude of a card with TIME DELAY, 0
     integer, allocatable :: step_of_card(:)      !< (n_cards) step in which a card stands; 0: the model
     type(name_table_type) :: node_sets, element_sets, surfaces, materials, interactions, amplitudes, time_names

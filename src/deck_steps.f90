@@ -7,9 +7,9 @@ module amontons_deck_steps
   use amontons_card_table, only: NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, &
     SECTION_VARIABLES
   use amontons_deck_conditions, only: thermal_type, start_thermal, begin_thermal_step, read_temperature, &
-    hand_over_temperatures
+    hand_over_temperatures, cut_temperatures
   use amontons_deck_loads, only: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, &
-    hand_over_loads
+    hand_over_loads, cut_loads
   use amontons_deck_changes, only: is_element_change, read_element_change, read_section_change, read_removal, &
     read_material_change, read_plastic_change
   use amontons_deck_contact, only: read_contact_change
@@ -159,6 +159,11 @@ contains
     call hand_over_temperatures(progress%thermal, progress%step%temperatures)
     call times_in_step(reader, progress%print_list, progress%total_time, progress%step%period, progress%step%print_times)
     call times_in_step(reader, progress%file_list, progress%total_time, progress%step%period, progress%step%file_times)
+    if (progress%n == reader%cut_step) then
+      call cut_loads(progress%standing, reader%cut_time / progress%step%period)
+      call cut_temperatures(progress%thermal, reader%cut_time / progress%step%period)
+      progress%step%period = reader%cut_time
+    end if
     model%steps(progress%n) = progress%step
     progress%total_time = progress%total_time + progress%step%period
   end subroutine close_step

@@ -23,6 +23,7 @@ uses_krylov = kinds errors sparse factor
 uses_digits = kinds
 uses_store = kinds errors posix
 uses_user = kinds errors text
+uses_archive = kinds errors text posix
 
 # 2 model: what the user said, frozen after its check
 uses_topology =
@@ -33,7 +34,7 @@ uses_surfaces = kinds profiles
 uses_loads = kinds
 uses_ties = kinds tensor
 uses_steps = kinds surfaces loads
-uses_model = kinds user mesh materials springs surfaces loads ties steps
+uses_model = kinds user archive mesh materials springs surfaces loads ties steps
 
 # 3 reading: text to cards, cards to model
 uses_cards = kinds errors text lookup
@@ -61,8 +62,9 @@ uses_deck_times = kinds text cards card_form deck_reader
 uses_deck_changes = text topology mesh materials steps model cards card_form deck_reader deck_materials
 uses_deck_steps = kinds text topology steps model cards card_form card_table deck_reader deck_conditions deck_contact deck_loads deck_times deck_changes
 uses_whole_steps = materials ties model
+uses_deck_restart = kinds errors text archive model cards card_form
 uses_explain = kinds text topology materials surfaces loads steps model cards card_form deck_reader
-uses_deck = errors text model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_spreads deck_springs deck_sectors deck_times deck_steps whole_steps explain
+uses_deck = errors text model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_spreads deck_springs deck_sectors deck_times deck_steps whole_steps deck_restart explain
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -152,7 +154,7 @@ uses_frd = kinds errors version history posix digits topology mesh materials ste
 uses_restart = kinds errors posix store model state reduced system newton stepper
 uses_failure = kinds text model state system converge forensics newton
 uses_user_job = kinds errors journal user surfaces model user_material state
-uses_analysis = kinds errors text history journal posix dense factor store steps model deck state changes fasten slaves contact_fields adjust system audit converge newton stepper results printed frd restart failure user_job
+uses_analysis = kinds errors text history journal posix dense factor store archive steps model deck state changes fasten slaves contact_fields adjust system audit converge newton stepper results printed frd restart failure user_job drive
 uses_drive = kinds errors text loads steps model
 uses_library = kinds errors text journal sparse user topology model state contact_fields system converge stepper columns results analysis drive
 uses_capi = kinds errors version text sparse model library

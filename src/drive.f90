@@ -14,7 +14,7 @@ module amontons_drive
   use amontons_model, only: model_type
   implicit none
   private
-  public :: drive_type, set_driven, arm_drives, settle_drives
+  public :: drive_type, set_driven, set_friction, arm_drives, settle_drives, list_driven, recall_driven
   public :: DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, DRIVE_TEMPERATURE
 
   integer, parameter :: DRIVE_FORCE = 1            !< item: 3 (node - 1) + dof
@@ -22,18 +22,23 @@ module amontons_drive
   integer, parameter :: DRIVE_PRESSURE = 3         !< item: 6 (element - 1) + face
   integer, parameter :: DRIVE_TEMPERATURE = 4      !< item: node
   integer, parameter :: N_DRIVES = 4
+  integer, parameter :: N_NUMBERS = 8              !< of one driven value in a checkpoint
 
   !> One driven value.
   type :: entry_type
+    integer :: kind = 0                            !< DRIVE_...
+    integer :: item = 0
     integer :: amplitude = 0                       !< index into model%amplitudes
     real(DP) :: target = 0                         !< [force], [length] or [stress]
     logical :: is_pending = .false.                !< the target is set and no increment towards it is committed
+    logical :: is_armed = .false.                  !< the amplitude runs to the target
   end type entry_type
 
   !> All that is driven in a job.
   type :: drive_type
     type(entry_type), allocatable :: entries(:)
     integer, allocatable :: place(:, :)            !< (items, N_DRIVES) index into entries, 0: not driven
+    real(DP), allocatable :: friction(:)           !< (n_interactions) coefficient that was set; negative: the deck's [-]
   end type drive_type
 
   !> Position in a list of new items.
@@ -56,10 +61,7 @@ contains
     real(DP), intent(in) :: now(:)                 !< total time, step time, then for displacements and temperatures the values now
     type(error_type), allocatable, intent(out) :: error
     integer :: i
-    if (.not. allocated(drive%entries)) then
-      allocate (drive%entries(0))
-      allocate (drive%place(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements), N_DRIVES), source=0)
-    end if
+    call make_room(drive, model)
     if (kind == DRIVE_TEMPERATURE) call check_temperature(model, error)
     if (kind == DRIVE_DISPLACEMENT) call check_prescribed(model, model%steps(i_step), items, error)
     if (allocated(error)) return
@@ -69,9 +71,97 @@ contains
       associate (entry => drive%entries(drive%place(items(i), kind)))
         entry%target = values(i)
         entry%is_pending = .true.
+        entry%is_armed = .false.
       end associate
     end do
   end subroutine set_driven
+
+
+  !> Room for what is driven.
+  subroutine make_room(drive, model)
+    type(drive_type), intent(inout) :: drive
+    type(model_type), intent(in) :: model
+    if (allocated(drive%entries)) return
+    allocate (drive%entries(0))
+    allocate (drive%place(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements), N_DRIVES), source=0)
+  end subroutine make_room
+
+
+  !> Sets the coefficient of friction of an interaction, at once and for all steps that follow.
+  subroutine set_friction(drive, model, i, mu)
+    type(drive_type), intent(inout) :: drive
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: i                       !< interaction
+    real(DP), intent(in) :: mu                     !< [-]
+    integer :: k
+    if (.not. allocated(drive%friction)) allocate (drive%friction(size(model%interactions)), source=-1.0_DP)
+    drive%friction(i) = mu
+    model%interactions(i)%friction = mu
+    do k = 1, size(model%steps)
+      if (allocated(model%steps(k)%interactions)) model%steps(k)%interactions(i)%friction = mu
+    end do
+  end subroutine set_friction
+
+
+  !> All that is driven, as numbers for a checkpoint: what stands after the commit that is under way. (8, n): kind,
+  !! item, target, whether it is pending, two times, two factors.
+  pure subroutine list_driven(drive, model, driven, friction)
+    type(drive_type), intent(in) :: drive
+    type(model_type), intent(in) :: model
+    real(DP), allocatable, intent(inout) :: driven(:, :)
+    real(DP), allocatable, intent(inout) :: friction(:)   !< (n_interactions) negative: the deck's
+    integer :: i, n
+    if (allocated(driven)) deallocate (driven)
+    if (allocated(friction)) deallocate (friction)
+    n = 0
+    if (allocated(drive%entries)) n = size(drive%entries)
+    allocate (driven(N_NUMBERS, n), friction(size(model%interactions)))
+    friction = -1
+    if (allocated(drive%friction)) friction = drive%friction
+    do i = 1, n
+      associate (entry => drive%entries(i), amplitude => model%amplitudes(drive%entries(i)%amplitude))
+        driven(:, i) = [real([entry%kind, entry%item], DP), entry%target, &
+          merge(1.0_DP, 0.0_DP, entry%is_pending .and. .not. entry%is_armed), amplitude%time, amplitude%factor]
+      end associate
+    end do
+  end subroutine list_driven
+
+
+  !> Drives a model that is as the deck says it as a checkpoint says it.
+  subroutine recall_driven(drive, model, driven, friction)
+    type(drive_type), intent(inout) :: drive
+    type(model_type), intent(inout) :: model
+    real(DP), intent(in) :: driven(:, :)
+    real(DP), intent(in) :: friction(:)
+    integer, allocatable :: kinds(:), items(:)
+    integer :: first, last, i
+    do i = 1, size(friction)
+      if (friction(i) >= 0) call set_friction(drive, model, i, friction(i))
+    end do
+    if (size(driven, 2) == 0) return
+    call make_room(drive, model)
+    kinds = nint(driven(1, :))
+    items = nint(driven(2, :))
+    first = 1
+    do while (first <= size(kinds))
+      last = first
+      do while (last < size(kinds))
+        if (kinds(last + 1) /= kinds(first)) exit
+        last = last + 1
+      end do
+      call add_entries(drive, model, 1, kinds(first), items(first:last), [(i, i=1, last - first + 1)], &
+        [(0.0_DP, i=1, last - first + 3)])
+      first = last + 1
+    end do
+    do i = 1, size(kinds)
+      associate (entry => drive%entries(i), amplitude => model%amplitudes(drive%entries(i)%amplitude))
+        entry%target = driven(3, i)
+        entry%is_pending = driven(4, i) > 0
+        amplitude%time = driven(5:6, i)
+        amplitude%factor = driven(7:8, i)
+      end associate
+    end do
+  end subroutine recall_driven
 
 
   !> Without temperatures in the deck the materials have no expansion.
@@ -128,7 +218,7 @@ contains
       amplitudes(n + i)%factor = [values(i), values(i)]
       drive%place(items(i), kind) = size(drive%entries) + i
     end do
-    drive%entries = [drive%entries, [(entry_type(amplitude=n + i), i=1, size(items))]]
+    drive%entries = [drive%entries, [(entry_type(kind=kind, item=items(i), amplitude=n + i), i=1, size(items))]]
     call move_alloc(amplitudes, model%amplitudes)
     do i = 1, size(model%steps)
       call follow(model%steps(i), kind, items, n)
@@ -235,7 +325,7 @@ contains
 
   !> Before an attempt from t0 to t1: what is pending runs straight to its target.
   pure subroutine arm_drives(drive, model, t0, t1)
-    type(drive_type), intent(in) :: drive
+    type(drive_type), intent(inout) :: drive
     type(model_type), intent(inout) :: model
     real(DP), intent(in) :: t0, t1                 !< total time [time]
     integer :: i
@@ -245,6 +335,7 @@ contains
       associate (amplitude => model%amplitudes(drive%entries(i)%amplitude))
         amplitude%factor = [amplitude_value(amplitude, t0), drive%entries(i)%target]
         amplitude%time = [t0, t1]
+        drive%entries(i)%is_armed = .true.
       end associate
     end do
   end subroutine arm_drives
@@ -253,7 +344,7 @@ contains
   !> After a commit: what was pending is on its way.
   pure subroutine settle_drives(drive)
     type(drive_type), intent(inout) :: drive
-    if (allocated(drive%entries)) drive%entries%is_pending = .false.
+    if (allocated(drive%entries)) drive%entries%is_pending = drive%entries%is_pending .and. .not. drive%entries%is_armed
   end subroutine settle_drives
 
 end module amontons_drive

@@ -24,7 +24,7 @@ module amontons_library
   use amontons_results, only: point_fields, model_size
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
     enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
-  use amontons_drive, only: drive_type, set_driven, arm_drives, settle_drives, DRIVE_FORCE, DRIVE_DISPLACEMENT, &
+  use amontons_drive, only: set_driven, set_friction, arm_drives, settle_drives, DRIVE_FORCE, DRIVE_DISPLACEMENT, &
     DRIVE_PRESSURE, DRIVE_TEMPERATURE
   implicit none
   private
@@ -38,7 +38,6 @@ module amontons_library
   type :: job_type
     type(analysis_type) :: analysis
     type(journal_type) :: journal
-    type(drive_type) :: drive
     logical :: is_ready = .false.                  !< it has begun and was not finished
     logical :: is_begun = .false.                  !< begin_job was called and its attempt has not ended
   end type job_type
@@ -236,7 +235,7 @@ contains
       end if
     end if
     call commit_analysis(job%analysis, job%journal, error)
-    call settle_drives(job%drive)
+    call settle_drives(job%analysis%drive)
   end subroutine commit_job
 
 
@@ -308,7 +307,7 @@ contains
     if (allocated(error)) then
       if (error%code == EXIT_NOT_CONVERGED) call fall_back(job)
     else
-      call settle_drives(job%drive)
+      call settle_drives(job%analysis%drive)
     end if
   end subroutine settle
 
@@ -318,7 +317,7 @@ contains
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: length                 !< [time]
     associate (now => job%analysis%stepper%total_time)
-      call arm_drives(job%drive, job%analysis%model, now, now + length)
+      call arm_drives(job%analysis%drive, job%analysis%model, now, now + length)
     end associate
   end subroutine arm
 
@@ -554,7 +553,7 @@ contains
         if (values(1) < 0.0_DP) then
           call set_error(error, EXIT_USAGE, 'A coefficient of friction must not be negative.')
         else
-          job%analysis%model%interactions(i)%friction = values(1)
+          call set_friction(job%analysis%drive, job%analysis%model, i, values(1))
         end if
       end if
       return
@@ -589,7 +588,7 @@ contains
       if (kind == DRIVE_TEMPERATURE) now = [now, analysis%snapshot%fields%temperature(items)]
       if (kind == DRIVE_DISPLACEMENT) now = [now, [(analysis%snapshot%fields%u(mod(items(i) - 1, 3) + 1, &
         (items(i) + 2) / 3), i=1, size(items))]]
-      call set_driven(job%drive, analysis%model, step_of(job), kind, items, &
+      call set_driven(job%analysis%drive, analysis%model, step_of(job), kind, items, &
         [(values(mod(i - 1, size(values)) + 1), i=1, size(items))], now, error)
     end associate
   end subroutine drive_items

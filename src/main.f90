@@ -110,7 +110,7 @@ contains
     name = word
     value = ''
     equals = index(word, '=')
-    if (equals > 0 .and. any(word(:max(1, equals - 1)) == ['user', 'job '])) then
+    if (equals > 0 .and. any(word(:max(1, equals - 1)) == ['user  ', 'job   ', 'oldjob'])) then
       name = '--' // word(:equals - 1)
       value = word(equals + 1:)
     else if (index(word, '--') == 1 .and. equals > 0) then
@@ -133,7 +133,8 @@ contains
   pure function is_with_value(name) result(is_true)
     character(*), intent(in) :: name
     logical :: is_true
-    is_true = any(name == [character(10) :: '-i', '--job', '--threads', '--progress', '--dialect', '--outdir', '--user'])
+    is_true = any(name == [character(10) :: '-i', '--job', '--threads', '--progress', '--dialect', '--outdir', '--user', &
+      '--oldjob'])
   end function is_with_value
 
 
@@ -171,6 +172,8 @@ contains
       command%job%outdir = value
     case ('--user')
       command%job%user = value
+    case ('--oldjob')
+      command%job%old_job = value
     case ('-i', '--job')
       call take_job(command%job, value, error)
     case default
@@ -332,6 +335,7 @@ contains
       '                               calculix dialect the FILE cards of the deck ask for it)', &
       '  --user FILE, user=FILE       routines of the user (UMAT, ...): a Fortran file, which gfortran compiles, or a', &
       '                               shared library', &
+      '  --oldjob NAME, oldjob=NAME   the job whose restart file NAME.res a deck with *RESTART, READ goes on from', &
       '  --progress=auto|plain|none   a line per increment; auto adds a live line on a terminal', &
       '  --quiet                      write nothing but failures', &
       '  --cards                      list the cards', &

@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_model
   use amontons_kinds, only: DP
+  use amontons_archive, only: label_type
   use amontons_mesh, only: mesh_type
   use amontons_materials, only: material_type, orientation_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
@@ -12,8 +13,8 @@ module amontons_model
   use amontons_user, only: routines_type
   implicit none
   private
-  public :: model_type, job_options_type, job_path, direction_of, n_bonds, with_twins, DIALECT_ABAQUS, DIALECT_CALCULIX, &
-    DIALECT_FROM_DECK
+  public :: model_type, origin_type, job_options_type, job_path, direction_of, n_bonds, with_twins, DIALECT_ABAQUS, &
+    DIALECT_CALCULIX, DIALECT_FROM_DECK
 
   integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
   integer, parameter :: DIALECT_ABAQUS = 1
@@ -28,6 +29,7 @@ module amontons_model
     integer :: n_threads = 1
     logical :: is_check = .false.               !< read, check, audit, stop
     character(:), allocatable :: deck_text      !< the deck itself; then `deck` only names it in messages
+    character(:), allocatable :: old_job        !< the job that *RESTART, READ goes on from
     character(:), allocatable :: user           !< file with routines of the user, Fortran or a shared library
     logical :: has_files = .true.               !< write result files
     logical :: has_frd = .false.                !< write all fields to job.frd, whatever the cards ask for
@@ -35,6 +37,14 @@ module amontons_model
     logical :: is_resumed = .false.             !< go on after the checkpoint
     logical :: heeds_signals = .false.          !< SIGINT and SIGTERM stop the job, SIGUSR1 asks for its status
   end type job_options_type
+
+  !> The state of another job that this one goes on from.
+  type :: origin_type
+    character(:), allocatable :: path           !< its restart file; not there: the job starts from nothing
+    integer :: dialect = DIALECT_ABAQUS         !< of the old job
+    type(label_type) :: label                   !< the state
+    logical :: is_cut = .false.                 !< END STEP: its step ends there
+  end type origin_type
 
   !> The model.
   type :: model_type
@@ -64,6 +74,7 @@ module amontons_model
     type(step_type), allocatable :: steps(:)
     logical :: is_checked_only = .false.        !< NO ANALYSIS: the deck is read and checked, nothing is solved
     type(routines_type) :: routines             !< of the user; opened before the start
+    type(origin_type) :: origin                 !< of a job that goes on from the restart file of another one
     logical :: keeps_restart = .false.          !< RESTART, WRITE: the checkpoint stays when the job is done
   end type model_type
 

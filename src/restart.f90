@@ -20,10 +20,10 @@ module amontons_restart
   use amontons_stepper, only: stepper_type
   implicit none
   private
-  public :: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint
+  public :: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint, pack_state, unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it tells the byte order too
-  integer(I64), parameter :: FORMAT_VERSION = 6
+  integer(I64), parameter :: FORMAT_VERSION = 7
   integer, parameter :: N_HEAD = 4                 !< words before those of carry_all
 
   !> All that the next increment depends on.
@@ -36,13 +36,16 @@ module amontons_restart
     integer, allocatable :: node_order(:)          !< system%reduced%node_order
     real(DP), allocatable :: u_start(:, :)         !< system%u_start [length]
     integer, allocatable :: interface(:)           !< (n_nodes) bits: the node is on the interface, its unknowns 1, 2, 3 are held,
-                                                   !< NLGEOM (system%is_contact, is_held, is_bulk_nlgeom)
+    !< NLGEOM (system%is_contact, is_held, is_bulk_nlgeom)
+    real(DP), allocatable :: driven(:, :)          !< (8, n) what a calling program has set (list_driven)
+    real(DP), allocatable :: friction(:)           !< (n_interactions) the same of coefficients of friction [-]
     real(DP), allocatable :: bulk_u(:, :)          !< system%bulk_u: the factor of the bulk is made again from it [length]
   end type snapshot_type
 
   !> What the result files were at a snapshot.
   type :: files_type
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat [bytes]
+    integer(I64) :: archive(3) = 0                 !< of .res: last state, bytes, step of it
     integer(I64) :: frd(3) = 0                     !< bytes, frames, blocks of .frd
     type(pages_type) :: pages                      !< of .vtkhdf
   end type files_type
@@ -173,6 +176,38 @@ contains
   end subroutine write_checkpoint
 
 
+  !> A snapshot as words, for a restart file.
+  subroutine pack_state(model, snapshot, words)
+    type(model_type), intent(in) :: model
+    type(snapshot_type), intent(inout) :: snapshot   !< not changed
+    integer(I64), allocatable, intent(out) :: words(:)
+    type(parcel_type) :: parcel
+    type(files_type) :: files
+    allocate (files%pages%bytes(0, 0), files%pages%index(0))
+    allocate (parcel%words(4096 + 2 * size(snapshot%fields%stress, kind=I64)))
+    call carry_all(parcel, model, snapshot, files)
+    words = parcel%words(:parcel%n)
+  end subroutine pack_state
+
+
+  !> The snapshot of some words. Before: its arrays have the shapes of the model. Errors (EXIT_IO): they do not fit.
+  subroutine unpack_state(path, words, model, snapshot, error)
+    character(*), intent(in) :: path                 !< where they come from, for the message
+    integer(I64), allocatable, intent(inout) :: words(:)   !< gone on return
+    type(model_type), intent(in) :: model
+    type(snapshot_type), intent(inout) :: snapshot
+    type(error_type), allocatable, intent(out) :: error
+    type(parcel_type) :: parcel
+    type(files_type) :: files
+    parcel%is_packing = .false.
+    call move_alloc(words, parcel%words)
+    call carry_all(parcel, model, snapshot, files)
+    if (parcel%n /= size(parcel%words, kind=I64)) parcel%is_sound = .false.
+    if (.not. parcel%is_sound) call set_error(error, EXIT_IO, 'The restart file ' // path // ' does not fit the model: it ' // &
+      'was written by another version of Amontons.')
+  end subroutine unpack_state
+
+
   !> Reads a checkpoint. Before: the arrays of the snapshot have the shapes of the model.
   !!
   !! Errors (EXIT_IO): it is not there, damaged, from another version of the program, or of another deck.
@@ -265,6 +300,8 @@ contains
     call parcel%carry(snapshot%u_start)
     call carry_order(parcel, model%mesh%n_nodes, snapshot%interface)
     call carry_bulk(parcel, model%mesh%n_nodes, snapshot%bulk_u)
+    call carry_table(parcel, 8, snapshot%driven)
+    call parcel%carry(snapshot%friction)
     call carry_fields(parcel, snapshot%fields)
     call carry_files(parcel, files)
   end subroutine carry_all
@@ -302,6 +339,25 @@ contains
   end subroutine carry_order
 
 
+  !> A table whose rows are known and whose columns are not.
+  subroutine carry_table(parcel, n_rows, table)
+    type(parcel_type), intent(inout) :: parcel
+    integer, intent(in) :: n_rows
+    real(DP), allocatable, intent(inout) :: table(:, :)
+    integer :: n
+    n = 0
+    if (parcel%is_packing) n = size(table, 2)
+    call parcel%carry(n)
+    if (.not. parcel%is_packing) then
+      if (n < 0 .or. n > size(parcel%words)) parcel%is_sound = .false.
+      if (.not. parcel%is_sound) return
+      if (allocated(table)) deallocate (table)
+      allocate (table(n_rows, n), source=0.0_DP)
+    end if
+    call parcel%carry(table)
+  end subroutine carry_table
+
+
   !> Where the factor of the bulk was made, if there is one.
   subroutine carry_bulk(parcel, n_nodes, u)
     type(parcel_type), intent(inout) :: parcel
@@ -320,6 +376,7 @@ contains
   subroutine carry_fields(parcel, fields)
     type(parcel_type), intent(inout) :: parcel
     type(fields_type), intent(inout) :: fields
+    logical :: has_birth
     call parcel%carry(fields%step)
     call parcel%carry(fields%increment)
     call parcel%carry(fields%time_increment)
@@ -338,7 +395,10 @@ contains
     call parcel%carry(fields%volume)
     call parcel%carry(fields%history)
     call parcel%carry(fields%temperature)
-    if (allocated(fields%birth)) call parcel%carry(fields%birth)
+    has_birth = allocated(fields%birth)
+    call parcel%carry(has_birth)
+    if (has_birth .and. .not. allocated(fields%birth)) parcel%is_sound = .false.
+    if (has_birth .and. parcel%is_sound) call parcel%carry(fields%birth)
     call parcel%carry(fields%internal_force)
     call parcel%carry(fields%applied_force)
     call parcel%carry(fields%contact_force)
@@ -377,6 +437,7 @@ contains
     do i = 1, 3
       call parcel%carry(files%lengths(i))
       call parcel%carry(files%frd(i))
+      call parcel%carry(files%archive(i))
     end do
     associate (pages => files%pages)
       call parcel%carry(pages%end)

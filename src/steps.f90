@@ -85,6 +85,8 @@ module amontons_steps
     logical, allocatable :: is_removed(:)  !< (n_pairs) pairs taken out; not allocated: none
     real(DP), allocatable :: interference(:)   !< (n_pairs) overclosure allowed, ramped down over the step [length]
     logical, allocatable :: is_shrink(:)   !< (n_pairs) the same for each node's own overclosure at the start of the step
+    integer :: restart_frequency = 0       !< RESTART, WRITE: every n-th increment, and the last of the step, is kept; 0: none
+    logical :: is_restart_overlay = .false.   !< only the last of them
     integer :: print_frequency = 1         !< every n-th increment, and the last of the step, goes to the .dat file; 0: none
     integer :: file_frequency = 1          !< the same for the result file
     real(DP), allocatable :: print_times(:)   !< TIME POINTS of the prints, ascending, in place of print_frequency [step time]

@@ -12,7 +12,7 @@ from ctypes import CFUNCTYPE, POINTER, Structure, c_char_p, c_double, c_int, c_i
 from functools import cache
 from pathlib import Path
 
-ABI = 2
+ABI = 3
 NAME = "libamontons.so"
 
 Log = CFUNCTYPE(None, c_void_p, c_char_p)
@@ -34,6 +34,7 @@ class Options(Structure):
         ("outdir", c_char_p),
         ("dialect", c_char_p),
         ("user", c_char_p),
+        ("old_job", c_char_p),
         ("log", Log),
         ("context", c_void_p),
     ]

@@ -130,6 +130,7 @@ class Job:
         resume: bool = False,
         check: bool = False,
         user: str | PathLike[str] | None = None,
+        old_job: str | PathLike[str] | None = None,
         log: Callable[[str], None] | None = None,
     ) -> None:
         """Begins a job.
@@ -146,6 +147,7 @@ class Job:
             resume: go on after that checkpoint.
             check: read and audit the deck, no more.
             user: routines of the user (UMAT, ...): a Fortran file, which is compiled, or a shared library.
+            old_job: the job whose restart file (old_job.res) a deck with *RESTART, READ goes on from.
             log: is given the lines that the program would print.
 
         Raises:
@@ -156,7 +158,7 @@ class Job:
         self._log = Log((lambda _, line: log(line.decode(errors="replace"))) if log else 0)
         options = Options(
             ABI, threads, files, checkpoint, resume, check, encoded(deck), encoded(text), encoded(name), encoded(outdir),
-            encoded(dialect), encoded(user), self._log, None,
+            encoded(dialect), encoded(user), encoded(old_job), self._log, None,
         )  # fmt: skip
         status = self._library.amontons_open(ctypes.byref(options), ctypes.byref(self._job))
         try:

@@ -222,6 +222,94 @@ def test_library_resumes(block: Path, tmp_path: Path) -> None:
     assert not (tmp_path / "dropped.restart").exists()
 
 
+def warm_deck(block: Path) -> str:  # noqa: F811
+    """The block with temperatures and thermal strain."""
+    deck = block.read_text().replace("*ELASTIC\n", "*EXPANSION\n1.2e-5\n*ELASTIC\n")
+    nodes = [line.split(",")[0] for line in deck.split("*NODE", 1)[1].split("\n*", 1)[0].splitlines()[1:]]
+    start = "*INITIAL CONDITIONS, TYPE=TEMPERATURE\n" + "\n".join(f"{node}, 20." for node in nodes) + "\n"
+    first, rest = deck.split("*STEP", 1)
+    return first + start + "*STEP" + rest
+
+
+def drive(job: amontons.Job, i: int) -> None:
+    """What a calling program does in its i-th turn: sets values, tries, rolls back, commits."""
+    if i == 1:
+        job.set("CF2", "LOWER_TOP", 0.02)
+        job.set("P", "LOWER_TOP", 0.5)
+    if i == 2:
+        job.set("U3", "UPPER_TOP", -0.0011)
+        job.set("FRICTION", "", 0.25)
+    if i in (3, 6):
+        job.set("NT", "UPPER_TOP", 20.0 + 5 * i)
+        job.try_step(0.3)
+        job.rollback()
+    job.try_step(0.1)
+    if i == 4:
+        job.set("CF2", "LOWER_TOP", -0.03)  # after the solution: it is reached in the next turn
+    job.commit()
+
+
+def test_values_that_were_set_are_in_the_checkpoint(block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """Forces, pressures, displacements, temperatures and friction, set on the way: a job that was dropped goes on bitwise,
+    wherever it was dropped, with what stood then."""
+    deck = warm_deck(block)
+    with amontons.Job(text=deck, name="whole", outdir=tmp_path, files=True) as job:
+        for i in range(14):
+            drive(job, i)
+        assert job.get("NT", "UPPER_TOP").max() == 50.0
+        job.advance()
+    for last in (1, 2, 4, 9):
+        job = amontons.Job(text=deck, name="dropped", outdir=tmp_path, checkpoint=True)
+        for i in range(last + 1):
+            drive(job, i)
+        job.close()
+        with amontons.Job(text=deck, name="dropped", outdir=tmp_path, resume=True, checkpoint=True) as job:
+            assert job.number("FRICTION") == (0.3 if last < 2 else 0.25)
+            for i in range(last + 1, 14):
+                drive(job, i)
+            job.advance()
+        assert same_results(tmp_path / "whole.vtkhdf", tmp_path / "dropped.vtkhdf") == [], last
+
+
+def test_what_is_set_after_a_trial_waits(cubes: Path) -> None:  # noqa: F811
+    """A value set between a trial and its commit is not lost: the next increment reaches it."""
+    with amontons.Job(cubes) as job:
+        job.set("U3", "LID", -0.0001)
+        job.try_step(0.2)
+        job.set("U3", "LID", -0.0002)
+        job.commit()
+        assert np.all(job.get("U", "LID")[:, 2] == -0.0001)
+        job.try_step(0.2)
+        job.commit()
+        assert np.all(job.get("U", "LID")[:, 2] == -0.0002)
+
+
+def test_friction_is_set_for_all_steps(block: Path) -> None:  # noqa: F811
+    """A coefficient that was set holds in later steps too, also where the deck changes it."""
+    deck = block.read_text()
+    change = "*CHANGE FRICTION, INTERACTION=RUBBING\n*FRICTION\n0.6\n*STATIC"
+    head, tail = deck.rsplit("*STATIC", 1)
+    with amontons.Job(text=head + change + tail) as changed, amontons.Job(block) as plain:
+        for job in (changed, plain):
+            job.set("FRICTION", "", 0.2)
+            job.advance_to(1.5)
+        assert np.abs(changed.get("CSHEAR")).max() > 0
+        assert bits(changed.get("U")) == bits(plain.get("U"))
+
+
+def test_old_job(block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """RESTART, READ through the library: bitwise the second step of the whole job."""
+    first, second = block.read_text().rsplit("*STEP", 1)
+    with amontons.Job(text=first.replace("*STATIC", "*RESTART, WRITE\n*STATIC"), name="old", outdir=tmp_path, files=True) as job:
+        job.run()
+    with amontons.Job(text="*RESTART, READ, STEP=1\n*STEP" + second, old_job=tmp_path / "old") as part, amontons.Job(block) as whole:
+        whole.advance_to(1.0)
+        assert bits(part.get("U")) == bits(whole.get("U"))
+        whole.run()
+        part.run()
+        assert fields(part)[:12] == fields(whole)[:12]
+
+
 def test_result_file_while_open(block: Path, tmp_path: Path) -> None:
     """A viewer may read the file between two increments."""
     with amontons.Job(block, outdir=tmp_path, files=True) as job:
