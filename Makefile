@@ -12,7 +12,7 @@ endif
 .SUFFIXES:
 
 # --- what the user may set ----------------------------------------------------------------------------------------
-BUILD  ?= release#     release, debug or sanitize
+BUILD  ?= release#     release, debug, sanitize or races
 WERROR ?=#             1: a warning of the compiler is an error
 V      ?=#             1: show the commands as they are run
 ARCH   ?= -march=native
@@ -31,12 +31,12 @@ ifeq ($(BUILD),release)
 B := build
 BIN := bin
 LIB := lib
-else ifneq ($(filter $(BUILD),debug sanitize),)
+else ifneq ($(filter $(BUILD),debug sanitize races),)
 B := build/$(BUILD)
 BIN := $(B)/bin
 LIB := $(B)/lib
 else
-$(error BUILD is "$(BUILD)"; it can be release, debug or sanitize)
+$(error BUILD is "$(BUILD)"; it can be release, debug, sanitize or races)
 endif
 VENV := .venv
 Q := $(if $(V),,@)
@@ -51,8 +51,9 @@ CWARN := -Wall -Wextra -pedantic
 OPT_release  := -O3 $(ARCH) -g
 OPT_debug    := -O0 -g -fno-omit-frame-pointer
 OPT_sanitize := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined
+OPT_races    := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
 CHECK_debug    := -fcheck=all -fbacktrace -ffpe-trap=invalid,zero,overflow -finit-real=snan
-CHECK_sanitize := -fcheck=all -fbacktrace -finit-real=snan
+CHECK_sanitize := -fcheck=all,no-array-temps -fbacktrace -finit-real=snan
 UNIT_release := -O1#  the programs of the unit tests are compiled often and run once
 COMMON := $(OPT_$(BUILD)) -fPIC -fopenmp $(if $(WERROR),-Werror)
 
@@ -87,9 +88,9 @@ $(B)/amontons_$(1).mod: $(B)/$(1).o ;
 endef
 $(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
 
-.PHONY: report bench study all build ready proven deps run programs test check verify unit debug sanitize format lint doc api install place hooks clean help
+.PHONY: report bench study all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place hooks clean help
 
-all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize: into build/debug, ...; WERROR=1)
+all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize|races: into build/debug, ...; WERROR=1)
 	@$(MAKE) build
 
 build: $(PRODUCTS)
@@ -131,8 +132,14 @@ $(B)/unit/test_%: verify/unit/test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a 
 debug: ready ## Build with all run-time checks into build/debug
 	@$(MAKE) BUILD=debug build
 
-sanitize: ready ## Build with the address and undefined-behaviour sanitizers into build/sanitize
+sanitize: ready $(VENV)/installed ## Build with the address and undefined-behaviour sanitizers into build/sanitize, and run jobs under them
 	@$(MAKE) BUILD=sanitize build
+	@$(PY) verify/sanitizers/run.py --program build/sanitize/bin/amontons
+
+races: ready $(VENV)/installed ## Build with ThreadSanitizer into build/races, and run jobs on two threads under it (gcc, Linux)
+	@$(MAKE) BUILD=races build
+	$(Q)$(CC) -std=c11 -O1 $(CWARN) -fPIC -shared -o build/races/gomp_order.so verify/sanitizers/gomp_order.c -ldl
+	@$(PY) verify/sanitizers/run.py --program build/races/bin/amontons --preload build/races/gomp_order.so
 
 # --- what must be there first -------------------------------------------------------------------------------------
 deps: ready ## Install what is missing (Debian, Ubuntu: apt; elsewhere it is told), and the Python packages into .venv

@@ -20,6 +20,7 @@ module amontons_analysis
   use amontons_changes, only: change_model, bear_elements
   use amontons_adjust, only: adjust_slaves
   use amontons_user_job, only: start_routines, heed_routines, ask_amplitudes, recall_amplitudes
+  use amontons_user_state, only: start_variables
   use amontons_fasten, only: fasten_model
   use amontons_system, only: plan_solver, system_type, create_system, begin_step, begin_increment
   use amontons_audit, only: audit_model, audit_summary
@@ -113,6 +114,7 @@ contains
     if (allocated(error)) return
     call change_model(analysis%model, 0)
     call create_system(analysis%system, analysis%model, analysis%state, error)
+    if (.not. allocated(error)) call start_variables(analysis%model, analysis%state, error)
     if (allocated(error)) return
     if (.not. (options%is_resumed .or. allocated(analysis%model%origin%path))) call audit(analysis, journal, error)
     if (allocated(error) .or. analysis%options%is_check) return

@@ -80,23 +80,27 @@ contains
 
   !> Begins a job.
   integer(c_int) function capi_open(options, handle) bind(C, name='amontons_open') result(status)
-    type(options_type), intent(in) :: options
+    type(c_ptr), value :: options                  !< amontons_options
     type(c_ptr), intent(out) :: handle
+    type(options_type), pointer :: given
     type(handle_type), pointer :: self
     type(job_options_type) :: wanted
     type(c_listener_type) :: listener
     type(error_type), allocatable :: error
     integer :: no_memory
     handle = c_null_ptr
+    status = EXIT_USAGE
+    if (.not. c_associated(options)) return
+    call c_f_pointer(options, given)
     allocate (self, stat=no_memory)
     status = EXIT_SOLVER
     if (no_memory /= 0) return
     handle = c_loc(self)
-    call take_options(options, wanted, error)
+    call take_options(given, wanted, error)
     if (.not. allocated(error)) then
-      listener%log = options%log
-      listener%context = options%context
-      if (c_associated(options%log)) then
+      listener%log = given%log
+      listener%context = given%context
+      if (c_associated(given%log)) then
         call open_job(self%job, wanted, error, listener)
       else
         call open_job(self%job, wanted, error)
@@ -300,12 +304,18 @@ contains
   !> Sets a quantity by name.
   integer(c_int) function capi_set(handle, quantity, set, values, n) bind(C, name='amontons_set') result(status)
     type(c_ptr), value :: handle, quantity, set
+    type(c_ptr), value :: values                   !< double[n]
     integer(c_int64_t), value :: n
-    real(c_double), intent(in) :: values(n)
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
+    real(c_double), pointer :: given(:)
     if (.not. is_found(handle, self, status)) return
-    call set_values(self%job, text_at(quantity), text_at(set), values, error)
+    if (n <= 0 .or. .not. c_associated(values)) then
+      call set_error(error, EXIT_USAGE, 'No values of ' // text_at(quantity) // ' are given.')
+    else
+      call c_f_pointer(values, given, [n])
+      call set_values(self%job, text_at(quantity), text_at(set), given, error)
+    end if
     status = told(self, error)
   end function capi_set
 

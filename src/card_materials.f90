@@ -103,15 +103,21 @@ contains
   subroutine describe_user(table)
     type(card_table_type), intent(inout) :: table
     call table%card('USER MATERIAL', IN_MODEL, 'The stress by a routine UMAT of the user, with the arguments of Abaqus, ' // &
-      'in place of ELASTIC: amontons job user=file. It is called for all elements as in space (NTENS = 6).', &
+      'in place of ELASTIC: amontons job user=file. NTENS is 6 in space, 4 in plane strain and around an axis, 3 in plane ' // &
+      'stress, 1 in trusses.', &
       parent='MATERIAL', data='the constants, in lines of eight')
     call table%option('CONSTANTS', VALUE_INTEGER, 'Number of constants (NPROPS).', default='required')
+    call table%option('LIBRARY', VALUE_TEXT, 'File that holds the routine, Fortran or a shared library, beside the deck; it ' // &
+      'counts before that of the command line (our own parameter).')
+    call table%option('SPATIAL', VALUE_NONE, 'The routine is called with NTENS = 6 for all elements; the strains that ' // &
+      'are free in plane stress and in trusses are found by us (our own parameter).')
     call table%option('TYPE', VALUE_WORD, 'What the routine gives.', allowed='MECHANICAL', default='MECHANICAL')
     call table%refuse_words('THERMAL', 'There is no heat transfer.')
     call table%option('UNSYMM', VALUE_NONE, 'The symmetric part of DDSDDE is taken.', status=STATUS_NOTED)
     call table%option('HYBRID FORMULATION|EFFMOD', VALUE_TEXT, 'Only stress from strain.', status=STATUS_REFUSED)
     call table%card('DEPVAR', IN_MODEL, 'Number of variables that UMAT keeps at each point (STATEV), zero at the ' // &
-      'start.', parent='MATERIAL', data='number; further lines that name the variables are passed over')
+      'start unless INITIAL CONDITIONS, TYPE=SOLUTION says otherwise.', parent='MATERIAL', &
+      data='number; further lines that name the variables are passed over')
     call table%option('DELETE', VALUE_TEXT, 'Elements are the same in all steps.', status=STATUS_REFUSED)
   end subroutine describe_user
 
@@ -206,14 +212,14 @@ contains
     call table%card('INITIAL CONDITIONS', IN_MODEL, 'What the bodies start with.', data='TEMPERATURE: node or node ' // &
       'set, temperature. STRESS, PLASTIC STRAIN: element or element set, in the calculix dialect integration point, ' // &
       'six components 11 22 33 12 13 23. HARDENING: element or element set, equivalent plastic strain, six back ' // &
-      'stresses')
-    call table%option('TYPE', VALUE_WORD, 'What is given.', allowed='TEMPERATURE|STRESS|PLASTIC STRAIN|HARDENING', &
+      'stresses. SOLUTION: element or element set, the STATEV of its points, in further lines of eight')
+    call table%option('TYPE', VALUE_WORD, 'What is given.', allowed='TEMPERATURE|STRESS|PLASTIC STRAIN|HARDENING|SOLUTION', &
       default='required')
-    call table%refuse_words('DISPLACEMENT|VELOCITY|FLUID VELOCITY|PRESSURE|MASS FLOW|TOTAL PRESSURE|SOLUTION|FIELD|' // &
+    call table%refuse_words('DISPLACEMENT|VELOCITY|FLUID VELOCITY|PRESSURE|MASS FLOW|TOTAL PRESSURE|FIELD|' // &
       'RATIO|SATURATION|PORE PRESSURE|SPECIFIC ENERGY|SPUD EMBEDMENT|SPUD PRELOAD|RELATIVE DENSITY|CONCENTRATION|' // &
       'ENRICHMENT|FLUID PRESSURE|ROTATING VELOCITY|NODE REF COORDINATE|REF COORDINATE|REBAR STRESS|POROSITY|' // &
       'INITIAL GAP|ACOUSTIC STATIC PRESSURE', 'A quasi-static job starts at rest and undeformed.')
-    call table%option('USER', VALUE_NONE, 'There are no user subroutines; give the values.', status=STATUS_REFUSED)
+    call table%option('USER', VALUE_NONE, 'SOLUTION: the routine SDVINI of the user gives the STATEV.')
     call table%option('FILE|INPUT|STEP|INC|GEOSTATIC|SECTION POINTS|UNBALANCED STRESS|MIDSIDE|INTERPOLATE|NUMBER ' // &
       'BACKSTRESSES|DRIVING ELSETS|REBAR', VALUE_TEXT, 'Give the values.', status=STATUS_REFUSED)
     call table%card('TEMPERATURE', IN_STEP, 'Prescribes nodal temperatures, which go to their values over the step.', &

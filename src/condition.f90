@@ -12,7 +12,7 @@ module amontons_condition
   use amontons_material_point, only: point_type, update_point
   use amontons_materials, only: material_type
   use amontons_points, only: points_type, begin_point
-  use amontons_stress, only: stress_small, stress_finite, STRESS_OK, STRESS_NOT_FINITE
+  use amontons_stress, only: stress_small, stress_finite, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_tensor, only: pack_voigt
   implicit none
   private
@@ -43,6 +43,12 @@ contains
     integer :: first, i, step
     logical :: is_settled
     first = 4 - condition
+    if (condition /= CONDITION_NONE .and. allocated(point%user)) then
+      if (point%user%values%ndi < 3) then
+        call respond_within(condition, material, is_nlgeom, point, status)
+        return
+      end if
+    end if
     is_settled = .false.
     e = 0
     correction = 0
@@ -73,6 +79,29 @@ contains
     call condense(first, point%tangent)
     point%stress(first:3) = 0
   end subroutine stress_under
+
+
+  !> A user's law that knows only the stresses that are not zero. At finite strain the volume stays the same, as Abaqus has it for
+  !! such elements; at small strain the strains across are not known and stay zero.
+  pure subroutine respond_within(condition, material, is_nlgeom, point, status)
+    integer, intent(in) :: condition               !< CONDITION_PLANE_STRESS or CONDITION_UNIAXIAL
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom
+    type(point_type), intent(inout) :: point       !< in: H, past, ...; out: stress, tangent, strain, energy, history
+    integer, intent(out) :: status                 !< STRESS_...
+    real(DP) :: area
+    point%H(3, 3) = 0
+    if (condition == CONDITION_UNIAXIAL) point%H(2, 2) = 0
+    if (is_nlgeom) then
+      area = (1 + point%H(1, 1)) * (1 + point%H(2, 2)) - point%H(1, 2) * point%H(2, 1)
+      status = STRESS_INVERTED
+      if (.not. area > 0) return
+      point%H(3, 3) = 1 / area - 1
+      if (condition == CONDITION_UNIAXIAL) point%H(3, 3) = 1 / sqrt(area) - 1
+      if (condition == CONDITION_UNIAXIAL) point%H(2, 2) = point%H(3, 3)
+    end if
+    call respond(material, is_nlgeom, point, status)
+  end subroutine respond_within
 
 
   !> The tangent of a point that has no strain and no past: the elastic constants.

@@ -3,7 +3,7 @@
 module amontons_deck_conditions
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_real
-  use amontons_card_form, only: parameter_text, parameter_word
+  use amontons_card_form, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_integer, need_at_most, &
     need_no_data, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
   use amontons_loads, only: temperature_type, load_value
@@ -226,6 +226,12 @@ contains
         allocate (model%initial_stress(6, model%mesh%n_points), source=0.0_DP)
       if ((what == 'PLASTICSTRAIN' .or. what == 'HARDENING') .and. .not. allocated(model%initial_history)) &
         allocate (model%initial_history(HISTORY_BACK + 5, model%mesh%n_points), source=0.0_DP)
+      if (has_parameter(parameters, 'USER')) then
+        if (what /= 'SOLUTION') call complain(reader, reader%cards%cards(c)%line, 'USER goes with TYPE=SOLUTION alone.')
+        model%has_sdvini = .true.
+      else if (what == 'SOLUTION') then
+        call read_initial_variables(reader, row, model)
+      end if
       do while (next_row(reader%cards, row))
         select case (what)
         case ('TEMPERATURE')
@@ -236,6 +242,51 @@ contains
       end do
     end do
   end subroutine read_initial_conditions
+
+
+  !> Rows: element or element set, seven STATEV; then eight in a line until the material of the elements has enough.
+  subroutine read_initial_variables(reader, row, model)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    type(model_type), intent(inout) :: model
+    integer, allocatable :: elements(:)
+    real(DP), allocatable :: values(:)
+    integer :: i, k, n, first
+    logical :: is_ok
+    n = 0
+    if (size(model%materials) > 0) n = maxval(model%materials%n_statev)
+    if (.not. allocated(model%initial_statev)) allocate (model%initial_statev(n, model%mesh%n_points), source=0.0_DP)
+    do while (next_row(reader%cards, row))
+      is_ok = .true.
+      call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
+      if (.not. is_ok .or. size(elements) == 0) cycle
+      n = 0
+      do i = 1, size(elements)
+        if (model%mesh%material(elements(i)) > 0) n = max(n, model%materials(model%mesh%material(elements(i)))%n_statev)
+      end do
+      if (n == 0) call complain(reader, row%line, 'The material of these elements has no *DEPVAR: there are no STATEV to set.')
+      allocate (values(n), source=0.0_DP)
+      first = 2
+      k = 0
+      do
+        call need_at_most(reader, row, min(first - 1 + n - k, 8))
+        do i = first, min(first - 1 + n - k, 8)
+          call need_real(reader, row, i, 'STATEV', values(k + i - first + 1), is_ok, 0.0_DP)
+        end do
+        k = min(n, k + 9 - first)
+        if (k >= n) exit
+        first = 1
+        if (.not. next_row(reader%cards, row)) exit
+      end do
+      do i = 1, merge(size(elements), 0, is_ok)
+        associate (e => elements(i))
+          model%initial_statev(:n, model%mesh%point_first(e):model%mesh%point_first(e + 1) - 1) = &
+            spread(values, 2, model%mesh%point_first(e + 1) - model%mesh%point_first(e))
+        end associate
+      end do
+      deallocate (values)
+    end do
+  end subroutine read_initial_variables
 
 
   !> Row: node or node set, temperature; gradients of shells may follow and are passed over.

@@ -179,6 +179,8 @@ contains
     integer :: n, status
     call open_card(reader, c, parameters, row)
     material%is_user = .true.
+    material%is_spatial = has_parameter(parameters, 'SPATIAL')
+    if (has_parameter(parameters, 'LIBRARY')) material%library = parameter_text(parameters, 'LIBRARY')
     call parse_integer(parameter_text(parameters, 'CONSTANTS'), n, status)
     if (status /= NUMBER_OK .or. n < 0) then
       call complain(reader, reader%cards%cards(c)%line, 'CONSTANTS must be the number of the constants of UMAT, 0 or more.')

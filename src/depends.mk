@@ -101,7 +101,7 @@ uses_spin = kinds topology shapes element
 
 # 5 system: unknowns, residual, matrix
 uses_state = kinds tensor topology mesh materials loads steps model shapes material_point
-uses_user_state = kinds user topology mesh materials loads model shapes points element state
+uses_user_state = kinds errors user topology mesh materials loads model shapes points element state
 uses_changes = mesh model state
 uses_constraints = kinds errors sparse
 uses_condensed = kinds errors sparse dense partition factor constraints
@@ -153,9 +153,9 @@ uses_frd = kinds errors version history posix digits topology mesh materials ste
 # 7 roof: the job
 uses_restart = kinds errors posix store model state reduced system newton stepper
 uses_failure = kinds text model state system converge forensics newton
-uses_user_job = kinds errors journal user surfaces model user_material state
-uses_analysis = kinds errors text history journal posix dense factor store archive steps model deck state changes fasten slaves contact_fields adjust system audit converge newton stepper results printed frd restart failure user_job drive
+uses_user_job = kinds errors journal user materials surfaces model user_material state user_state
+uses_analysis = kinds errors text history journal posix dense factor store archive steps model deck state user_state changes fasten slaves contact_fields adjust system audit converge newton stepper results printed frd restart failure user_job drive
 uses_drive = kinds errors text loads steps model
-uses_library = kinds errors text journal sparse user topology model state contact_fields system converge stepper columns results analysis drive
+uses_library = kinds errors text journal sparse topology model state contact_fields system converge stepper columns results user_job analysis drive
 uses_capi = kinds errors version text sparse model library
 uses_main = errors version journal posix model card_table deck analysis

@@ -17,7 +17,7 @@ module amontons_library
   use amontons_sparse, only: sparse_type, full_of, multiply_transpose
   use amontons_state, only: state_type
   use amontons_topology, only: kind_type, facet_kind_type, element_kind, facet_kind
-  use amontons_user, only: close_routines
+  use amontons_user_job, only: end_routines
   use amontons_system, only: evaluate, linearise, tangent_matrix, TROUBLE_NONE
   use amontons_columns, only: column_type, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
   use amontons_contact_fields, only: nodal_slaves
@@ -263,7 +263,7 @@ contains
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
     call finish_job(job, error)
-    call close_routines(job%analysis%model%routines)
+    call end_routines(job%analysis%model)
   end subroutine close_job
 
 

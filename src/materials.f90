@@ -97,6 +97,8 @@ module amontons_materials
     integer :: creep_law = CREEP_NONE
     type(table_type) :: creep                   !< A, n, m
     logical :: is_user = .false.                !< UMAT gives the stress
+    logical :: is_spatial = .false.             !< UMAT is called as in space for all elements
+    character(:), allocatable :: library        !< file that holds it; not there: that of the job
     real(DP), allocatable :: props(:)           !< its PROPS
     integer :: n_statev = 0                     !< number of its STATEV
     real(DP) :: at_rest(6, 6) = 0               !< its DDSDDE at rest, set before the start [stress]

@@ -74,6 +74,8 @@ module amontons_model
     type(step_type), allocatable :: steps(:)
     logical :: is_checked_only = .false.        !< NO ANALYSIS: the deck is read and checked, nothing is solved
     type(routines_type) :: routines             !< of the user; opened before the start
+    real(DP), allocatable :: initial_statev(:, :)   !< (STATEV, n_points) of INITIAL CONDITIONS, TYPE=SOLUTION; not there: 0
+    logical :: has_sdvini = .false.             !< SDVINI gives them
     type(origin_type) :: origin                 !< of a job that goes on from the restart file of another one
     logical :: keeps_restart = .false.          !< RESTART, WRITE: the checkpoint stays when the job is done
   end type model_type

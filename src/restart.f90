@@ -335,7 +335,7 @@ contains
     do i = 1, n_nodes
       call parcel%carry(order(i))
     end do
-    parcel%is_sound = parcel%is_sound .and. all(order >= 0 .and. order <= n_nodes)
+    parcel%is_sound = parcel%is_sound .and. all(order >= 0 .and. order <= max(n_nodes, 31))   ! 31: all bits of the interface
   end subroutine carry_order
 
 

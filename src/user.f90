@@ -31,7 +31,7 @@ module amontons_user
     type(c_ptr) :: handle = c_null_ptr
   end type routines_type
 
-  !> What goes through UMAT in space beside STATEV and PROPS; components 11 22 33 12 13 23, engineering shears.
+  !> What goes through UMAT beside STATEV and PROPS; components 11 22 33 12 13 23, engineering shears.
   type, bind(C) :: umat_type
     real(c_double) :: stress(6) = 0                !< in: at the start, rotated; out: at the end [stress]
     real(c_double) :: ddsdde(6, 6) = 0             !< [stress]
@@ -45,6 +45,7 @@ module amontons_user
     real(c_double) :: drot(3, 3) = 0, dfgrd0(3, 3) = 0, dfgrd1(3, 3) = 0   !< [-]
     integer(c_int) :: noel = 0, npt = 0, step = 0, increment = 0
     integer(c_int) :: is_taken = 0                 !< out; 1: take the answer; 2: PNEWDT < 1; 0: XIT
+    integer(c_int) :: ndi = 3, nshr = 3            !< normal and shear components that UMAT knows; the others are zero
   end type umat_type
 
   !> What goes through UAMP beside properties and variables.
@@ -277,7 +278,7 @@ contains
   end subroutine hear_routines
 
 
-  !> UMAT in space.
+  !> UMAT.
   pure subroutine call_umat(routines, name, props, statev, values)
     type(routines_type), intent(in) :: routines
     character(CALL_NAME), intent(in) :: name       !< CMNAME

@@ -209,9 +209,11 @@ contains
   end subroutine subtract_turning
 
 
-  !> DDSDDE of a material that nothing has happened to: what stabilises elements with one point. Called before the start.
-  subroutine find_rest_tangent(material, dt, error)
+  !> DDSDDE of a material that nothing has happened to: what stabilises elements with one point. Called before the start, for
+  !! the largest number of components that its elements have.
+  subroutine find_rest_tangent(material, components, dt, error)
     type(material_type), intent(inout) :: material !< out: at_rest, youngs_modulus
+    integer, intent(in) :: components(2)           !< NDI, NSHR
     real(DP), intent(in) :: dt                     !< first increment of the job [time]
     type(error_type), allocatable, intent(out) :: error
     type(umat_type) :: values
@@ -219,6 +221,8 @@ contains
     character(CALL_NAME) :: name
     name = material%name
     statev = 0
+    values%ndi = components(1)
+    values%nshr = components(2)
     values%dtime = dt
     values%noel = 1
     values%npt = 1
@@ -234,11 +238,41 @@ contains
         ''' at rest (no strain, STATEV = 0): it calls XIT, or gives what is not finite.')
       return
     end if
+    call fill_in_space(components, values%ddsdde)
     material%at_rest = 0.5_DP * (values%ddsdde(PLACE, PLACE) + transpose(values%ddsdde(PLACE, PLACE)))
     associate (G => material%at_rest(4, 4), lambda => material%at_rest(1, 2))
       if (G + lambda > 0) material%youngs_modulus = G * (3 * lambda + 2 * G) / (lambda + G)
       if (G + lambda > 0) material%poissons_ratio = lambda / (2 * (lambda + G))
     end associate
   end subroutine find_rest_tangent
+
+
+  !> What a plane or a bar does not know of a tangent in space, as if it were isotropic (a bar: with nu = 0.3).
+  pure subroutine fill_in_space(components, c)
+    integer, intent(in) :: components(2)           !< NDI, NSHR
+    real(DP), intent(inout) :: c(6, 6)             !< 11 22 33 12 13 23 [stress]
+    real(DP) :: E, nu, lambda, G
+    integer :: i
+    if (components(2) == 3) return
+    if (components(1) == 3) then
+      c(5, 5) = c(4, 4)
+      c(6, 6) = c(4, 4)
+      return
+    end if
+    E = c(1, 1)
+    nu = 0.3_DP
+    if (components(1) == 2) then
+      if (c(1, 1) > 0) nu = max(-0.9_DP, min(0.49_DP, c(1, 2) / c(1, 1)))
+      E = c(1, 1) * (1 - nu**2)
+    end if
+    G = E / (2 * (1 + nu))
+    lambda = 2 * G * nu / (1 - 2 * nu)
+    c = 0
+    c(:3, :3) = lambda
+    do i = 1, 3
+      c(i, i) = lambda + 2 * G
+      c(i + 3, i + 3) = G
+    end do
+  end subroutine fill_in_space
 
 end module amontons_user_material

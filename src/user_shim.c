@@ -350,27 +350,51 @@ typedef void umat_routine(double *stress, double *statev, double *ddsdde, double
                           const double *dfgrd1, const int *noel, const int *npt, const int *layer, const int *kspt,
                           const int *jstep, const int *kinc, size_t n_cmname);
 
-/* What goes through UMAT in space beside STATEV and PROPS; components 11 22 33 12 13 23. umat_type of user.f90. */
+/* What goes through UMAT beside STATEV and PROPS; components 11 22 33 12 13 23, of which the routine gets those that its
+ * element has. umat_type of user.f90. */
 typedef struct {
   double stress[6], ddsdde[36], energies[3], stran[6], dstran[6], time[2], dtime, temp, dtemp, celent, coords[3], drot[9],
     dfgrd0[9], dfgrd1[9];
   int noel, npt, step, increment;
   int is_taken;          /* 1: take the answer; 2: PNEWDT < 1; 0: it has called XIT */
+  int ndi, nshr;         /* normal and shear components: 3 3 in space, 3 1 in plane strain, 2 1 in plane stress, 1 0 in bars */
 } umat_values;
+
+/* The places of the components that an element has; how many. */
+static int list_components(const umat_values *v, int *place)
+{
+  for (int i = 0; i < v->ndi; i++) place[i] = i;
+  for (int i = 0; i < v->nshr; i++) place[v->ndi + i] = 3 + i;
+  return v->ndi + v->nshr;
+}
 
 void amontons_user_umat(void *handle, const char *cmname, const double *props, int nprops, double *statev, int nstatv,
                         umat_values *v)
 {
   routines *self = handle;
-  const int ndi = 3, nshr = 3, ntens = 6, one = 1;
+  const int one = 1;
+  int place[6];
+  const int ntens = list_components(v, place);
+  double stress[6] = {0}, ddsdde[36] = {0}, stran[6] = {0}, dstran[6] = {0};
+  for (int i = 0; i < ntens; i++) {
+    stress[i] = v->stress[place[i]];
+    stran[i] = v->stran[place[i]];
+    dstran[i] = v->dstran[place[i]];
+  }
   const int jstep[4] = {v->step, 1, 0, 0};
   const double none = 0;
   double rpl = 0, drpldt = 0, ddsddt[6] = {0}, drplde[6] = {0}, pnewdt = 1;
   umat_routine *umat = (umat_routine *)(uintptr_t)self->routine[UMAT];
-  CALL(self, umat(v->stress, statev, v->ddsdde, &v->energies[0], &v->energies[1], &v->energies[2], &rpl, ddsddt, drplde,
-                  &drpldt, v->stran, v->dstran, v->time, &v->dtime, &v->temp, &v->dtemp, &none, &none, cmname, &ndi, &nshr,
+  CALL(self, umat(stress, statev, ddsdde, &v->energies[0], &v->energies[1], &v->energies[2], &rpl, ddsddt, drplde,
+                  &drpldt, stran, dstran, v->time, &v->dtime, &v->temp, &v->dtemp, &none, &none, cmname, &v->ndi, &v->nshr,
                   &ntens, &nstatv, props, &nprops, v->coords, v->drot, &pnewdt, &v->celent, v->dfgrd0, v->dfgrd1, &v->noel,
                   &v->npt, &one, &one, jstep, &v->increment, NAME_ROOM));
+  memset(v->stress, 0, sizeof v->stress);
+  memset(v->ddsdde, 0, sizeof v->ddsdde);
+  for (int j = 0; j < ntens; j++) {
+    v->stress[place[j]] = stress[j];
+    for (int i = 0; i < ntens; i++) v->ddsdde[6 * place[j] + place[i]] = ddsdde[ntens * j + i];
+  }
   pthread_mutex_lock(&self->lock);
   v->is_taken = self->is_stopped ? 0 : pnewdt < 1 ? 2 : 1;
   if (pnewdt > 0 && pnewdt < self->smallest) self->smallest = pnewdt;

@@ -46,6 +46,34 @@ def test_missing_include(run: Run, cubes: Path, tmp_path: Path) -> None:  # noqa
     assert not (tmp_path / "job.vtkhdf").exists()
 
 
+def test_a_million_lines(run: Run, tmp_path: Path) -> None:
+    """A deck of a million lines is read, and a mistake in its last lines is told with its line."""
+    n = 1_000_000
+    cube = "0., 0.;1., 0.;1., 1.;0., 1."
+    corners = [f"{4 * k + i}, {place}, {k}." for k in range(2) for i, place in enumerate(cube.split(";"), 1)]
+    nodes = [f"{i}, {i % 100}., {i // 100 % 100}., {i // 10000}." for i in range(9, n + 1)]
+    end = ["*ELEMENT, TYPE=C3D8, ELSET=BODY", "1, 1, 2, 3, 4, 5, 6, 7, 8", "*MATERIAL, NAME=STEEL", "*ELASTIC", "210000., 0.3",
+           "*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL", "*BOUNDARY", "1, 1, 3", "2, 2, 3", "4, 1, 3", "*STEP", "*STATIC",
+           "*CLOAD", "7, 3, 1.", "*END STEP", ""]  # fmt: skip
+    (tmp_path / "job.inp").write_text("\n".join(["*NODE", *corners, *nodes, *end]))
+    done = run(["--check", "job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    (tmp_path / "job.inp").write_text("\n".join(["*NODE", *corners, *nodes, *end]).replace("7, 3, 1.", "seven, 3, 1."))
+    fails(run(["job"], cwd=tmp_path), DECK, rf"job\.inp:{n + 15}: .*seven")
+
+
+def test_an_included_file_that_changes(program: Path, run: Run, cubes: Path, tmp_path: Path) -> None:  # noqa: F811
+    """A job that was stopped does not go on if a file that its deck includes is another one now."""
+    (tmp_path / "job.inp").write_text(cubes.read_text().replace("*STATIC\n", "*RESTART, WRITE\n*STATIC\n", 1))
+    mesh = (cubes.parent / "three_cubes.mesh").read_text()
+    (tmp_path / "three_cubes.mesh").write_text(mesh)
+    assert run(["job"], cwd=tmp_path).returncode == 0
+    (tmp_path / "three_cubes.mesh").write_text(mesh + "** another one\n")
+    fails(run(["--resume", "job"], cwd=tmp_path), IO, "it has been changed")
+    (tmp_path / "three_cubes.mesh").write_text(mesh)
+    assert run(["--resume", "job"], cwd=tmp_path).returncode == 0
+
+
 @pytest.mark.parametrize("word", ["NaN", "Infinity", "1e999", "-inf", "0x1p3"])
 def test_no_number_in_a_deck(run: Run, cubes: Path, tmp_path: Path, word: str) -> None:  # noqa: F811
     """What is no finite number is an error of the deck."""

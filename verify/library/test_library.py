@@ -176,6 +176,58 @@ def test_not_converged_leaves_the_last_commit(cubes: Path) -> None:
         job.commit()
 
 
+def test_null_pointers(cubes: Path) -> None:  # noqa: F811
+    """No options, no handle, no name, no values, negative sizes: a status, never a crash."""
+    import ctypes
+
+    from amontons.binding import library
+
+    calls = library()
+    usage = 2
+    handle, n = ctypes.c_void_p(), [ctypes.c_int64() for _ in range(3)]
+    verdict = ctypes.c_int()
+    assert calls.amontons_open(None, ctypes.byref(handle)) == usage
+    assert not handle.value
+    for verb in ("advance", "commit", "rollback", "finish"):
+        assert getattr(calls, f"amontons_{verb}")(None) == usage
+    assert calls.amontons_advance_to(None, 1.0) == calls.amontons_try(None, 1.0) == calls.amontons_begin(None, 1.0) == usage
+    assert calls.amontons_iterate(None, ctypes.byref(verdict)) == usage
+    assert calls.amontons_get(None, b"U", b"", None, 0, n[0], n[1]) == usage
+    assert calls.amontons_set(None, b"U", b"", None, 1) == usage
+    assert calls.amontons_matrix(None, b"TANGENT", *n) == usage
+    assert calls.amontons_is_done(None) == 1
+    calls.amontons_close(None)
+    with amontons.Job(cubes) as job:
+        job.advance()
+        inner = job._job
+        assert calls.amontons_get(inner, None, None, None, 0, n[0], n[1]) == usage
+        assert calls.amontons_get(inner, b"U", None, None, 0, n[0], n[1]) == 0
+        few = (ctypes.c_double * 2)()
+        assert calls.amontons_get(inner, b"U", None, few, 2, n[0], n[1]) == usage
+        assert calls.amontons_set(inner, b"U3", b"LID", None, 5) == usage
+        assert calls.amontons_set(inner, b"U3", b"LID", few, -1) == usage
+        assert calls.amontons_set(inner, None, None, few, 2) == usage
+        assert calls.amontons_matrix(inner, None, *n) == usage
+
+
+def test_memory_is_given_back(cubes: Path) -> None:  # noqa: F811
+    """Jobs opened, solved and closed one after the other: the process stays as large as after the first ones."""
+    import resource
+
+    def largest(n_jobs: int) -> int:
+        for _ in range(n_jobs):
+            with amontons.Job(cubes) as job:
+                for _ in range(3):
+                    job.advance()
+                job.matrix("TANGENT")
+                job.get("U")
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    before = largest(8)
+    grown = largest(40) - before
+    assert grown < 4096  # kilobytes; a job has some 3000
+
+
 def test_other_binary_interface() -> None:
     """A caller built against another header is told so."""
     import ctypes

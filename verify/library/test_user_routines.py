@@ -101,9 +101,148 @@ def test_plasticity_by_umat_is_plastic(run: Run, tmp_path: Path, kind: str) -> N
 
 @pytest.mark.parametrize("kind", ["CPE4", "CAX4", "CPS4"])
 def test_umat_in_the_plane(run: Run, tmp_path: Path, kind: str) -> None:
-    """The same in plane strain, around an axis and in plane stress, where the strain across is ours to find."""
-    ours, theirs = run_two(run, tmp_path, sheet_deck(kind, PLASTIC), sheet_deck(kind, J2), ROUTINES / "j2.f")
+    """The same in plane strain and around an axis (NTENS = 4); in plane stress with SPATIAL, where the law is asked as in space
+    and the strain across is ours to find."""
+    theirs = sheet_deck(kind, J2.replace("CONSTANTS", "SPATIAL, CONSTANTS") if kind == "CPS4" else J2)
+    ours, theirs = run_two(run, tmp_path, sheet_deck(kind, PLASTIC), theirs, ROUTINES / "j2.f")
     assert_equal(ours, theirs, 1e-9 if kind == "CPS4" else 1e-10)
+
+
+COMPONENTS = {"C3D8": "3., 3.", "CPE4": "3., 1.", "CPE4R": "3., 1.", "CAX8": "3., 1.", "CPS3": "2., 1.", "CPS4": "2., 1.",
+              "CPS4R": "2., 1.", "CPS8": "2., 1."}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", COMPONENTS)
+def test_components_of_each_element(run: Run, tmp_path: Path, kind: str) -> None:
+    """A law that is told NDI and NSHR as in Abaqus, and stops if they are others: displacements, reactions and stresses are
+    those of ELASTIC, in as many iterations; so the tangent, and what holds elements of one point, are right too."""
+    import make_decks  # noqa: F401
+    import planes
+
+    law = f"*USER MATERIAL, CONSTANTS=4\n70000., 0.25, {COMPONENTS[kind]}\n*DEPVAR\n2\n"
+    make = solid_deck if kind == "C3D8" else plane_deck
+    ours, theirs = run_two(run, tmp_path, make(kind, "*ELASTIC\n70000., 0.25\n"), make(kind, law), ROUTINES / "elastic.f")
+    with h5py.File(ours) as a, h5py.File(theirs) as b:
+        for name in ("U", "RF", "S"):
+            x, y = a["VTKHDF/PointData"][name][:], b["VTKHDF/PointData"][name][:]
+            assert np.abs(x).max() > 0, name
+            assert np.abs(x - y).max() <= 1e-10 * np.abs(x).max(), name
+        assert a["AMONTONS/history/n_iterations"][:].tolist() == b["AMONTONS/history/n_iterations"][:].tolist()
+
+
+def plane_deck(kind: str, material: str) -> str:
+    """A quarter of a square in the plane, as sheet_deck, of any kind."""
+    deck = sheet_deck("CPS4" if kind.endswith(("4", "4R")) else kind, material)
+    if kind.endswith(("4", "4R")):
+        return deck.replace("TYPE=CPS4", f"TYPE={kind}")
+    corners = {1: (1.0, 0.0), 2: (1.5, 0.0), 3: (2.0, 0.0), 4: (1.0, 0.5), 5: (1.5, 0.55), 6: (2.0, 0.6), 7: (1.0, 1.0), 8: (1.5, 1.1),
+               9: (2.0, 1.2)}  # fmt: skip
+    nodes, elements = dict(corners), []
+    for c in (1, 2, 4, 5):
+        quad = [c, c + 1, c + 4, c + 3]
+        if kind.endswith("3"):
+            elements += [quad[:3], [quad[0], *quad[2:]]]
+            continue
+        middles = []
+        for i, j in zip(quad, quad[1:] + quad[:1], strict=True):
+            place = tuple(0.5 * (x + y) for x, y in zip(corners[i], corners[j], strict=True))
+            known = [n for n, at in nodes.items() if at == place]
+            if not known:
+                nodes[len(nodes) + 1] = place
+            middles.append(known[0] if known else len(nodes))
+        elements.append(quad + middles)
+    head = ["*NODE", *(f"{n}, {x}, {y}" for n, (x, y) in nodes.items()), f"*ELEMENT, TYPE={kind}, ELSET=BODY",
+            *(", ".join(map(str, [i, *e])) for i, e in enumerate(elements, 1))]  # fmt: skip
+    low = [n for n, (_, y) in nodes.items() if y == 0]
+    top = [n for n, (x, y) in nodes.items() if abs(y - 1 - 0.2 * (x - 1)) < 1e-12]
+    steps = [f"*STEP\n*STATIC\n0.25, 1.\n*BOUNDARY\n" + "\n".join(f"{n}, 2, 2, {u}" for n in top) + "\n*END STEP" for u in (0.004, 0.002)]
+    return "\n".join([*head, "*MATERIAL, NAME=STUFF", material.strip(), "*SOLID SECTION, ELSET=BODY, MATERIAL=STUFF", "1.",
+                      "*BOUNDARY", "1, 1, 1", *(f"{n}, 2, 2" for n in low), *steps, ""])  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["CPS4", "T3D2"])
+def test_volume_stays_where_umat_knows_no_strain_across(run: Run, tmp_path: Path, kind: str) -> None:
+    """A bar of length 2 and section 0.3 under NLGEOM is pulled by a fifth with NTENS = 3 and 1. The stress is E ln(1.2), to the
+    order of an increment's strain cubed; the force is that over the section that keeps the volume, A = A0/1.2."""
+    nodes = "*NODE\n1, 0., 0.\n2, 2., 0.\n3, 2., 0.3\n4, 0., 0.3\n"
+    if kind == "CPS4":
+        mesh = nodes + "*ELEMENT, TYPE=CPS4, ELSET=BODY\n1, 1, 2, 3, 4\n"
+        section, held, pulled, law = "1.", "1, 1, 2\n4, 1, 1\n", "2, 1, 1, 0.4\n3, 1, 1, 0.4\n", "2., 1."
+    else:
+        mesh = "*NODE\n1, 0., 0.\n2, 2., 0.\n*ELEMENT, TYPE=T3D2, ELSET=BODY\n1, 1, 2\n"
+        section, held, pulled, law = "0.3", "1, 1, 3\n2, 2, 3\n", "2, 1, 1, 0.4\n", "1., 0."
+    (tmp_path / "job.inp").write_text(
+        mesh + f"*MATERIAL, NAME=STUFF\n*USER MATERIAL, CONSTANTS=4\n1000., 0.3, {law}\n*DEPVAR\n2\n"
+        f"*SOLID SECTION, ELSET=BODY, MATERIAL=STUFF\n{section}\n*BOUNDARY\n{held}"
+        f"*STEP, NLGEOM, INC=200\n*STATIC, DIRECT\n0.02, 1.\n*BOUNDARY\n{pulled}*END STEP\n")
+    done = run(["job", f"user={ROUTINES / 'elastic.f'}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        n = int(file["VTKHDF/NumberOfPoints"][0])
+        stress = file["AMONTONS/integration_points/S"][-1, 0]
+        force = file["VTKHDF/PointData/RF"][-n:, 0]
+    expected = 1000.0 * np.log(1.2)
+    assert stress == pytest.approx(expected, rel=50 * 0.004**3 / 12 / np.log(1.2) + 1e-9)
+    assert force[force > 0].sum() == pytest.approx(stress * 0.3 / 1.2, rel=1e-6)
+
+
+def test_libraries_on_the_card(run: Run, tmp_path: Path) -> None:
+    """LIBRARY= names a file for each material, beside the deck, and counts before that of the command line; two materials may
+    name the same one. Bitwise the same as with the file on the command line; one that is not there, or lacks UMAT, is told."""
+    folder = tmp_path / "deck"
+    folder.mkdir()
+    for name in ("j2.f", "neo_hooke.f90"):
+        (folder / name).write_text((ROUTINES / name).read_text())
+    deck = solid_deck("C3D8", J2)
+    card = deck.replace("*USER MATERIAL,", "*USER MATERIAL, LIBRARY=j2.f,")
+    second = "*MATERIAL, NAME=OTHER\n" + J2.replace("*USER MATERIAL,", "*USER MATERIAL, LIBRARY=j2.f,")
+    (folder / "plain.inp").write_text(deck)
+    (folder / "card.inp").write_text(card.replace("*SOLID SECTION", second + "*SOLID SECTION", 1))
+    for words in (["deck/plain", f"user={ROUTINES / 'j2.f'}"], ["deck/card", f"user={ROUTINES / 'neo_hooke.f90'}"]):
+        done = run(words, cwd=tmp_path)
+        assert done.returncode == 0, done.stdout
+    a, b = folder / "plain.vtkhdf", folder / "card.vtkhdf"
+    assert [name for name in same_results(a, b) if "PointData" in name or "integration" in name] == []
+    (folder / "card.vtkhdf").unlink()
+    (folder / "fric.f90").write_text("subroutine fric\nend subroutine fric\n")
+    for library, code, sentence in (("nothing.f", IO, "nothing.f are not there"), ("fric.f90", SETUP, "needs the user routine UMAT")):
+        (folder / "card.inp").write_text(card.replace("j2.f", library))
+        done = run(["deck/card", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path)
+        assert done.returncode == code, done.stdout
+        assert sentence in done.stdout
+        assert not (folder / "card.vtkhdf").exists()
+
+
+def test_statev_at_the_start(run: Run, tmp_path: Path) -> None:
+    """INITIAL CONDITIONS, TYPE=SOLUTION: from data lines, of a set and of an element, and by SDVINI, from place and number of
+    the point."""
+    law = "*USER MATERIAL, CONSTANTS=2\n70000., 0.25\n*DEPVAR\n11\n"
+    lines = "*INITIAL CONDITIONS, TYPE=SOLUTION\nBODY, 1., 2., 3., 4., 5., 6., 7.\n8., 9., 10., 11.\n2, 21., 22.\n28.,\n"
+    deck = solid_deck("C3D8", law)
+    (tmp_path / "lines.inp").write_text(deck.replace("*STEP", lines + "*STEP", 1))
+    (tmp_path / "routine.inp").write_text(deck.replace("*STEP", "*INITIAL CONDITIONS, TYPE=SOLUTION, USER\n*STEP", 1))
+    for name in ("lines", "routine"):
+        done = run([name, f"user={ROUTINES / 'elastic.f'}"], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "lines.vtkhdf") as file:
+        statev = file["AMONTONS/integration_points/SDV"][-64:]
+    assert np.all(statev[:8] == np.arange(1, 12))
+    assert np.all(statev[8:16] == [21, 22, 0, 0, 0, 0, 0, 28, 0, 0, 0])
+    with h5py.File(tmp_path / "routine.vtkhdf") as file:
+        statev = file["AMONTONS/integration_points/SDV"][-64:]
+    assert np.all(statev[:, 1] == [100 * e + p for e in range(1, 9) for p in range(1, 9)])
+    low, high = 0.25 - 0.25 / 3**0.5, 0.25 + 0.25 / 3**0.5
+    assert statev[0, 0] == pytest.approx(low + 10 * low, rel=1e-12)
+    assert statev[1, 0] == pytest.approx(high + 10 * low, rel=1e-12)
+    for bad, sentence in (("TYPE=SOLUTION\nBODY, 1., 2., 3., 4., 5., 6., 7., 8.", "at most 8"), ("TYPE=STRESS, USER", "SOLUTION alone")):
+        (tmp_path / "bad.inp").write_text(deck.replace("*STEP", f"*INITIAL CONDITIONS, {bad}\n*STEP", 1))
+        done = run(["bad", f"user={ROUTINES / 'elastic.f'}"], cwd=tmp_path)
+        assert done.returncode == 3, done.stdout
+        assert sentence in done.stdout
+    (tmp_path / "bad.inp").write_text(solid_deck("C3D8", J2).replace("*STEP", "*INITIAL CONDITIONS, TYPE=SOLUTION, USER\n*STEP", 1))
+    done = run(["bad", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path)
+    assert done.returncode == SETUP, done.stdout
+    assert "needs the user routine SDVINI" in done.stdout
 
 
 @pytest.mark.parametrize("kind", ["C3D8", "C3D10"])
