@@ -45,7 +45,7 @@ module amontons_facets
     logical :: is_faceted = .false.           !< each facet has vertices of its own: the normal jumps at every edge
     integer, allocatable :: vertex(:)         !< vertex of each entry of nodes(:)
     integer :: n_vertices = 0
-    real(DP), allocatable :: in_plane(:, :)   !< (3, n_vertices) 0 where a plane of symmetry takes a part of the normal; else 1
+    real(DP), allocatable :: in_plane(:, :, :)   !< (3, 3, n_vertices) projects a normal into its planes of symmetry; else unity
     integer, allocatable :: star_first(:)     !< (n_vertices + 1) start of a vertex's star
     integer, allocatable :: star_facet(:)     !< facets of all stars
     integer, allocatable :: star_local(:)     !< local node number of the vertex's node in that facet

@@ -270,7 +270,7 @@ contains
       m = m + natural_area(facets%kind(f)) * cross_product(tangents(:, 1), tangents(:, 2))
     end do
     if (present(is_whole)) return
-    if (allocated(facets%in_plane)) m = facets%in_plane(:, vertex) * m
+    if (allocated(facets%in_plane)) m = matmul(facets%in_plane(:, :, vertex), m)
   end function vertex_normal
 
 
@@ -631,7 +631,7 @@ contains
       if (length <= 0) cycle
       to_vertex = matmul(project, projector(frame%normal(:, i))) * (place%N(i) / length)
       v = facets%vertex(facets%first(f) + i - 1)
-      if (allocated(facets%in_plane)) to_vertex = to_vertex * spread(facets%in_plane(:, v), 1, 3)
+      if (allocated(facets%in_plane)) to_vertex = matmul(to_vertex, facets%in_plane(:, :, v))
       do s = facets%star_first(v), facets%star_first(v + 1) - 1
         call add_star_facet(facets, x, facets%star_facet(s), facets%star_local(s), to_vertex, derivative)
       end do

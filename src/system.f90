@@ -189,7 +189,7 @@ contains
     call set_supports(system%contact, state%old%slaves, system%base, error)
     if (allocated(error)) return
     do p = 1, size(system%contact%facets)
-      call find_symmetry(system%contact%facets(p), model%mesh%coordinates, reshape(system%base%owner < 0, [3, model%mesh%n_nodes]))
+      call find_symmetry(system%contact%facets(p), model, step, system%base%owner)
     end do
   end subroutine begin_step
 

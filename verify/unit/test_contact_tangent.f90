@@ -124,7 +124,7 @@ contains
     call suite%that(name // ': the system is made', .not. allocated(error))
     if (allocated(error)) return
     call begin_step(system, model, step, state, error)
-    if (present(is_symmetric)) system%contact%facets(1)%in_plane(1, ::2) = 0.0_DP
+    if (present(is_symmetric)) call lean(system%contact%facets(1)%in_plane(:, :, ::2))
     call begin_increment(system, model, step, .true., state)
     n = model%mesh%n_nodes
     allocate (u(3, n), du(3, n), exact(3, n), plus(3, n), minus(3, n), w(3 * n))
@@ -171,6 +171,17 @@ contains
       call suite%near(name // ': tangent', norm2((minus - plus) / (2.0_DP * H) - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
     end do
   end subroutine check_tangent
+
+
+  !> A plane of symmetry that is no global one: the normals lose a skew direction.
+  pure subroutine lean(in_plane)
+    real(DP), intent(inout) :: in_plane(:, :, :)
+    real(DP), parameter :: A(3) = [0.8_DP, 0.6_DP, 0.0_DP]
+    integer :: v
+    do v = 1, size(in_plane, 3)
+      in_plane(:, :, v) = in_plane(:, :, v) - spread(A, 2, 3) * spread(A, 1, 3)
+    end do
+  end subroutine lean
 
 
   !> With small displacements the bulk is linear: what is foreseen at u + du without the elements is what they say there, with
