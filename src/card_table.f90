@@ -186,7 +186,8 @@ contains
     call table%option('PROPERTIES', VALUE_INTEGER, 'USER: number of properties, in lines of eight.', default='0')
     call table%option('EXPONENTIAL DECAY|ANISOTROPIC|DEPENDENCIES|TEST DATA', VALUE_TEXT, &
       'The coefficient of friction is one constant.', status=STATUS_REFUSED)
-    call table%differ('The second number is a slip rate under abaqus, which is refused, and the stick slope under calculix.')
+    call table%differ('The second number is a slip rate under abaqus, which is refused, and the stick slope under calculix. A ' // &
+      'compliant law without one takes a hundredth of its slope of pressure (abaqus), half of E (calculix).')
 
     call table%card('CONTACT PAIR', IN_MODEL, 'Two surfaces that may touch.', data='slave surface, master surface')
     call table%option('INTERACTION', VALUE_NAME, 'Their interaction.', default='required')

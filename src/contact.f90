@@ -7,7 +7,7 @@ module amontons_contact
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_topology, only: N_SOLID_KINDS
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, is_compliant, pair_laws, BEHAVIOR_TIED, BEHAVIOR_USER
   use amontons_slaves, only: slip_view_type, lose_master, set_force, set_view, shear_most
   use amontons_user_contact, only: user_answer_type, ask_interface, ask_friction
@@ -18,7 +18,7 @@ module amontons_contact
   use amontons_areas, only: faces_type, add_face_areas, cover_slave, mean_edge
   use amontons_profiles, only: extent_of, PROFILE_FLAT
   use amontons_sparse, only: sparse_type, multiply
-  use amontons_overlaps, only: overlaps_type, find_overlaps, free_directions, is_friction_taken, fit_overlaps
+  use amontons_overlaps, only: overlaps_type, find_overlaps, free_directions, left_free, is_friction_taken, fit_overlaps
   use amontons_facets, only: facets_type, build_facets, is_line
   use amontons_analytic, only: build_profile_facets
   use amontons_search, only: search_type
@@ -52,7 +52,8 @@ module amontons_contact
     type(faces_type), allocatable :: cover(:)     !< (n_pairs) faces that give the slave nodes of compliant laws their areas
     integer, allocatable :: follower(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
     real(DP), allocatable :: slave_normal(:, :)   !< (3, n_slaves) outward from the slave in the reference; 0 if node based
-    real(DP), allocatable :: mask(:, :)           !< (3, n_slaves) 1 free, 0 held by a support or an equation
+    real(DP), allocatable :: axes(:, :, :)        !< (3, 3, n_slaves) in columns: the global axes, or those of the node's own frame
+    real(DP), allocatable :: mask(:, :)           !< (3, n_slaves) along them: 1 free, 0 held by a support or an equation
     type(overlaps_type) :: overlaps               !< pairs that share nodes
     type(sparse_type) :: passing                  !< E: forces on all nodes to those on free ones; only where reactions are passed on
     real(DP), allocatable :: free(:, :, :)        !< (3, 3, n_slaves) projector on what supports and other pairs leave free
@@ -115,6 +116,7 @@ contains
     n = size(slaves)
     call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
     allocate (contact%mask(3, n), source=1.0_DP)
+    allocate (contact%axes(3, 3, n), source=0.0_DP)
     allocate (contact%free(3, 3, n), contact%friction(n), contact%carried(3, n), source=0.0_DP)
     allocate (contact%direction(3, n), source=0.0_DP)
     allocate (contact%answers(n))
@@ -224,16 +226,25 @@ contains
 
 
   !> Which directions of the slave nodes are free: contact gives no force in a direction that a support holds.
-  subroutine set_supports(contact, slaves, base, error)
+  subroutine set_supports(contact, model, slaves, base, is_held, error)
     type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)
     type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers
+    logical, intent(in) :: is_held(:, :)           !< (3, n_nodes) by supports, along the axes of the node's own frame
     type(error_type), allocatable, intent(out) :: error
+    logical :: is_held_here(3)
     integer :: s, k
     do s = 1, size(slaves)
-      do k = 1, 3
-        contact%mask(k, s) = merge(1.0_DP, 0.0_DP, base%owner(3 * (slaves(s)%node - 1) + k) == 0)
-      end do
+      associate (node => slaves(s)%node)
+        is_held_here = base%owner(3 * node - 2:3 * node) /= 0
+        contact%axes(:, :, s) = reshape([1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP], [3, 3])
+        if (count(is_held(:, node)) == count(is_held_here)) then   ! supports alone, no equation
+          is_held_here = is_held(:, node)
+          contact%axes(:, :, s) = reshape([(direction_of(model, node, k), k=1, 3)], [3, 3])
+        end if
+        contact%mask(:, s) = merge(0.0_DP, 1.0_DP, is_held_here)
+      end associate
     end do
     if (contact%overlaps%has_chains) call condensation(base, contact%passing, error)
   end subroutine set_supports
@@ -493,7 +504,7 @@ contains
         call press_slave(contact, model, old, u_old, contact%carried(:, s), s, fields)
         return
       end if
-      free = free_directions(contact%overlaps, fields%slaves, s, contact%mask(:, s))
+      free = free_directions(contact%overlaps, fields%slaves, s, left_free(contact%axes(:, :, s), contact%mask(:, s)))
       contact%free(:, :, s) = free
       contact%friction(s) = contact%laws(slave%pair)%friction
       if (is_friction_taken(contact%overlaps, fields%slaves, s, free, contact%laws%friction)) contact%friction(s) = 0.0_DP
@@ -585,8 +596,7 @@ contains
   pure logical function is_cornered(contact, s)
     type(contact_type), intent(in) :: contact
     integer, intent(in) :: s
-    integer :: k
-    is_cornered = any([(abs(contact%free(k, k, s) - contact%mask(k, s)) > 0.0_DP, k=1, 3)])
+    is_cornered = any(abs(contact%free(:, :, s) - left_free(contact%axes(:, :, s), contact%mask(:, s))) > 0.0_DP)
   end function is_cornered
 
 

@@ -443,7 +443,7 @@ contains
   end subroutine add_contact_rows
 
 
-  !> In which directions a sticking node is tied: the axes that supports leave free; where other pairs hold it too, the
+  !> In which directions a sticking node is tied: the axes (of its own frame) that supports leave free; where other pairs hold it too, the
   !! normal and what is left beside it.
   pure subroutine stick_directions(contact, slave, s, n, direction)
     type(contact_type), intent(in) :: contact
@@ -459,7 +459,7 @@ contains
       do k = 1, 3
         if (contact%mask(k, s) == 0.0_DP) cycle
         n = n + 1
-        direction(k, n) = 1.0_DP
+        direction(:, n) = contact%axes(:, k, s)
       end do
       return
     end if

@@ -22,6 +22,8 @@ module amontons_deck_contact
   real(DP), parameter :: TENSION = 1.0_DP / 70000.0_DP   !< sigma_inf/E [-]
   real(DP), parameter :: REACH = 1.0e-3_DP               !< c0 over the root of the area [-]
   real(DP), parameter :: STICK_SLOPE = 0.5_DP            !< lambda/E [1/length]
+  ! The ratio of two of them, which has no unit
+  real(DP), parameter :: STICK_SHARE = STICK_SLOPE / HARD_STIFFNESS   !< lambda/K [-]
 
 contains
 
@@ -75,6 +77,19 @@ contains
   end function first_modulus
 
 
+  !> The largest growth of pressure with the overclosure of a compliant law, EXPONENTIAL at gap zero [stress/length].
+  pure real(DP) function steepest_slope(law) result(slope)
+    type(interaction_type), intent(in) :: law
+    integer :: n
+    slope = law%stiffness
+    if (law%behavior == BEHAVIOR_EXPONENTIAL) slope = law%pressure * log(100.0_DP) / law%reach
+    if (law%behavior /= BEHAVIOR_TABULAR) return
+    n = size(law%table_pressure)
+    slope = maxval((law%table_pressure(2:n) - law%table_pressure(:n - 1)) / &
+      (law%table_overclosure(2:n) - law%table_overclosure(:n - 1)))
+  end function steepest_slope
+
+
   !> A compliant law with friction needs a stick slope.
   subroutine complete_law(reader, model, law)
     type(reader_type), intent(inout) :: reader
@@ -84,9 +99,15 @@ contains
     if (law%behavior == BEHAVIOR_USER) return
     if (law%behavior == BEHAVIOR_TIED) law%stick_slope = law%stiffness
     if ((law%friction <= 0.0_DP .and. .not. law%is_user_friction) .or. law%behavior == BEHAVIOR_TIED) return
-    law%stick_slope = STICK_SLOPE * first_modulus(model)
-    call note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; half of Young''s modulus ' // &
-      'of the first material is taken: ' // text_of(law%stick_slope) // '.')
+    if (reader%dialect == DIALECT_ABAQUS) then
+      law%stick_slope = STICK_SHARE * steepest_slope(law)
+      call note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; a hundredth of the slope ' // &
+        'of its law of pressure is taken: ' // text_of(law%stick_slope) // '.')
+    else
+      law%stick_slope = STICK_SLOPE * first_modulus(model)
+      call note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; half of Young''s modulus ' // &
+        'of the first material is taken: ' // text_of(law%stick_slope) // '.')
+    end if
   end subroutine complete_law
 
 

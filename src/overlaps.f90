@@ -11,7 +11,7 @@ module amontons_overlaps
   use amontons_state, only: slave_type, STATUS_OPEN
   implicit none
   private
-  public :: overlaps_type, find_overlaps, fit_overlaps, order_slaves, free_directions, is_friction_taken
+  public :: overlaps_type, find_overlaps, fit_overlaps, order_slaves, free_directions, left_free, is_friction_taken
 
   real(DP), parameter :: PARALLEL = 0.99_DP    !< normals whose product is above this hold the same direction [-]
   real(DP), parameter :: HELD = 1.0e-6_DP      !< a normal whose free part is smaller than this holds nothing more [-]
@@ -172,19 +172,29 @@ contains
   end subroutine find_carriers
 
 
+  !> The directions that supports leave to a slave, as a projector.
+  pure function left_free(axes, mask) result(free)
+    real(DP), intent(in) :: axes(3, 3)             !< in columns
+    real(DP), intent(in) :: mask(3)                !< along them: 1 free, 0 held by a support
+    real(DP) :: free(3, 3)
+    integer :: k
+    free = 0.0_DP
+    do k = 1, 3
+      if (mask(k) > 0.0_DP) free = free + spread(axes(:, k), 2, 3) * spread(axes(:, k), 1, 3)
+    end do
+  end function left_free
+
+
   !> The directions that supports and the other pairs leave to a slave, as a projector: for each pair the others in which
   !! the node touches are supports. Of two pairs that push the same way only the one that comes first does.
-  pure function free_directions(overlaps, slaves, s, mask) result(free)
+  pure function free_directions(overlaps, slaves, s, left) result(free)
     type(overlaps_type), intent(in) :: overlaps
     type(slave_type), intent(in) :: slaves(:)
     integer, intent(in) :: s
-    real(DP), intent(in) :: mask(3)                !< 1 free, 0 held by a support
+    real(DP), intent(in) :: left(3, 3)             !< projector on what supports leave
     real(DP) :: free(3, 3), v(3), along
     integer :: k, t
-    free = 0.0_DP
-    do k = 1, 3
-      free(k, k) = mask(k)
-    end do
+    free = left
     if (.not. overlaps%has_corners .or. .not. overlaps%is_exact(s)) return
     do k = overlaps%first(slaves(s)%node), overlaps%first(slaves(s)%node + 1) - 1
       t = overlaps%member(k)

@@ -12,7 +12,7 @@ module amontons_symmetry
   use amontons_gap, only: vertex_normal
   implicit none
   private
-  public :: find_symmetry
+  public :: find_symmetry, find_held
 
   real(DP), parameter :: LEANING = 0.5_DP          !< a larger part of the normal out of the plane is no lean [-]
   real(DP), parameter :: PARALLEL = 1.0_DP - 1.0e-9_DP   !< cosine of directions that are one [-]
@@ -24,12 +24,11 @@ contains
   !! A free edge of the surface lies on a plane of symmetry if supports hold the same direction at all its nodes, that
   !! direction is nearly perpendicular to the normal, and the direction nearest to the normal is not held. The directions are
   !! those of the node's own frame (*TRANSFORM), or the global axes.
-  subroutine find_symmetry(facets, model, step, owner)
+  subroutine find_symmetry(facets, model, is_held)
     type(facets_type), intent(inout) :: facets
     type(model_type), intent(in) :: model
-    type(step_type), intent(in) :: step
-    integer, intent(in) :: owner(:)                !< (3 n_nodes) < 0: held by a support in a global direction
-    logical :: is_held(3, model%mesh%n_nodes), on_edge(3)
+    logical, intent(in) :: is_held(:, :)           !< (3, n_nodes) by supports, as find_held says
+    logical :: on_edge(3)
     integer :: f, k, d
     integer, allocatable :: entries(:)
     if (allocated(facets%profile)) return
@@ -39,7 +38,6 @@ contains
     do d = 1, 3
       facets%in_plane(d, d, :) = 1.0_DP
     end do
-    call find_held(model, step, owner, is_held)
     do f = 1, facets%n
       do k = 1, corners_of(facets%kind(f))
         if (facets%edge(k, f) /= EDGE_FREE) cycle
@@ -87,17 +85,20 @@ contains
   end subroutine find_symmetry
 
 
-  !> Which directions of each node its supports hold: of its own frame, or the global axes.
+  !> Which directions of each node its supports hold: of its own frame (*TRANSFORM), or the global axes.
   pure subroutine find_held(model, step, owner, is_held)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    integer, intent(in) :: owner(:)                !< as in find_symmetry
+    integer, intent(in) :: owner(:)                !< (3 n_nodes) < 0: held by a support in a global direction
     logical, intent(out) :: is_held(:, :)          !< (3, n_nodes)
-    integer :: i
+    integer :: i, d
     is_held = reshape(owner < 0, shape(is_held))
     if (.not. allocated(model%frame_of)) return
     do i = 1, model%mesh%n_nodes
-      if (model%frame_of(i) > 0) is_held(:, i) = .false.
+      if (model%frame_of(i) == 0) cycle
+      associate (is_axis_held => owner(3 * i - 2:3 * i) < 0)   ! an axis of the frame may be a global one, as across a plane
+        is_held(:, i) = [(any(is_axis_held .and. abs(direction_of(model, i, d)) > PARALLEL), d=1, 3)]
+      end associate
     end do
     do i = 1, size(step%prescribed)
       associate (load => step%prescribed(i))

@@ -33,7 +33,7 @@ module amontons_system
   use amontons_supports, only: support_model
   use amontons_follower, only: finish_follower, subtract_follower, with_follower
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
-  use amontons_symmetry, only: find_symmetry
+  use amontons_symmetry, only: find_symmetry, find_held
   use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
     touching_row
   use amontons_contact_start, only: begin_contact_increment
@@ -174,6 +174,7 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(in) :: state
     type(error_type), allocatable, intent(out) :: error
+    logical, allocatable :: is_held(:, :)          ! (3, n_nodes)
     integer :: p
     system%u_start = state%old%u
     system%is_nlgeom = step%is_nlgeom
@@ -186,10 +187,12 @@ contains
     call prescribe(system, model, step, state%old, error)
     if (allocated(error)) return
     call begin_contact_step(system%contact, model, step)
-    call set_supports(system%contact, state%old%slaves, system%base, error)
+    allocate (is_held(3, model%mesh%n_nodes))
+    call find_held(model, step, system%base%owner, is_held)
+    call set_supports(system%contact, model, state%old%slaves, system%base, is_held, error)
     if (allocated(error)) return
     do p = 1, size(system%contact%facets)
-      call find_symmetry(system%contact%facets(p), model, step, system%base%owner)
+      call find_symmetry(system%contact%facets(p), model, is_held)
     end do
   end subroutine begin_step
 

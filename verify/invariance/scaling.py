@@ -1,4 +1,4 @@
-"""The same deck in other units, with other labels, or with the cards of the model in another order.
+"""The same deck in other units, turned in space, with other labels, or with the cards of the model in another order.
 
 Every card that a deck may hold is known here with the units of its numbers; one that is not known is an error, so that nothing
 is scaled in silence by one.
@@ -12,13 +12,24 @@ import random
 import re
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
 #: Cards without numbers that have a unit.
 PLAIN = {"HEADING", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SOLID SECTION", "SURFACE INTERACTION", "FRICTION",
          "CONTACT PAIR", "STEP", "STATIC", "END STEP", "CONTROLS", "NODE PRINT", "EL PRINT", "CONTACT PRINT", "NODE FILE", "EL FILE",
          "CONTACT FILE", "NODE OUTPUT", "ELEMENT OUTPUT", "CONTACT OUTPUT", "OUTPUT", "LINE SEARCH", "AMPLITUDE", "CHANGE FRICTION",
-         "CHANGE SURFACE BEHAVIOR", "MODEL CHANGE", "EQUATION", "INCLUDE"}  # fmt: skip
+         "CHANGE SURFACE BEHAVIOR", "MODEL CHANGE", "EQUATION", "INCLUDE", "RIGID BODY", "TRANSFORM", "EXPANSION", "INITIAL CONDITIONS",
+         "TEMPERATURE", "PLASTIC DATA", "RESTART", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING"}  # fmt: skip
 #: Card to the units of the numbers of a data line; the last one repeats. L length, F force, S stress, K stress per length, 1 none.
-UNITS = {"NODE": "1L", "ELASTIC": "S1", "CLOAD": "11F", "DSLOAD": "11S", "SURFACE BEHAVIOR": "K", "CONTACT INTERFERENCE": "11L"}
+UNITS = {"NODE": "1L", "ELASTIC": "S1", "CLOAD": "11F", "DSLOAD": "11S", "SURFACE BEHAVIOR": "K", "CONTACT INTERFERENCE": "11L",
+         "DENSITY": "R", "PLASTIC": "S1", "TRACTION": "S"}  # fmt: skip
+#: Cards that belong to the card before them.
+FOLLOWERS = {"ELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING"}
+#: Cards whose data lines begin with a node, all of whose numbers are nodes, or which hold them behind a label.
+NODE_FIRST, NODES_ONLY = {"NODE", "BOUNDARY", "CLOAD", "TEMPERATURE", "INITIAL CONDITIONS"}, {"NSET"}
 MODEL_END = "*STEP"
 
 
@@ -32,7 +43,8 @@ class Units:
     def of(self, letter: str) -> float:
         """The factor of a unit."""
         stress = self.force / self.length**2
-        return {"1": 1.0, "L": self.length, "F": self.force, "S": stress, "K": stress / self.length}[letter]
+        rest = {"K": stress / self.length, "R": stress / self.length**2}  # one unit of time: density times length^2 is a stress
+        return {"1": 1.0, "L": self.length, "F": self.force, "S": stress, **rest}[letter]
 
 
 def cards(deck: str) -> list[list[str]]:
@@ -70,7 +82,7 @@ def scaled_card(card: list[str], units: Units) -> list[str]:
     if name == "BOUNDARY":
         return [card[0], *(row(line, "111L", units) for line in card[1:])]
     if name == "DLOAD":
-        return [card[0], *(row(line, "11S", units) if "GRAV" not in line.upper() else refuse(name) for line in card[1:])]
+        return [card[0], *(row(line, "11L111" if "GRAV" in line.upper() else "11S", units) for line in card[1:])]
     if name in UNITS:
         return [card[0], *(row(line, UNITS[name], units) for line in card[1:])]
     return card if name in PLAIN else [refuse(name)]
@@ -99,11 +111,111 @@ def shuffled(deck: str, seed: int) -> str:
     """The cards of the model in another order; those that belong to the card before them stay behind it."""
     model, steps = deck[: deck.index(MODEL_END)], deck[deck.index(MODEL_END) :]
     groups: list[list[str]] = []
-    followers = {"ELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR"}
     for card in cards(model):
-        if keyword(card) in followers and groups:
+        if keyword(card) in FOLLOWERS and groups:
             groups[-1] += card
         else:
             groups.append(list(card))
     random.Random(seed).shuffle(groups)
     return "\n".join(line for group in groups for line in group) + "\n" + steps
+
+
+def is_flat(deck: str) -> bool:
+    """Whether its elements are of two dimensions."""
+    return bool(re.search(r"TYPE\s*=\s*C(?:PE|PS|AX)", deck.upper()))
+
+
+def rotation(deck: str) -> Floats:
+    """By 35 degrees: about a skew axis, or about z for a deck in the plane."""
+    axis = np.array([0.0, 0.0, 1.0]) if is_flat(deck) else np.array([2.0, -1.0, 2.0]) / 3
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    angle = np.radians(35)
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
+def turned(deck: str) -> str:
+    """All coordinates and directions turned; supports and forces are along the turned axes by *TRANSFORM of all nodes."""
+    turn = rotation(deck)
+    lines: list[str] = []
+    places: list[str] = []
+    for card in cards(deck):
+        name = keyword(card)
+        if name == "NODE":
+            card = [card[0], *(turned_node(line, turn) for line in card[1:])]
+            places += [line.split(",")[0] for line in card[1:]]
+        elif name == "DLOAD":
+            card = [card[0], *(turned_gravity(line, turn) if "GRAV" in line.upper() else line for line in card[1:])]
+        if card[0].upper().startswith(MODEL_END) and places:
+            axes = ", ".join(f"{v:.17g}" for v in [*turn[:, 0], *turn[:, 1]])
+            lines += ["*NSET, NSET=ALL_TURNED", *places, "*TRANSFORM, NSET=ALL_TURNED, TYPE=R", axes]
+            places = []
+        lines += card
+    return "\n".join(lines) + "\n"
+
+
+def turned_node(line: str, turn: Floats) -> str:
+    """A line of *NODE."""
+    label, *numbers = line.split(",")
+    place = np.zeros(3)
+    place[: len(numbers)] = [float(v) for v in numbers]
+    return f"{label}, " + ", ".join(f"{v:.17g}" for v in (turn @ place)[: len(numbers)])
+
+
+def turned_gravity(line: str, turn: Floats) -> str:
+    """A line of *DLOAD with GRAV."""
+    *head, x, y, z = line.split(",")
+    return ",".join(head) + ", " + ", ".join(f"{v:.17g}" for v in turn @ [float(x), float(y), float(z)])
+
+
+def renumbered(deck: str, seed: int) -> tuple[str, dict[int, int]]:
+    """Nodes with other labels and in another order; and the new label of each old one."""
+    parts = cards(deck)
+    old = [int(line.split(",")[0]) for card in parts if keyword(card) == "NODE" for line in card[1:]]
+    label = dict(zip(old, random.Random(seed).sample(range(1, 3 * len(old)), len(old)), strict=True))
+    return "\n".join(line for card in parts for line in renumbered_card(card, label, seed)) + "\n", label
+
+
+def renumbered_card(card: list[str], label: dict[int, int], seed: int) -> list[str]:
+    """One card."""
+    name = keyword(card)
+    if name == "NSET":
+        return renumbered_set(card, label)
+    if name in NODE_FIRST:
+        rows = [",".join([new_label(first, label), *rest]) for first, *rest in (line.split(",") for line in card[1:])]
+        if name == "NODE":
+            random.Random(seed).shuffle(rows)
+        return [card[0], *rows]
+    if name == "ELEMENT":
+        fields = [line.rstrip().rstrip(",").split(",") for line in card[1:]]
+        is_start = [True, *(not line.rstrip().endswith(",") for line in card[1:-1])]
+        return [card[0], *(", ".join([*row[:start], *(new_label(v, label) for v in row[start:])]) + ("," if more else "")
+                           for row, start, more in zip(fields, is_start, [line.rstrip().endswith(",") for line in card[1:]], strict=True))]  # fmt: skip
+    if name == "EQUATION":
+        return [card[0], *(renumbered_terms(line, label) for line in card[1:])]
+    if name == "RIGID BODY":
+        return [re.sub(r"(REF NODE\s*=\s*)(\d+)", lambda m: m[1] + new_label(m[2], label), card[0], flags=re.I), *card[1:]]
+    return card
+
+
+def renumbered_set(card: list[str], label: dict[int, int]) -> list[str]:
+    """*NSET, its GENERATE written out."""
+    members: list[str] = []
+    for line in card[1:]:
+        fields = [v.strip() for v in line.split(",") if v.strip()]
+        if "GENERATE" in card[0].upper():
+            first, last, *by = (int(v) for v in fields)
+            members += [new_label(str(v), label) for v in range(first, last + 1, *by) if v in label]
+        else:
+            members += [new_label(v, label) for v in fields]
+    return [re.sub(r",\s*GENERATE", "", card[0], flags=re.I), *members]
+
+
+def renumbered_terms(line: str, label: dict[int, int]) -> str:
+    """A line of *EQUATION: the number of terms, or node, component, factor in turn."""
+    fields = line.split(",")
+    return line if len(fields) < 3 else ", ".join(new_label(v, label) if i % 3 == 0 else v.strip() for i, v in enumerate(fields))
+
+
+def new_label(text: str, label: dict[int, int]) -> str:
+    """Of a node; the name of a set as it is."""
+    return str(label[int(text)]) if text.strip().isdigit() else text

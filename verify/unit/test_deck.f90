@@ -451,6 +451,18 @@ contains
     call read_good(suite, 'tabular', MODEL_PART // I // '*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR;0.,0.;5.,.1;' // &
       STEP_PART, model)
     call suite%near('table', model%interactions(1)%table_pressure(2), 5.0_DP, 0.0_DP)
+    call read_good(suite, 'no slope, table', MODEL_PART // I // '*FRICTION;0.2;*SURFACE BEHAVIOR, ' // &
+      'PRESSURE-OVERCLOSURE=TABULAR;0.,0.;5.,.1;25.,.2;' // STEP_PART, model, n_notes=1)
+    call suite%near('steepest of the table, a hundredth', model%interactions(1)%stick_slope, 2.0_DP, 1.0e-9_DP)
+    call read_good(suite, 'no slope, exponential', MODEL_PART // I // '*FRICTION;0.2;*SURFACE BEHAVIOR, ' // &
+      'PRESSURE-OVERCLOSURE=EXPONENTIAL;.1,3.;' // STEP_PART, model, n_notes=1)
+    call suite%near('slope at gap zero, a hundredth', model%interactions(1)%stick_slope, 0.3_DP * log(100.0_DP), 1.0e-9_DP)
+    call read_good(suite, 'no slope, linear', MODEL_PART // I // '*FRICTION;0.2;*SURFACE BEHAVIOR, ' // &
+      'PRESSURE-OVERCLOSURE=LINEAR;7.,;' // STEP_PART, model, n_notes=1)
+    call suite%near('slope of the pressure, a hundredth', model%interactions(1)%stick_slope, 0.07_DP, 1.0e-15_DP)
+    call read_good(suite, 'no slope, calculix', MODEL_PART // I // '*FRICTION;0.2;*SURFACE BEHAVIOR, ' // &
+      'PRESSURE-OVERCLOSURE=LINEAR;7.,;' // STEP_PART, model, n_notes=1, dialect=DIALECT_CALCULIX)
+    call suite%near('half of E', model%interactions(1)%stick_slope, 0.5_DP * model%materials(1)%youngs_modulus, 0.0_DP)
     call read_good(suite, 'shear limit', MODEL_PART // I // '*FRICTION, TAUMAX=7.;.2;' // STEP_PART, model)
     call suite%near('TAUMAX', model%interactions(1)%shear_limit, 7.0_DP, 0.0_DP)
     call expect_error(suite, MODEL_PART // I // '*FRICTION;0.2,1.e5;' // STEP_PART, 'slip rate', '0.2,1.e5')

@@ -119,6 +119,7 @@ def punch_figure(r: Floats, p: Floats, wanted: Punch) -> object:
 RADIUS, SHEAR, NU, MU = 100.0, 200.0, 0.42, 0.4
 PRESS, SIDE = 0.0186, 0.0084  #: of the upper plane, so that a = 1 and Q = 7/8 mu P
 HIGH = 8.0  #: of each body; it is as wide to each side
+FINE = 0.1  #: elements at the contact
 
 
 def ball_part(name: str, fine: float, is_above: bool) -> Mesh:
@@ -155,7 +156,7 @@ def mindlin_shear(r: Floats, a: float, turns: list[float]) -> Floats:
 @pytest.mark.slow
 def test_cattaneo_mindlin_balls(proof: Proof) -> None:
     """Two balls pressed, then sheared to, fro and to."""
-    fine = 0.1
+    fine = FINE
     case = proof(
         "cattaneo-mindlin-balls",
         title="Partial slip of two balls: Cattaneo and Mindlin, a whole cycle",
