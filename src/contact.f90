@@ -18,7 +18,8 @@ module amontons_contact
   use amontons_areas, only: faces_type, add_face_areas, cover_slave, mean_edge
   use amontons_profiles, only: extent_of, PROFILE_FLAT
   use amontons_sparse, only: sparse_type, multiply
-  use amontons_overlaps, only: overlaps_type, find_overlaps, free_directions, left_free, is_friction_taken, fit_overlaps
+  use amontons_overlaps, only: overlaps_type, find_overlaps, free_directions, left_free, global_axes, &
+    is_friction_taken, fit_overlaps
   use amontons_facets, only: facets_type, build_facets, is_line
   use amontons_analytic, only: build_profile_facets
   use amontons_search, only: search_type
@@ -116,7 +117,7 @@ contains
     n = size(slaves)
     call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
     allocate (contact%mask(3, n), source=1.0_DP)
-    allocate (contact%axes(3, 3, n), source=0.0_DP)
+    allocate (contact%axes, source=global_axes(n))
     allocate (contact%free(3, 3, n), contact%friction(n), contact%carried(3, n), source=0.0_DP)
     allocate (contact%direction(3, n), source=0.0_DP)
     allocate (contact%answers(n))
@@ -142,6 +143,7 @@ contains
     call move_alloc(normal, contact%slave_normal)
     if (n == size(contact%friction)) return
     contact%mask = reshape(contact%mask(:, :min(n, size(contact%friction))), [3, n], pad=[1.0_DP])
+    contact%axes = reshape(contact%axes(:, :, :min(n, size(contact%friction))), [3, 3, n], pad=global_axes(1))
     contact%free = reshape([0.0_DP], [3, 3, n], pad=[0.0_DP])
     contact%friction = spread(0.0_DP, 1, n)
     deallocate (contact%answers)
@@ -238,7 +240,7 @@ contains
     do s = 1, size(slaves)
       associate (node => slaves(s)%node)
         is_held_here = base%owner(3 * node - 2:3 * node) /= 0
-        contact%axes(:, :, s) = reshape([1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP], [3, 3])
+        contact%axes(:, :, s:s) = global_axes(1)
         if (count(is_held(:, node)) == count(is_held_here)) then   ! supports alone, no equation
           is_held_here = is_held(:, node)
           contact%axes(:, :, s) = reshape([(direction_of(model, node, k), k=1, 3)], [3, 3])

@@ -11,7 +11,7 @@ module amontons_overlaps
   use amontons_state, only: slave_type, STATUS_OPEN
   implicit none
   private
-  public :: overlaps_type, find_overlaps, fit_overlaps, order_slaves, free_directions, left_free, is_friction_taken
+  public :: overlaps_type, find_overlaps, fit_overlaps, order_slaves, free_directions, left_free, global_axes, is_friction_taken
 
   real(DP), parameter :: PARALLEL = 0.99_DP    !< normals whose product is above this hold the same direction [-]
   real(DP), parameter :: HELD = 1.0e-6_DP      !< a normal whose free part is smaller than this holds nothing more [-]
@@ -170,6 +170,18 @@ contains
       end do
     end do
   end subroutine find_carriers
+
+
+  !> The global axes of n slaves, in columns.
+  pure function global_axes(n) result(axes)
+    integer, intent(in) :: n
+    real(DP) :: axes(3, 3, n)
+    integer :: k
+    axes = 0.0_DP
+    do k = 1, 3
+      axes(k, k, :) = 1.0_DP
+    end do
+  end function global_axes
 
 
   !> The directions that supports leave to a slave, as a projector.

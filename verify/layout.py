@@ -1,6 +1,7 @@
-"""Puts the white space of the Fortran files in order: fprettify, and three habits of this house that it does not know.
+"""Puts the white space of the Fortran files in order: fprettify, and the habits of this house that it does not know.
 
-Continuation lines keep their place, `//` has a blank on both sides, two blank lines stand between procedures.
+Continuation lines and comments keep their place, `//` and `.not.` have a blank before them, products in types too, a procedure may be
+called `read`, two blank lines stand between procedures.
     layout.py FILE...           rewrites the files
     layout.py --check FILE...   prints the difference and exits 1 if there is one
 """
@@ -18,6 +19,10 @@ ROOT = Path(__file__).resolve().parent.parent
 STRING_OR_COMMENT = re.compile(r"'[^']*'|\"[^\"]*\"|!.*")
 CONCATENATION = re.compile(r"(?<=\S) *// *(?=\S)")
 TIMES_ARRAY = re.compile(r"(?<=[\w)\]])\*\[")  # fprettify takes the blanks out of `2 * [1, 2]`
+LEADING = re.compile(r"^( *)//(?=\S)")  # a continuation line that begins with `//`
+NEGATION = re.compile(r",(?=\.not\.)")
+NAMED_READ = re.compile(r"\b(subroutine|call) read \(")
+TIGHT_PRODUCT = re.compile(r"[\w)]\*[\w(]")
 END_OF_PROCEDURE = re.compile(r"  end (subroutine|function)\b")
 fprettify.NO_ALIGN_RE = re.compile("")  # its mark for "leave the continuation lines of this statement alone": all of them
 
@@ -39,6 +44,7 @@ def space_operators(line: str) -> str:
         return f"\0{len(kept) - 1}\0"
 
     line = CONCATENATION.sub(" // ", STRING_OR_COMMENT.sub(hide, line))
+    line = NAMED_READ.sub(r"\1 read(", NEGATION.sub(", ", LEADING.sub(r"\1// ", line)))
     line = TIMES_ARRAY.sub(" * [", line).replace(", quiet = ", ", quiet=")
     return re.sub(r"\0(\d+)\0", lambda match: kept[int(match.group(1))], line)
 
@@ -54,9 +60,24 @@ def part_procedures(lines: list[str]) -> list[str]:
     return result
 
 
+def keep_place(old: list[str], new: list[str]) -> list[str]:
+    """Lines that are a comment alone, and products that fprettify takes for lengths of character, stay as they were."""
+    if len(old) != len(new):
+        return new
+    return [was if is_kept(was, line) else line for was, line in zip(old, new, strict=True)]
+
+
+def is_kept(old: str, new: str) -> bool:
+    """Whether fprettify's line differs only in what it does not know."""
+    if old.split() == new.split():
+        return old.lstrip().startswith("!")
+    return "".join(old.split()) == "".join(new.split()) and bool(TIGHT_PRODUCT.search(new)) and not TIGHT_PRODUCT.search(old)
+
+
 def lay_out(path: Path) -> str:
     """The file as this house would have it."""
-    lines = [space_operators(line) for line in run_fprettify(path).splitlines()]
+    old = path.read_text().splitlines()
+    lines = keep_place(old, [space_operators(line) for line in run_fprettify(path).splitlines()])
     return "\n".join(part_procedures(lines)) + "\n"
 
 
