@@ -196,6 +196,7 @@ study: programs $(VENV)/installed ## Iterations of all line searches by friction
 # --- the documentation --------------------------------------------------------------------------------------------
 doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, and the pages of the source into build/site/api
 	$(BIN)/amontons --cards | $(PYTHON) verify/card_reference.py > doc/manual/cards.md
+	$(PYTHON) verify/rooms.py > doc/developer/rooms.md
 	$(Q)NO_MKDOCS_2_WARNING=1 $(VENV)-doc/bin/mkdocs build
 	@$(MAKE) api
 	@echo "The site is build/site/index.html."

@@ -1,21 +1,25 @@
 """The manual keeps its promises: its decks run, its links lead somewhere, the card reference tells every card.
 
+The links and anchors of the site are looked at here in the Markdown itself, so that it needs nothing but Python; test_site.py
+builds the site and looks at the pages.
+
 SPDX-License-Identifier: GPL-3.0-or-later
 """
 
 from __future__ import annotations
 
 import re
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
 from card_reference import MANUAL, find_examples, page_of, read_cards
 from conftest import ROOT, Run
+from rooms import page as rooms_page
 
 PAGES = sorted((ROOT / "doc").rglob("*.md"))
 DECK = re.compile(r"```abaqus\n(.*?)```", re.DOTALL)
 LINK = re.compile(r"\]\(([^)#:\s]+)(#[^)\s]*)?\)")
-WRITTEN = {ROOT / "doc" / "manual" / "cards.md", ROOT / "doc" / "verification" / "index.md"}  #: by make doc, make verify
 DECKS = [(page.name, deck) for page in PAGES for deck in DECK.findall(page.read_text())]
 
 
@@ -32,13 +36,39 @@ def test_decks_of_the_manual_run(run: Run, tmp_path: Path, page: str, deck: str)
     assert done.returncode == 0, f"{page}:\n{done.stdout}"
 
 
+@pytest.fixture(scope="module")
+def texts(run: Run) -> dict[Path, str]:
+    """All pages, those that `make doc` writes among them; pages beside doc/ that are linked come from the disk."""
+    made = {MANUAL / "cards.md": page_of(read_cards(run(["--cards"]).stdout)), ROOT / "doc" / "developer" / "rooms.md": rooms_page()}
+    return {page.resolve(): page.read_text() for page in PAGES} | made
+
+
+def anchors_of(text: str) -> set[str]:
+    """What the site makes of the headings."""
+    headings = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), flags=re.M)
+    plain = [re.sub(r"[^\w\s-]", "", re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading)).strip().lower() for heading in headings]
+    return {re.sub(r"[-\s]+", "-", heading) for heading in plain}
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT / "doc")))
-def test_links_lead_somewhere(page: Path) -> None:
-    """Links to files of the repository."""
-    for target, _ in LINK.findall(page.read_text()):
+def test_links_lead_somewhere(texts: dict[Path, str], page: Path) -> None:
+    """Links to files of the repository, and to headings in them."""
+    for target, anchor in LINK.findall(page.read_text()):
         place = (page.parent / target).resolve()
-        is_written = place in WRITTEN or place.parent == ROOT / "doc" / "verification"
-        assert place.exists() or is_written, f"{page.name} links to {target}, which is not there"
+        is_verification = place.parent == ROOT / "doc" / "verification"   # written by make verify
+        assert place.exists() or place in texts or is_verification, f"{page.name} links to {target}, which is not there"
+        if anchor and place in texts:
+            assert anchor[1:] in anchors_of(texts[place]), f"{page.name} links to {target}{anchor}: there is no such heading"
+
+
+def test_every_page_is_in_the_navigation(texts: dict[Path, str]) -> None:
+    """And the navigation names no page that is not there."""
+    settings = (ROOT / "mkdocs.yml").read_text()
+    named = set(re.findall(r":\s+(\S+\.md)$", settings[settings.index("\nnav:") :], flags=re.M))
+    there = {str(page.relative_to(ROOT / "doc")) for page in texts}
+    apart = [pattern for block in re.findall(r"^(?:not_in_nav|exclude_docs): \|\n((?:  .*\n)+)", settings, flags=re.M) for pattern in block.split()]
+    assert named - there - {"verification/index.md"} == set()
+    assert {page for page in there - named if not any(fnmatch(page, pattern.lstrip("/")) for pattern in apart)} == set()
 
 
 EXAMPLES = sorted((MANUAL / "examples").glob("*.inp"))
