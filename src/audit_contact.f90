@@ -222,8 +222,8 @@ contains
   end function longest_travel
 
 
-  !> Surface-to-surface pairs under exact contact share no nodes with other pairs: the order in which slaves that share nodes are looked
-  !! at follows single facets, and a row of theirs has many.
+  !> Surface-to-surface pairs under exact contact share no nodes with other pairs: the order in which slaves that share nodes are
+  !! looked at follows single facets, and a row of theirs has many.
   subroutine check_alone(model, report)
     type(model_type), intent(in) :: model
     type(complaints_type), intent(inout) :: report

@@ -1,7 +1,8 @@
 !> Changes: what a step takes out of the model, puts back, or makes of another material.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! MODEL CHANGE, TYPE=ELEMENT, CHANGE SOLID SECTION, CHANGE MATERIAL and EQUATION, REMOVE. The mesh that the element loops see is that of the present step.
+!! MODEL CHANGE, TYPE=ELEMENT, CHANGE SOLID SECTION, CHANGE MATERIAL and EQUATION, REMOVE. The mesh that the element loops see is
+!! that of the present step.
 module amontons_changes
   use amontons_mesh, only: is_out
   use amontons_model, only: model_type

@@ -31,7 +31,7 @@ contains
     real(DP), intent(in) :: h                      !< overclosure [length]
     real(DP), intent(out) :: p                     !< [stress]
     real(DP), intent(out) :: slope                 !< dp/dh [stress/length]
-    real(DP), intent(out) :: energy                !< integral of p dh from h = 0, or from the far side where p vanishes [stress length]
+    real(DP), intent(out) :: energy            !< integral of p dh from h = 0, or from the far side where p vanishes [stress length]
     real(DP) :: eps, share, beta, x
     p = 0.0_DP
     slope = 0.0_DP

@@ -249,8 +249,8 @@ contains
   !!
   !!     inv(S - B A) = inv(S) + inv(S) B inv(T) A inv(S),   T = 1 - A inv(S) B
   !!
-  !! T has three unknowns a spring, and is factorised by LU in place of J_c. (Sherman, Morrison, Woodbury: Golub and Van Loan, Matrix
-  !! Computations, 4th ed., section 2.1.4.) After: is_complete is .false. too, with is_invertible, if S has no inverse.
+  !! T has three unknowns a spring, and is factorised by LU in place of J_c. (Sherman, Morrison, Woodbury: Golub and Van Loan,
+  !! Matrix Computations, 4th ed., section 2.1.4.) After: is_complete is .false. too, with is_invertible, if S has no inverse.
   subroutine factorise_springs(self, base, whole, spread, follow, is_complete, error)
     type(condensed_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base     !< without contact rows
@@ -286,8 +286,8 @@ contains
   end subroutine factorise_springs
 
 
-  !> R = (A inv(S))' and T = 1 - A inv(S) B. Threads share the springs; a column of R is taken once, and so many of them stand side by
-  !! side for the products with B.
+  !> R = (A inv(S))' and T = 1 - A inv(S) B. Threads share the springs; a column of R is taken once, and so many of them stand side
+  !! by side for the products with B.
   subroutine couple_springs(self, follow, spread_t)
     type(condensed_type), intent(inout) :: self
     type(sparse_type), intent(in) :: follow        !< A on the interface (n_springs x n_contact)

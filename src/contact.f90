@@ -56,7 +56,7 @@ module amontons_contact
     real(DP), allocatable :: axes(:, :, :)        !< (3, 3, n_slaves) in columns: the global axes, or those of the node's own frame
     real(DP), allocatable :: mask(:, :)           !< (3, n_slaves) along them: 1 free, 0 held by a support or an equation
     type(overlaps_type) :: overlaps               !< pairs that share nodes
-    type(sparse_type) :: passing                  !< E: forces on all nodes to those on free ones; only where reactions are passed on
+    type(sparse_type) :: passing                 !< E: forces on all nodes to those on free ones; only where reactions are passed on
     real(DP), allocatable :: free(:, :, :)        !< (3, 3, n_slaves) projector on what supports and other pairs leave free
     real(DP), allocatable :: friction(:)          !< (n_slaves) mu at the last evaluation [-]
     real(DP), allocatable :: carried(:, :)        !< (3, n_slaves) imbalance of the row, what other slaves bring included [force]

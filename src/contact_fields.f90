@@ -26,8 +26,9 @@ contains
 
   !> The slave nodes, and for a pair with points each node of its slave surface with what the points around it carry.
   !!
-  !! A point gives to the nodes of its face by the shape functions that are positive there, so that a node never pulls: forces, areas
-  !! and energies as sums, gap, normal and slip as means over the areas. A node is closed if a point of its is, and slips if one does.
+  !! A point gives to the nodes of its face by the shape functions that are positive there, so that a node never pulls: forces,
+  !! areas and energies as sums, gap, normal and slip as means over the areas. A node is closed if a point of its is, and slips if
+  !! one does.
   function nodal_slaves(model, slaves) result(nodal)
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)

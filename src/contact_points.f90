@@ -1,9 +1,9 @@
 !> Contact points: surface-to-surface pairs whose springs stand at points of the slave faces: made anew for each increment.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Springs at points". A point is a slave like a node: its row has the shape functions of its slave face
-!! as weights, and those of the master face with the sign turned. Where the points are and what they face is decided at the start of an
-!! increment; what a new point remembers is that of the nearest old one of its face.
+!! Theory: doc/theory/contact.md, "Springs at points". A point is a slave like a node: its row has the shape functions of its slave
+!! face as weights, and those of the master face with the sign turned. Where the points are and what they face is decided at the
+!! start of an increment; what a new point remembers is that of the nearest old one of its face.
 module amontons_contact_points
   use amontons_kinds, only: DP
   use amontons_topology, only: MAX_FACE_NODES
@@ -110,8 +110,8 @@ contains
   end subroutine sort_by_side
 
 
-  !> What a point takes over from the nearest old one of its facet. A facet that had none takes over nothing, but is not at the start
-  !! of the job if the pair had points.
+  !> What a point takes over from the nearest old one of its facet. A facet that had none takes over nothing, but is not at the
+  !! start of the job if the pair had points.
   pure subroutine remember(before, first, point, slave)
     type(slave_type), intent(in) :: before(:)
     integer, intent(in) :: first(:)                !< (facets + 1) where those of a facet begin

@@ -99,10 +99,10 @@ contains
 
 
   !> The overclosure that is allowed: all of it at the start of the step, nothing at its end.
-  !! Under the calculix dialect, as CalculiX has it: what a slave node overlaps at the start of the job goes over the first increment, as if
-  !! that were the step, and is then felt whole. Of points: in the first step what a point overlaps at the start of an increment goes over the rest of the step,
-  !! again in each increment; in later steps only what an open one overlaps at the start, and that over the first increment.
-  !! CLEARANCE grows with the time of each step there.
+  !! Under the calculix dialect, as CalculiX has it: what a slave node overlaps at the start of the job goes over the first
+  !! increment, as if that were the step, and is then felt whole. Of points: in the first step what a point overlaps at the start of
+  !! an increment goes over the rest of the step, again in each increment; in later steps only what an open one overlaps at the
+  !! start, and that over the first increment. CLEARANCE grows with the time of each step there.
   subroutine ramp_interference(contact, is_step_start, fields, slave)
     type(contact_type), intent(in) :: contact
     logical, intent(in) :: is_step_start

@@ -49,7 +49,7 @@ module amontons_contact_tangent
     real(DP), allocatable :: xi_nodes(:, :, :)     !< (2, 3, :) d xi / d u_j [1/length]
     real(DP), allocatable :: gap_nodes(:, :)       !< (3, :) d g / d u_j [-]
     logical :: is_spring = .false.                 !< a compliant law: the node keeps its unknowns and has no row
-    real(DP) :: spring(3, 3) = 0                   !< its stiffness without the turning of normals: symmetric, positive [force/length]
+    real(DP) :: spring(3, 3) = 0                 !< its stiffness without the turning of normals: symmetric, positive [force/length]
   end type link_type
 
 contains
@@ -155,7 +155,8 @@ contains
   end subroutine link_weights
 
 
-  !> Finite sliding of a mortar pair: the normal turns with the facets around the slave's vertex. How the weights change is left out.
+  !> Finite sliding of a mortar pair: the normal turns with the facets around the slave's vertex. How the weights change is left
+  !! out.
   subroutine link_vertex(contact, x, slave, force_normal, link)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
@@ -443,8 +444,8 @@ contains
   end subroutine add_contact_rows
 
 
-  !> In which directions a sticking node is tied: the axes (of its own frame) that supports leave free; where other pairs hold it too, the
-  !! normal and what is left beside it.
+  !> In which directions a sticking node is tied: the axes (of its own frame) that supports leave free; where other pairs hold it
+  !! too, the normal and what is left beside it.
   pure subroutine stick_directions(contact, slave, s, n, direction)
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slave

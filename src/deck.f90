@@ -262,7 +262,7 @@ contains
       end if
       associate (entry => reader%table%entries(card%entry))
         if (is_abbreviated) call note(reader, card%line, 'The card *' // card%key // ' is taken as *' // entry%keyword &
-          //'; abbreviations are better written out.')
+          // '; abbreviations are better written out.')
         if (entry%status == STATUS_REFUSED) call complain(reader, card%line, 'The card *' // entry%keyword // &
           ' is not supported. ' // entry%sentence)
         if (entry%status == STATUS_NOTED) call note(reader, card%line, 'The card *' // entry%keyword // &

@@ -251,7 +251,7 @@ contains
     if (kind > 0 .and. draft%nodes%n - start /= n_wanted) then
       is_ok = .false.
       call complain(reader, line, 'The element ' // text_of(label) // ' has ' // plural(draft%nodes%n - start, 'node') &
-        //'; its kind has ' // text_of(n_wanted) // '. The rest of this card is not read.')
+        // '; its kind has ' // text_of(n_wanted) // '. The rest of this card is not read.')
       draft%nodes%n = start
       return
     end if
@@ -294,7 +294,7 @@ contains
     type(draft_type), intent(in) :: draft
     integer :: e, i, j, node
     element: do e = 1, draft%n
-      if (draft%kind(e) == 0) cycle
+      if (draft%kind(e) == 0) cycle element
       do i = draft%first(e), draft%first(e + 1) - 1
         node = draft%nodes%items(i)
         if (node == 0) cycle
@@ -326,7 +326,7 @@ contains
       material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
       associate (line => reader%cards%cards(c)%line)
         if (set == 0) call complain(reader, line, 'There is no element set ''' // parameter_text(parameters, 'ELSET') &
-          //'''.')
+          // '''.')
         if (material == 0) call complain(reader, line, 'There is no material ''' // &
           parameter_text(parameters, 'MATERIAL') // '''.')
         thickness = 1
@@ -587,7 +587,7 @@ contains
     if (begins(type, 'C3D6')) advice = 'Use C3D6.'
     if (begins(type, 'C3D15')) advice = 'Use C3D15.'
     if (begins(type, 'CPS') .or. begins(type, 'CPE') .or. begins(type, 'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
-      //'8 or 8R nodes: CPE4, CPE8R and so on.'
+      // '8 or 8R nodes: CPE4, CPE8R and so on.'
     if (begins(type, 'T2D')) advice = 'Use T3D2 or T3D3 and hold the third displacement.'
     if (is_structural(type)) advice = 'Shells, beams and membranes are not there yet: mesh the body with solids (C3D8I ' // &
       'or C3D20R bend well).'

@@ -281,7 +281,7 @@ contains
     key = squeezed(name)
     dot = index(key, '.')                        ! INSTANCE.NAME of a deck with parts: both may be so long
     if (max(dot - 1, len(key) - dot) > NAME_LENGTH) call complain(reader, reader%cards%cards(c)%line, 'The name ''' // name &
-      //''' has more than ' // text_of(NAME_LENGTH) // ' characters.')
+      // ''' has more than ' // text_of(NAME_LENGTH) // ' characters.')
   end subroutine check_name
 
 end module amontons_deck_reader

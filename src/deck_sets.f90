@@ -82,7 +82,7 @@ contains
       name = parameter_text(parameters, set_key)
       if (name == '') cycle
       if (has_parameter(parameters, 'INSTANCE')) call complain(reader, reader%cards%cards(c)%line, 'INSTANCE belongs to the ' &
-        //'sets of an assembly; this deck has none here.')
+        // 'sets of an assembly; this deck has none here.')
       call check_name(reader, c, name)
       call family%names%add(name, s, is_new)
       if (s > size(family%sets)) then

@@ -293,7 +293,7 @@ contains
       return
     end if
     if (step%dt_initial > step%period) call complain(reader, line, 'The first increment ' // text_of(step%dt_initial) &
-      //' is longer than the step, ' // text_of(step%period) // '.')
+      // ' is longer than the step, ' // text_of(step%period) // '.')
     if (step%is_direct) return
     if (step%dt_min > step%dt_initial) then
       call note(reader, line, 'The least increment ' // text_of(step%dt_min) // ' is longer than the first one, ' // &
@@ -666,7 +666,7 @@ contains
       end do
     end do
     if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'The result file always holds the same fields; ' &
-      //unknown // ' is not among them.')
+      // unknown // ' is not among them.')
   end subroutine read_file_request
 
 

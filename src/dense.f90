@@ -357,8 +357,8 @@ contains
   end subroutine factorise_dense
 
 
-  !> The same by threads: columns in blocks, a block is a task, and a panel is factorised as soon as its columns are up to date. What
-  !! is done to a block does not depend on who does it: the bits are the same for any number of threads.
+  !> The same by threads: columns in blocks, a block is a task, and a panel is factorised as soon as its columns are up to date.
+  !! What is done to a block does not depend on who does it: the bits are the same for any number of threads.
   !! Reference: A. Buttari, J. Langou, J. Kurzak, J. Dongarra, Parallel Computing 35 (2009) 38.
   subroutine factorise_shared(a, pivots, info)
     real(DP), contiguous, intent(inout) :: a(:, :)

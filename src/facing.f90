@@ -1,4 +1,4 @@
-!> Facing: the points at which two surfaces face each other: slave faces cut with master faces, and seven points in each triangle of a cut.
+!> Facing: where two surfaces face each other: slave faces cut with master faces, and seven points in each triangle of a cut.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/contact.md, "Springs at points". The corners of a slave face, mid-side nodes among them, and those of the
@@ -25,7 +25,7 @@ module amontons_facing
   real(DP), parameter :: SLIVER = 1.0e-10_DP       !< cuts smaller than this part of the face are nothing [-]
   real(DP), parameter :: OVERLAP = 1.0e-6_DP       !< cuts that overlap by more of the face lie one behind the other [-]
   integer, parameter :: MOST_ITERATIONS = 30       !< of Newton for the natural coordinates of a point
-  real(DP), parameter :: LEAST = 1.0e-4_DP         !< triangles with less area in natural coordinates are left out, as CalculiX does [-]
+  real(DP), parameter :: LEAST = 1.0e-4_DP     !< triangles with less area in natural coordinates are left out, as CalculiX does [-]
   real(DP), parameter :: HALF_WEDGE = PI / 180     !< of the solid that CalculiX makes of an axisymmetric element [rad]
   integer, parameter :: N_RULE = 7                 !< points in a triangle
 
@@ -33,7 +33,7 @@ module amontons_facing
   type :: facing_type
     integer :: slave = 0                           !< facet
     integer :: master = 0                          !< facet
-    real(DP) :: at(2) = 0                          !< natural coordinates on the slave facet; of a line the second one is along its depth [-]
+    real(DP) :: at(2) = 0                 !< natural coordinates on the slave facet; of a line the second one is along its depth [-]
     real(DP) :: xi(2) = 0                          !< natural coordinates on the master facet [-]
     real(DP) :: area = 0                           !< [length^2]
   end type facing_type

@@ -7,7 +7,8 @@
 !!     n_i = m_i/|m_i|,   m_i = sum over the star of vertex i of A_0 (x,1 x x,2) there,   A_0 area of the natural facet
 !!
 !! with the unknowns xi and g. Point and normal are continuous over smooth edges, so the projection is too, and there
-!! are no dead zones between facets. A master that is a profile is handed on to `analytic`. `x` is always the array of the coordinates of all mesh nodes, (3, n_nodes).
+!! are no dead zones between facets. A master that is a profile is handed on to `analytic`. `x` is always the array of the
+!! coordinates of all mesh nodes, (3, n_nodes).
 module amontons_gap
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product, invert
@@ -157,8 +158,8 @@ contains
   end subroutine find_projection
 
 
-  !> The distance of a point from the nearest centre of the triangles of a facet. Of facets that hold a point equally well CalculiX takes
-  !! the one of the nearest triangle, and divides a square between its second and fourth corner as it numbers them.
+  !> The distance of a point from the nearest centre of the triangles of a facet. Of facets that hold a point equally well CalculiX
+  !! takes the one of the nearest triangle, and divides a square between its second and fourth corner as it numbers them.
   pure real(DP) function middle_distance(facets, x, f, point) result(distance)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]

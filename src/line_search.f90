@@ -232,7 +232,8 @@ contains
   end subroutine try_nodal
 
 
-  !> AUTO: the full step if the merit does not grow, or without contact; else (LS) over all unknowns, then halves; the best is taken.
+  !> AUTO: the full step if the merit does not grow, or without contact; else (LS) over all unknowns, then halves; the best is
+  !! taken.
   subroutine back_track(system, model, step, du, start, state, search, trouble)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model

@@ -557,7 +557,8 @@ contains
   end subroutine print_element_rows
 
 
-  !> CDIS, CSTR, CELS of the closed slave nodes or points of slave faces, their number CNUM, our SCEN, and the statistics CF, CFN, CFS of each pair.
+  !> CDIS, CSTR, CELS of the closed slave nodes or points of slave faces, their number CNUM, our SCEN, and the statistics CF, CFN,
+  !! CFS of each pair.
   !!
   !! As in CalculiX pressure is positive, a gap negative is penetration, and the tangential components are slip and the
   !! shear stress that goes with it (that on the master, in the direction of slip of the slave).

@@ -74,7 +74,8 @@ contains
   end function is_small
 
 
-  !> A and its factor, or preconditioner; a factor of the same K and C is kept. `status` is FACTOR_OK, or says that not even a shift made A positive.
+  !> A and its factor, or preconditioner; a factor of the same K and C is kept. `status` is FACTOR_OK, or says that not even a shift
+  !! made A positive.
   subroutine factorise_reduced(self, stiffness, is_sprung, whole, mesh, status, error)
     type(reduced_type), intent(inout) :: self
     type(sparse_type), intent(in) :: stiffness     !< K, or K with springs

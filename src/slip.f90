@@ -99,7 +99,8 @@ contains
   !!
   !! A node that was open has no contact force yet: its imbalance is not what contact carries, and N = 0, Rt = 0 are
   !! taken; its slip counts from the point of first touch, so it starts as stick where it came straight down and as slip
-  !! where it came along. Without friction (mu = 0) a closed node always slips. At a solution both lines say what the laws of Signorini and Coulomb say, for any c > 0.
+  !! where it came along. Without friction (mu = 0) a closed node always slips. At a solution both lines say what the laws of
+  !! Signorini and Coulomb say, for any c > 0.
   !!
   !! Reference: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution
   !! methods, Comput. Methods Appl. Mech. Engrg. 92 (1991) 353-375.

@@ -61,7 +61,8 @@ module amontons_state
     real(DP), allocatable :: u(:, :)        !< (3, n_nodes) displacement [length]
     real(DP), allocatable :: v(:, :)        !< (3, n_nodes) mean velocity of the last increment [length/time]
     real(DP), allocatable :: stress(:, :)   !< (6, n_points) Cauchy stress xx yy zz xy yz xz [stress]
-    real(DP), allocatable :: strain(:, :)   !< (6, n_points) small, logarithmic (abaqus) or Green's (calculix) strain, tensor components, same order [-]
+    real(DP), allocatable :: strain(:, :)   !< (6, n_points) small, logarithmic (abaqus) or Green's (calculix) strain, tensor
+                                            !< components, same order [-]
     real(DP), allocatable :: energy(:)      !< (n_points) strain energy per reference volume [energy/volume]
     real(DP), allocatable :: volume(:)      !< (n_points) reference volume [length^3]
     real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 if none needs it

@@ -61,17 +61,20 @@ def part_procedures(lines: list[str]) -> list[str]:
 
 
 def keep_place(old: list[str], new: list[str]) -> list[str]:
-    """Lines that are a comment alone, and products that fprettify takes for lengths of character, stay as they were."""
-    if len(old) != len(new):
+    """Comments, and products that fprettify takes for lengths of character, stay as they were. (It takes away blank lines.)"""
+    before = [line for line in old if line.strip()]
+    if len(before) != sum(1 for line in new if line.strip()):
         return new
-    return [was if is_kept(was, line) else line for was, line in zip(old, new, strict=True)]
+    lines = iter(before)
+    return [(was if is_kept(was := next(lines), line) else line) if line.strip() else line for line in new]
 
 
 def is_kept(old: str, new: str) -> bool:
     """Whether fprettify's line differs only in what it does not know."""
-    if old.split() == new.split():
-        return old.lstrip().startswith("!")
-    return "".join(old.split()) == "".join(new.split()) and bool(TIGHT_PRODUCT.search(new)) and not TIGHT_PRODUCT.search(old)
+    if old.lstrip().startswith("!<"):
+        return True
+    tight = STRING_OR_COMMENT.sub("", new)
+    return "".join(old.split()) == "".join(new.split()) and bool(TIGHT_PRODUCT.search(tight)) and not TIGHT_PRODUCT.search(STRING_OR_COMMENT.sub("", old))
 
 
 def lay_out(path: Path) -> str:

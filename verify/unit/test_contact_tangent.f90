@@ -97,7 +97,7 @@ contains
     logical, intent(in) :: is_nlgeom, is_small
     type(interaction_type), intent(in), optional :: law   !< with its behaviour; hard without it
     integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
-    integer, intent(in), optional :: shared        !< 1: with the pair the other way round first; 2: with a second master; 3: none, but
+    integer, intent(in), optional :: shared     !< 1: with the pair the other way round first; 2: with a second master; 3: none, but
                                                    !< surface to surface
     logical, intent(in), optional :: is_symmetric  !< planes of symmetry take the x of every other vertex normal
     real(DP), parameter :: H = 1.0e-6_DP
@@ -326,7 +326,7 @@ contains
   !> Makes pairs of two plates that share nodes.
   subroutine share_nodes(model, shared)
     type(model_type), intent(inout) :: model
-    integer, intent(in) :: shared                  !< 1: the other way round, before it; 2: the upper's left edge against a third body
+    integer, intent(in) :: shared                !< 1: the other way round, before it; 2: the upper's left edge against a third body
     type(surface_type), allocatable :: surfaces(:)
     allocate (surfaces(4))
     surfaces(:2) = model%surfaces

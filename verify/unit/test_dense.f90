@@ -238,7 +238,8 @@ contains
   end subroutine test_positive
 
 
-  !> An LU and products of a matrix large enough for threads: right as matmul is, the same bits twice, and alike for all numbers of them.
+  !> An LU and products of a matrix large enough for threads: right as matmul is, the same bits twice, and alike for all numbers of
+  !! them.
   subroutine test_threads()
     use omp_lib, only: omp_set_num_threads, omp_get_max_threads
     integer, parameter :: N = 501

@@ -68,7 +68,6 @@ contains
   end subroutine check_faceted
 
 
-
   !> A surface of 4 x 3 cells: waves of height `wave`, shaken nodes, folded at x = 2 (a crease if the angle is large).
   subroutine make_surface(kind, wave, noise, angle, mesh, facets)
     integer, intent(in) :: kind
