@@ -11,8 +11,8 @@ uses_lookup = kinds text
 uses_tensor = kinds
 uses_profiles = kinds tensor
 uses_history = kinds
-uses_journal = kinds errors text history posix
 uses_posix = kinds errors
+uses_journal = kinds errors text history posix
 
 # 1 tools: one outer library each
 uses_sparse = kinds errors
@@ -154,8 +154,8 @@ uses_frd = kinds errors version history posix digits topology mesh materials ste
 uses_restart = kinds errors posix store model state reduced system newton stepper
 uses_failure = kinds text model state system converge forensics newton
 uses_user_job = kinds errors journal user materials surfaces model user_material state user_state
-uses_analysis = kinds errors text history journal posix dense factor store archive steps model deck state user_state changes fasten slaves contact_fields adjust system audit converge newton stepper results printed frd restart failure user_job drive
 uses_drive = kinds errors text loads steps model
-uses_library = kinds errors text journal sparse topology model state contact_fields system converge stepper columns results user_job analysis drive
+uses_analysis = kinds errors text history posix journal dense factor store archive steps model deck state user_state changes fasten slaves contact_fields adjust system audit converge newton stepper results printed frd restart failure user_job drive
+uses_library = kinds errors text journal sparse topology model state contact_fields system converge stepper columns results user_job drive analysis
 uses_capi = kinds errors version text sparse model library
-uses_main = errors version journal posix model card_table deck analysis
+uses_main = errors version posix journal model card_table deck analysis
