@@ -238,6 +238,7 @@ contains
     logical :: is_held_here(3)
     integer :: s, k
     do s = 1, size(slaves)
+      if (slaves(s)%side > 0) cycle                ! a point of a face is no node; points come and go, and are the last
       associate (node => slaves(s)%node)
         is_held_here = base%owner(3 * node - 2:3 * node) /= 0
         contact%axes(:, :, s:s) = global_axes(1)

@@ -86,18 +86,6 @@ void amontons_watch_end(int is_on)
   is_watching_end = is_on;
 }
 
-/* The most memory that the process has had in the machine so far, in megabytes of 10^6 bytes; 0: not told. */
-double amontons_peak_megabytes(void)
-{
-  struct rusage usage;
-  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
-#ifdef __APPLE__
-  return (double)usage.ru_maxrss / 1.0e6; /* bytes there, kilobytes elsewhere */
-#else
-  return (double)usage.ru_maxrss * 1024.0 / 1.0e6;
-#endif
-}
-
 /* 1 if so much memory can be had at once. */
 int amontons_has_memory(int64_t n_bytes)
 {
@@ -120,6 +108,21 @@ static double number_in(const char *path, const char *word)
   }
   fclose(file);
   return number;
+}
+
+/* The most memory that the process has had in the machine so far, in megabytes of 10^6 bytes; 0: not told. getrusage counts
+   what the process had before it became this program, too, and is asked only where there is no /proc. */
+double amontons_peak_megabytes(void)
+{
+  double kilobytes = number_in("/proc/self/status", "VmHWM:");
+  if (kilobytes >= 0) return kilobytes * 1024.0 / 1.0e6;
+  struct rusage usage;
+  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+#ifdef __APPLE__
+  return (double)usage.ru_maxrss / 1.0e6; /* bytes there, kilobytes elsewhere */
+#else
+  return (double)usage.ru_maxrss * 1024.0 / 1.0e6;
+#endif
 }
 
 /* Megabytes that the process can still take: what the system has, what its group may have, and its own limit of addresses.
