@@ -6,7 +6,6 @@ SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import random
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -32,8 +31,9 @@ def whole(run: Run, block: Path, tmp_path_factory: pytest.TempPathFactory) -> Pa
 
 
 def start(program: Path, *words: str | Path) -> subprocess.Popen[str]:
-    """Starts a job, with one thread."""
+    """Starts a job, with one thread. SIGINT reaches it even where a shell runs the tests in the background and ignores that signal."""
     return subprocess.Popen([str(program), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
                             env=os.environ | {"OMP_NUM_THREADS": "1"})  # fmt: skip
 
 
@@ -114,21 +114,14 @@ def test_many_kills(program: Path, run: Run, block: Path, whole: Path, tmp_path:
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_signals_end_a_job_in_order(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path, number: int) -> None:  # noqa: F811
     """Exit code 5 with a sentence, files whole, and the job goes on bitwise."""
-    output, code = "", 0
-    for increments in (3, 2, 1):                    # a job that was done before it could be asked is asked sooner the next time
-        shutil.rmtree(tmp_path, ignore_errors=True)
-        tmp_path.mkdir()
-        job = start(program, "--outdir", tmp_path, block)
-        wait_for_increments(tmp_path, increments)
-        job.send_signal(number)
-        output, _ = job.communicate(timeout=60)
-        code = job.returncode
-        if code != 0:
-            break
-    assert code == NOT_CONVERGED, output
+    job = start(program, "--outdir", tmp_path, block)
+    wait_for_increments(tmp_path, 3)
+    job.send_signal(number)
+    output, _ = job.communicate(timeout=60)
+    assert job.returncode == NOT_CONVERGED, output
     assert output.splitlines()[-1].startswith(f"*ERROR: The job was stopped by {signal.Signals(number).name}")
     n_frames = len(data_sets(tmp_path / "block.vtkhdf")["VTKHDF/Steps/Values"])
-    assert n_frames >= 2
+    assert n_frames >= 4
     assert run(["--resume", "--outdir", tmp_path, block]).returncode == 0
     assert_same(whole, tmp_path)
 
