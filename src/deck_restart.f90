@@ -52,10 +52,11 @@ contains
     call take_text(text, old)
     call start_text(joined)
     call list_files(cards, origin%path, joined)
-    call copy_lines(old, 1, first_step(old, 1) - 1, 0, joined)
-    line = first_step(cards, 1)
+    call copy_lines(old, 1, line_of(old, 'STEP', 1, old%n_lines + 1) - 1, 0, joined)
+    line = line_of(cards, 'STEP', 1, cards%n_lines + 1)
     call copy_model(cards, line - 1, joined, remarks)
-    call copy_lines(old, first_step(old, 1), last_line_of(old, origin%label%step), 0, joined)
+    call copy_lines(old, line_of(old, 'STEP', 1, old%n_lines + 1), &
+      line_of(old, 'ENDSTEP', origin%label%step, old%n_lines), 0, joined)
     call copy_lines(cards, line, cards%n_lines, 1, joined)
     call find_cards(joined)
     cards = joined
@@ -155,34 +156,21 @@ contains
   end subroutine list_files
 
 
-  !> Line of the i-th *STEP; behind the last line if there are fewer.
-  pure integer function first_step(cards, i) result(line)
+  !> Line of the i-th card of a keyword; `none` if there are fewer.
+  pure integer function line_of(cards, key, i, none) result(line)
     type(cards_type), intent(in) :: cards
+    character(*), intent(in) :: key                !< squeezed
     integer, intent(in) :: i
+    integer, intent(in) :: none
     integer :: c, n
     n = 0
     do c = 1, cards%n_cards
-      if (cards%cards(c)%key == 'STEP') n = n + 1
+      if (cards%cards(c)%key == key) n = n + 1
       line = cards%cards(c)%line
       if (n == i) return
     end do
-    line = cards%n_lines + 1
-  end function first_step
-
-
-  !> Line of the *END STEP of the i-th step.
-  pure integer function last_line_of(cards, i) result(line)
-    type(cards_type), intent(in) :: cards
-    integer, intent(in) :: i
-    integer :: c, n
-    n = 0
-    do c = 1, cards%n_cards
-      if (cards%cards(c)%key == 'ENDSTEP') n = n + 1
-      line = cards%cards(c)%line
-      if (n == i) return
-    end do
-    line = cards%n_lines
-  end function last_line_of
+    line = none
+  end function line_of
 
 
   !> Copies lines as they are.
