@@ -140,19 +140,20 @@ contains
     deallocate (deck)
     allocate (character(n) :: deck)
     do i = 1, (n + 7_I64) / 8_I64
-      call put_letters(words(i + 2), deck(8 * i - 7:min(8 * i, n)))
+      deck(8 * i - 7:min(8 * i, n)) = letters_of(words(i + 2), int(min(8_I64, n - 8 * (i - 1))))
     end do
   end subroutine read_archived_deck
 
 
-  !> The letters of a word.
-  subroutine put_letters(word, letters)
+  !> The first n letters of a word.
+  pure function letters_of(word, n) result(letters)
     integer(I64), intent(in) :: word
-    character(*), intent(inout) :: letters
+    integer, intent(in) :: n                       !< 8 at most
+    character(n) :: letters
     character(8) :: all_letters
     all_letters = transfer(word, all_letters)
-    letters = all_letters(:len(letters))
-  end subroutine put_letters
+    letters = all_letters(:n)
+  end function letters_of
 
 
   !> The state of a step and an increment; of a step without one (0) the last; without both the last of all.
@@ -276,7 +277,7 @@ contains
         words = record(N_HEAD + 1:)
       end if
     end if
-    close (unit, iostat=status)
+    close (unit)
   end subroutine read_record
 
 

@@ -2,8 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Local directions: the master's outward normal n, and t_1, t_2 along the surface: in space t_1 is the global x axis projected on
-!! the surface (z, where the normal is within 0.1 degrees of x) and t_2 = n x t_1; in the plane t_1 = e_z x n. Penetration is -g, and a
-!! positive shear stress acts on the slave against its slip:
+!! the surface (z, where the normal is within 0.1 degrees of x) and t_2 = n x t_1; in the plane t_1 = e_z x n. Penetration is -g,
+!! and a positive shear stress acts on the slave against its slip:
 !!
 !!     F = A (s_1 n - s_2 t_1 - s_3 t_2)
 module amontons_user_contact
