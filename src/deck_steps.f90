@@ -27,7 +27,7 @@ module amontons_deck_steps
   public :: read_steps
 
   character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
-    'CSTATUS|CFORCE|CNORMF|CSHEARF|PEEQ|NT|PRESELECT|ALL' !< what the result file holds
+    'CSTATUS|CFORCE|CNORMF|CSHEARF|PEEQ|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD' !< what the result file holds
   character(*), parameter :: FRD_WORDS(N_FRD) = [character(9) :: 'U', 'RF', 'NT', 'S', 'E', 'PEEQ', 'ENER', &
     'CDIS|CSTR']                                          !< what asks for the fields of the .frd file
   integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 1, 2, 2, 2, 2, 3]   !< cards of nodes, elements, contact
@@ -660,7 +660,7 @@ contains
       do i = 1, row%n
         word = field_text(reader%cards, row, i)
         call ask_frd(word, progress%step%frd)
-        if (is_one_of(word, FILE_VARIABLES)) cycle
+        if (is_one_of(word, FILE_VARIABLES) .or. is_one_of(without_digits(word), FILE_VARIABLES)) cycle
         if (unknown /= '') unknown = unknown // ', '
         unknown = unknown // word
       end do
@@ -668,6 +668,14 @@ contains
     if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'The result file always holds the same fields; ' &
       // unknown // ' is not among them.')
   end subroutine read_file_request
+
+
+  !> The field that a component is of: RF of RF3, S of S12.
+  pure function without_digits(word) result(field)
+    character(*), intent(in) :: word
+    character(:), allocatable :: field
+    field = word(:verify(word, '0123456789', back=.true.))
+  end function without_digits
 
 
   !> What a card asks for: 1 values of nodes, 2 of elements, 3 of contact, 0 none of these.

@@ -119,6 +119,14 @@ def test_contact_numbers(run: Run) -> None:
     assert "interaction RUBBING: HARD, exact; friction 0.3" in done.stdout
 
 
+def test_output_variables(run: Run, tmp_path: Path) -> None:
+    """Components are of a field, energies stand in the history table; what is not written is told."""
+    asked = "*OUTPUT, FIELD\n*NODE OUTPUT\nU, RF3, CF\n*ELEMENT OUTPUT\nS12, LE, MISES, PEMAG\n*ENERGY OUTPUT\nALLSE, ALLFD\n*END STEP"
+    text, code = explained(run, tmp_path, DECK.replace("*END STEP", asked))
+    assert code == 0
+    assert re.findall(r"note: The result file always holds the same fields; (.*) is not", text) == ["CF", "PEMAG"]
+
+
 def test_broken_parts(run: Run, tmp_path: Path) -> None:
     """A deck that is read no further tells why."""
     text, code = explained(run, tmp_path, "*PART, NAME=P\n*NODE\n1, 0, 0, 0\n" + DECK)
