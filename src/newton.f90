@@ -166,14 +166,15 @@ contains
   end subroutine watch_bodies
 
 
-  !> The residual over the largest force, and the two before it.
+  !> The residual over the largest force, and the two before it. What rounding makes of gaps counts as no residual: bodies that
+  !! only touch have no larger force.
   subroutine note_residual(newton, system)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(in) :: system
     real(DP) :: scale
     newton%force_scale = max(newton%force_scale, system%largest_force)
     scale = max(system%largest_force, FORCE_MEMORY * newton%force_scale, tiny(1.0_DP))
-    newton%progress%residual = [system%largest_residual / scale, newton%progress%residual(0:1)]
+    newton%progress%residual = [max(system%largest_residual - system%rounding, 0.0_DP) / scale, newton%progress%residual(0:1)]
     newton%progress%gap = max(system%contact%worst_gap, system%violation)
   end subroutine note_residual
 

@@ -71,7 +71,7 @@ contains
     do
       call note_best(system, state, du, best)
       if (system%contact%n_changed == 0 .and. system%merit <= max(SETTLED * start%merit, &
-        NEGLIGIBLE * step%controls%r_n * system%largest_force)) exit
+        NEGLIGIBLE * step%controls%r_n * system%largest_force, system%rounding * sqrt(real(size(du), DP)))) exit
       if (n_rounds == MOST_ROUNDS) exit
       n_rounds = n_rounds + 1
       call correct_direction(system, model, step, state, correction, trouble, error)

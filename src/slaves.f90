@@ -2,11 +2,12 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_slaves
   use amontons_kinds, only: DP
-  use amontons_surfaces, only: interaction_type, BEHAVIOR_TIED
+  use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
+  use amontons_compliance, only: law_pressure
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   implicit none
   private
-  public :: slip_view_type, lose_master, set_force, set_view, shear_most, commit_slip
+  public :: slip_view_type, lose_master, set_force, set_view, shear_most, rounding_force, commit_slip
 
   !> What the slip procedure looks at, for all slave nodes at one configuration.
   type :: slip_view_type
@@ -72,6 +73,23 @@ contains
     most = min(law%friction * max(pressure, 0.0_DP), law%shear_limit) * area
     if (law%behavior == BEHAVIOR_TIED) most = law%shear_limit * area
   end function shear_most
+
+
+  !> The largest force that a compliant law makes of the rounding of coordinates: of a gap of one unit in their last place.
+  pure real(DP) function rounding_force(laws, slaves, coordinates) result(force)
+    type(interaction_type), intent(in) :: laws(:)      !< (n_pairs)
+    type(slave_type), intent(in) :: slaves(:)          !< (n_slaves)
+    real(DP), intent(in) :: coordinates(:, :)          !< (3, n_nodes) [length]
+    real(DP) :: pressure, slope, energy
+    integer :: s
+    force = 0.0_DP
+    do s = 1, size(slaves)
+      if (slaves(s)%status == STATUS_OPEN .or. .not. is_compliant(laws(slaves(s)%pair))) cycle
+      call law_pressure(laws(slaves(s)%pair), -slaves(s)%gap, pressure, slope, energy)
+      force = max(force, slope * slaves(s)%area)
+    end do
+    force = force * epsilon(1.0_DP) * maxval(abs(coordinates))
+  end function rounding_force
 
 
   !> At the end of a converged increment: gather the slip, and the work that friction took.

@@ -36,6 +36,7 @@ module amontons_system
   use amontons_symmetry, only: find_symmetry, find_held
   use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
     touching_row
+  use amontons_slaves, only: rounding_force
   use amontons_contact_start, only: begin_contact_increment
   use amontons_contact_points, only: renew_points
   use amontons_rows, only: contact_row_type
@@ -60,6 +61,7 @@ module amontons_system
   real(DP), parameter :: FEW_INCREMENTS = 0.3_DP         !< first increment over the step: a factor serves fewer than that [-]
   integer, parameter :: MOST_OLD = 8                     !< Krylov iterations after which an old factor of the bulk is given up
   integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
+  real(DP), parameter :: ROUNDINGS = 10.0_DP             !< so many times a gap is rounded on its way to a force, at most [-]
   real(DP), parameter :: NEAR = 0.5_DP                   !< an open node nearer than this times the edge is on the interface [-]
 
   !> The system, with everything that is kept between configurations.
@@ -86,6 +88,7 @@ module amontons_system
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
     real(DP) :: largest_residual = 0               !< [force]
     real(DP) :: largest_force = 0                  !< largest internal, applied or contact force on a node [force]
+    real(DP) :: rounding = 0                       !< what rounding makes of gaps: no residual [force]
     real(DP) :: merit = 0                          !< norm of residual, gaps and stick violations scaled to forces [force]
     logical :: is_nlgeom = .false.
     logical :: is_constant = .false.               !< the stiffness of this step depends on nothing
@@ -259,6 +262,7 @@ contains
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
     call measure(system, state%new)
+    system%rounding = ROUNDINGS * rounding_force(system%contact%laws, state%new%slaves, model%mesh%coordinates)
     call stop_clock(system, clock, PHASE_CONTACT)
     if (.not. system%merit <= huge(1.0_DP)) trouble = TROUBLE_NOT_FINITE
   end subroutine evaluate
@@ -609,9 +613,9 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: by_imbalance, by_displacement, spread, follow
     if (all(system%links%is_spring) .and. size(system%links) > 0 .and. system%condensed%is_invertible) then
-      call spring_factors(system%links, system%whole%n_unknowns, spread, follow, error)
-      if (allocated(error)) return
-      if (spread%n_columns < system%condensed%n_contact) then
+      if (3 * size(system%links) < system%condensed%n_contact) then
+        call spring_factors(system%links, system%whole%n_unknowns, spread, follow, error)
+        if (allocated(error)) return
         call factorise_springs(system%condensed, system%base, system%whole, spread, follow, is_complete, error)
         if (allocated(error) .or. is_complete .or. system%condensed%is_invertible) return
       end if

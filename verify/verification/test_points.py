@@ -137,3 +137,22 @@ def test_slip(order: int, run_deck: Run, tmp_path: Path) -> None:
     for k, table in enumerate(tables, 1):
         assert table[:, 2] == pytest.approx(PRESSURE, rel=1e-6)
         assert np.abs(table[:, 3]) == pytest.approx(min(slope * way * k / 8, mu * PRESSURE), rel=1e-5)
+
+
+@pytest.mark.parametrize("pair", ["SURFACE TO SURFACE", "NODE TO SURFACE"])
+@pytest.mark.parametrize("order", [8, 20])
+def test_touching_without_load(order: int, pair: str, run_deck: Run, tmp_path: Path) -> None:
+    """Bodies that touch, turned and far from the origin, without any load: what rounding makes of their gaps is no imbalance."""
+    text = deck(order, nlgeom=", NLGEOM", pair=pair) + "*BOUNDARY\nLOWER, 1, 3\nTOP, 1, 2\nTOP, 3\n*END STEP\n"
+    cosine, sine = np.cos(0.7), np.sin(0.7)
+    turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]]) @ np.array([[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]])
+
+    def turned(line: re.Match[str]) -> str:
+        x = turn @ np.array([float(word) for word in line[2].split(",")]) + [7.0, -3.0, 5.0]
+        return f"{line[1]}, " + ", ".join(repr(float(v)) for v in x)
+
+    head, tail = text.split("*ELEMENT", 1)
+    done = run_deck(re.sub(r"^(\d+), (.*)$", turned, head, flags=re.M) + "*ELEMENT" + tail)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        assert np.abs(file["VTKHDF/PointData/U"][:]).max() < 1e-13
