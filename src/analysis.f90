@@ -22,6 +22,7 @@ module amontons_analysis
   use amontons_user_job, only: start_routines, heed_routines, ask_amplitudes, recall_amplitudes
   use amontons_user_state, only: start_variables
   use amontons_fasten, only: fasten_model
+  use amontons_damping, only: close_damping
   use amontons_system, only: plan_solver, system_type, create_system, begin_step, begin_increment
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
@@ -176,6 +177,7 @@ contains
     associate (old => analysis%state%old)
       record = increment_record_type(reason='', step=analysis%stepper%step, step_time=old%step_time, &
         total_time=old%total_time, external_work=old%external_work, friction_work=old%friction_work, &
+        damped_work=old%damped_work, &
         strain_energy=sum(old%energy * old%volume))
     end associate
   end function first_record
@@ -422,10 +424,12 @@ contains
     type(analysis_type), intent(inout) :: analysis
     type(step_type), intent(in) :: step
     integer :: outcome
+    real(DP) :: damped
     associate (record => analysis%records(analysis%n_records))
       record%is_converged = .true.
       record%n_carried = analysis%newton%n_carried
-      call close_ledger(analysis%model%mesh%is_abstract, analysis%state, record)
+      call close_damping(analysis%system%share, step, analysis%state, damped)
+      call close_ledger(analysis%model%mesh%is_abstract, analysis%state, record, damped)
       call close_record(analysis, record)
       call commit_state(analysis%state)
       call accept_increment(analysis%stepper, step, record%dt, record%n_iterations, outcome)
@@ -727,15 +731,16 @@ contains
 
 
   !> Slip, work and the sums of the forces of a converged increment.
-  subroutine close_ledger(is_abstract, state, record)
+  subroutine close_ledger(is_abstract, state, record, damped)
     logical, intent(in) :: is_abstract(:)          !< (n_nodes) its displacement is none: its forces are no forces
     type(state_type), intent(inout) :: state
     type(increment_record_type), intent(inout) :: record
+    real(DP), intent(in) :: damped                 !< work of damping forces, which are among the applied ones [energy]
     integer :: s
     call commit_slip(state%old, state%new)
     associate (old => state%old, new => state%new)
       new%external_work = old%external_work + 0.5_DP * sum((new%u - old%u) * &
-        (old%applied_force + old%reaction_force + new%applied_force + new%reaction_force))
+        (old%applied_force + old%reaction_force + new%applied_force + new%reaction_force)) - damped
       record%applied_force = sum(new%applied_force, dim=2, mask=spread(.not. is_abstract, 1, 3))
       record%reaction_force = sum(new%reaction_force, dim=2, mask=spread(.not. is_abstract, 1, 3))
       record%contact_force = sum(new%contact_force, dim=2)
@@ -746,6 +751,7 @@ contains
       record%external_work = new%external_work
       record%friction_work = new%friction_work
       record%carried_work = new%carried_work
+      record%damped_work = new%damped_work
       record%carried_now = new%carried_work - old%carried_work
       record%strain_energy = sum(new%energy * new%volume)
       record%contact_energy = sum(new%slaves%energy)

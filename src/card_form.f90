@@ -11,7 +11,7 @@ module amontons_card_form
   public :: card_table_type, card_entry_type, option_type, find_entry, match_parameters, render_table
   public :: has_parameter, parameter_text, parameter_word
   public :: IN_MODEL, IN_STEP, IN_BOTH, STATUS_USED, STATUS_NOTED, STATUS_REFUSED
-  public :: VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD
+  public :: VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, VALUE_OPTIONAL_REAL
 
   integer, parameter :: IN_MODEL = 1, IN_STEP = 2, IN_BOTH = 3        !< where a card may stand
   integer, parameter :: STATUS_USED = 1         !< read and obeyed
@@ -24,6 +24,7 @@ module amontons_card_form
   integer, parameter :: VALUE_REAL = 4
   integer, parameter :: VALUE_WORD = 5          !< one of a list
   integer, parameter :: VALUE_OPTIONAL_WORD = 6 !< alone, or one of a list
+  integer, parameter :: VALUE_OPTIONAL_REAL = 7 !< alone, or a number
 
   integer, parameter :: SHORTEST_ABBREVIATION = 3
 
@@ -303,12 +304,13 @@ contains
       if (parameter%has_value) call remarks%add(line, 'The parameter ' // option%name // ' takes no value.')
       return
     else if (parameter%text == '') then
-      if (option%kind /= VALUE_OPTIONAL_WORD) call remarks%add(line, 'The parameter ' // option%name // &
+      if (.not. any(option%kind == [VALUE_OPTIONAL_WORD, VALUE_OPTIONAL_REAL])) &
+        call remarks%add(line, 'The parameter ' // option%name // &
         ' needs a value: ' // form_of(option) // '.')
       return
     end if
     if (option%kind == VALUE_INTEGER) call parse_integer(parameter%text, whole, status)
-    if (option%kind == VALUE_REAL) call parse_real(parameter%text, number, status)
+    if (any(option%kind == [VALUE_REAL, VALUE_OPTIONAL_REAL])) call parse_real(parameter%text, number, status)
     if (status /= NUMBER_OK) call remarks%add(line, 'The value ' // parameter%text // ' of ' // option%name // &
       ' is not a number of the form ' // form_of(option) // '.')
     if (option%kind == VALUE_WORD .or. option%kind == VALUE_OPTIONAL_WORD) call check_word(option, parameter, line, &
@@ -392,6 +394,8 @@ contains
       text = option%name // '=' // words
     case (VALUE_OPTIONAL_WORD)
       text = option%name // '[=' // words // ']'
+    case (VALUE_OPTIONAL_REAL)
+      text = option%name // '[=real]'
     case default
       text = option%name
     end select

@@ -6,7 +6,8 @@
 module amontons_card_table
   use amontons_card_materials, only: describe_materials
   use amontons_card_form, only: card_table_type, render_table, IN_MODEL, IN_STEP, IN_BOTH, STATUS_NOTED, &
-    STATUS_REFUSED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD
+    STATUS_REFUSED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, &
+    VALUE_OPTIONAL_REAL
   implicit none
   private
   public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, &
@@ -508,8 +509,15 @@ contains
     call table%option('TOTAL TIME AT START', VALUE_REAL, 'The total time at the start of the step.', default= &
       'that at the end of the step before')
     call table%option('EXPLICIT', VALUE_TEXT, 'There is no flow.', status=STATUS_NOTED)
-    call table%option('STABILIZE|ALLSDTOL|CONTINUE|FACTOR', VALUE_TEXT, 'No damping is added: a structure that does not ' // &
-      'stand without it ends with its reason.', status=STATUS_NOTED)
+    call table%option('STABILIZE', VALUE_OPTIONAL_REAL, 'Damping by the volume carries the step over a loss of stability: the ' // &
+      'part of the strain energy that it would dissipate if the step went on as its first increment did.', default= &
+      'no damping; alone: 0.0002')
+    call table%option('FACTOR', VALUE_REAL, 'STABILIZE: the damping itself, a force per volume and velocity.')
+    call table%option('CONTINUE', VALUE_OPTIONAL_WORD, 'STABILIZE: with the factor of the step before.', allowed='YES|NO', &
+      default='NO')
+    call table%option('ALLSDTOL', VALUE_TEXT, 'The factor is not changed on the way; history/damped_work tells what was ' // &
+      'dissipated.', status=STATUS_NOTED)
+    call table%differ('STABILIZE is passed over under calculix, which does not know it.')
     call table%option('LONG TERM|ADIABATIC', VALUE_TEXT, 'Only viscoelasticity and heat use it, which are refused.', &
       status=STATUS_NOTED)
     call table%option('RIKS', VALUE_NONE, 'Prescribe the displacement of the loaded nodes in place of their force to go ' // &

@@ -183,6 +183,7 @@ contains
         progress%has_static = .true.
         progress%step%is_creeping = entry%key == 'VISCO'
         call read_static(reader, c, progress%step)
+        call read_damping(reader, c, model%dialect, progress%step)
         call set_clock(reader, c, progress)
       case ('NOANALYSIS')
         progress%has_static = .true.
@@ -259,6 +260,48 @@ contains
     if (.not. has_row) return
     if (next_row(reader%cards, row)) call need_no_data(reader, row)
   end subroutine read_static
+
+
+  !> STABILIZE: damping by the volume, which the calculix dialect does not know.
+  subroutine read_damping(reader, c, dialect, step)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: dialect               !< DIALECT_...
+    type(step_type), intent(inout) :: step
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    step%damped_fraction = 0
+    step%damping_factor = 0
+    step%is_damping_continued = .false.
+    call open_card(reader, c, parameters, row)
+    if (.not. has_parameter(parameters, 'STABILIZE')) return
+    if (dialect == DIALECT_CALCULIX) then
+      call note(reader, reader%cards%cards(c)%line, 'STABILIZE has no effect: CalculiX does not know it. Under the dialect ' // &
+        'abaqus it adds damping.')
+      return
+    end if
+    step%damped_fraction = 2.0e-4_DP
+    step%is_damping_continued = has_parameter(parameters, 'CONTINUE') .and. &
+      parameter_word(parameters, 'CONTINUE', 'YES') /= 'NO'
+    call take_positive('STABILIZE', step%damped_fraction)
+    call take_positive('FACTOR', step%damping_factor)
+
+  contains
+
+    !> The number of a parameter, if it has one.
+    subroutine take_positive(name, number)
+      character(*), intent(in) :: name
+      real(DP), intent(inout) :: number
+      real(DP) :: value
+      integer :: status
+      if (parameter_text(parameters, name) == '') return
+      call parse_real(parameter_text(parameters, name), value, status)
+      if (status /= NUMBER_OK) return            ! told when the card was checked
+      if (value < 0) call complain(reader, reader%cards%cards(c)%line, 'The value of ' // name // ' must not be negative.')
+      number = max(value, 0.0_DP)
+    end subroutine take_positive
+
+  end subroutine read_damping
 
 
   !> TIME RESET: the step ends at the total time at which it starts. TOTAL TIME AT START: it starts at this one.

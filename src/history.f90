@@ -55,6 +55,7 @@ module amontons_history
     integer :: n_carried = 0                   !< iterations in which bodies that nothing held were carried
     real(DP) :: carried_now = 0                !< work that this took in this increment [energy]
     real(DP) :: carried_work = 0               !< taken while bodies that nothing held were carried, since the start [energy]
+    real(DP) :: damped_work = 0                !< dissipated by the damping of STABILIZE since the start [energy]
     real(DP) :: strain_energy = 0              !< stored in the elements [energy]
     real(DP) :: contact_energy = 0             !< stored by compliant laws of contact [energy]
     character(:), allocatable :: reason        !< why the attempt failed; empty if it converged

@@ -425,6 +425,8 @@ contains
         value = new%external_work
       case ('FRICTIONWORK')
         value = new%friction_work
+      case ('DAMPEDWORK')
+        value = new%damped_work
       case ('STRAINENERGY')
         value = 0.0_DP
         if (allocated(new%energy)) value = sum(new%energy * new%volume)

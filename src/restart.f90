@@ -23,7 +23,7 @@ module amontons_restart
   public :: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint, pack_state, unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it tells the byte order too
-  integer(I64), parameter :: FORMAT_VERSION = 7
+  integer(I64), parameter :: FORMAT_VERSION = 8
   integer, parameter :: N_HEAD = 4                 !< words before those of carry_all
 
   !> All that the next increment depends on.
@@ -387,6 +387,8 @@ contains
     call parcel%carry(fields%external_work)
     call parcel%carry(fields%friction_work)
     call parcel%carry(fields%carried_work)
+    call parcel%carry(fields%damping)
+    call parcel%carry(fields%damped_work)
     call parcel%carry(fields%u)
     call parcel%carry(fields%v)
     call parcel%carry(fields%stress)

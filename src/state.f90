@@ -15,9 +15,10 @@ module amontons_state
   private
   public :: set_temperatures, history_row, amplitude_memory
   public :: state_type, fields_type, slave_type, create_state, create_material_state, commit_state, restore_state
-  public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
 
   integer, parameter :: STATUS_OPEN = 0, STATUS_STICK = 1, STATUS_SLIP = 2
+  integer, parameter :: DAMPING_NOW = 1, DAMPING_NEXT = 2   !< in force; from the next increment on
 
   !> The contact memory of one slave node of one pair.
   type :: slave_type
@@ -78,6 +79,8 @@ module amontons_state
     real(DP), allocatable :: reaction_force(:, :)   !< (3, n_nodes) F_int - F_ext - F_c at supports, else 0 [force]
     real(DP) :: external_work = 0           !< since the start [energy]
     real(DP) :: friction_work = 0           !< since the start [energy]
+    real(DP) :: damping(2) = 0              !< factor of STABILIZE: DAMPING_NOW, DAMPING_NEXT [force time/length^4]
+    real(DP) :: damped_work = 0             !< dissipated by it since the start [energy]
     real(DP) :: carried_work = 0            !< of what nothing balanced while bodies were carried, since the start [energy]
   end type fields_type
 

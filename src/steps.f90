@@ -69,6 +69,9 @@ module amontons_steps
     real(DP) :: period = 1                 !< [time]
     real(DP) :: dt_min = 1.0e-6_DP         !< [time]
     real(DP) :: dt_max = 1                 !< [time]
+    real(DP) :: damped_fraction = 0        !< STABILIZE: of the strain energy that is to be dissipated; 0: no damping [-]
+    real(DP) :: damping_factor = 0         !< STABILIZE, FACTOR: given in place of the fraction; 0: not [force time/length^4]
+    logical :: is_damping_continued = .false.   !< STABILIZE, CONTINUE: with the factor of the step before
     integer :: line_search = SEARCH_AUTO   !< SEARCH_...
     integer :: solver = SOLVER_AUTO        !< SOLVER_...
     type(controls_type) :: controls

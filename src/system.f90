@@ -18,7 +18,7 @@ module amontons_system
   use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type, SOLVER_AUTO
   use amontons_history, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
-  use amontons_state, only: set_temperatures, state_type, fields_type, STATUS_OPEN
+  use amontons_state, only: set_temperatures, state_type, fields_type, DAMPING_NOW, STATUS_OPEN
   use amontons_changes, only: lone_unknowns
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, product_of, transpose_of, &
     full_of, sum_of
@@ -31,6 +31,7 @@ module amontons_system
   use amontons_constraints, only: constraints_type, finish_constraints, condense_forces, condensation
   use amontons_bonds, only: add_curvatures, keep_supports, curved_nodes
   use amontons_supports, only: support_model
+  use amontons_damping, only: is_damped, begin_damping, share_volumes, brake, stiffen
   use amontons_follower, only: finish_follower, subtract_follower, with_follower
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
   use amontons_symmetry, only: find_symmetry, find_held
@@ -82,6 +83,7 @@ module amontons_system
     real(DP) :: carry = 0                          !< part of its own diagonal that K has more, for bodies that nothing holds [-]
     logical :: is_bulk_nlgeom = .false.            !< the factor of the bulk is one of a step with NLGEOM
     logical, allocatable :: is_lone(:)             !< (3 n_nodes) of a node without elements
+    real(DP), allocatable :: share(:)              !< (n_nodes) of volume, for damping; not there: no step has had any [length^3]
     real(DP) :: violation = 0                      !< largest of the bonds at the last evaluation, over their size [-]
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
     real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
@@ -180,8 +182,10 @@ contains
     logical, allocatable :: is_held(:, :)          ! (3, n_nodes)
     integer :: p
     system%u_start = state%old%u
+    if (allocated(system%share)) deallocate (system%share)
     system%is_nlgeom = step%is_nlgeom
-    system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain) .and. .not. allocated(model%mesh%spring)
+    system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain) .and. .not. allocated(model%mesh%spring) &
+      .and. .not. is_damped(step)
     system%is_assembled = .false.
     if (allocated(step%is_absent)) system%is_lone = lone_unknowns(model)
     system%reduced%asked = step%solver
@@ -220,6 +224,7 @@ contains
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state
     call set_temperatures(model, step, state)
+    call begin_damping(step, is_step_start, state)
     call renew_points(system%contact, model, state)
     call begin_contact_increment(system%contact, model, step%is_nlgeom, is_step_start, system%u_start, state%new)
     call drop_bulk(system, model, step, is_step_start, state)
@@ -255,6 +260,8 @@ contains
     system%trouble_item = failed
     if (failed /= 0) return
     call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .false.)
+    if (is_damped(step) .and. .not. allocated(system%share)) call share_volumes(model%mesh, state%new, system%share)
+    if (state%new%damping(DAMPING_NOW) > 0.0_DP) call brake(system%share, state)
     if (step%is_nlgeom .and. n_bonds(model) > 0) call prescribe(system, model, step, state%new, error)
     if (allocated(error)) trouble = TROUBLE_SOLVER
     if (allocated(error)) return
@@ -423,8 +430,10 @@ contains
       trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
       if (failed /= 0) return
       call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
+      if (state%new%damping(DAMPING_NOW) > 0.0_DP) call brake(system%share, state)
       call finish_follower(system%assembly%follower, 3 * model%mesh%n_nodes, error)
       if (allocated(error)) return
+      if (state%new%damping(DAMPING_NOW) > 0.0_DP) call stiffen(system%share, state, system%assembly%stiffness)
       system%is_assembled = system%is_constant
       call add_carry(system)
     end if
@@ -511,7 +520,7 @@ contains
     logical :: is_kept
     if (size(state%new%slaves) == 0) return
     is_kept = all(model%materials%is_plain) .and. .not. allocated(model%mesh%spring) .and. system%base%n_rows == 0 .and. &
-      (.not. step%is_nlgeom .or. size(step%distributed) == 0)
+      (.not. step%is_nlgeom .or. size(step%distributed) == 0) .and. .not. is_damped(step)
     if (is_kept .and. is_step_start) is_kept = is_same_bulk(system) .and. .not. (allocated(step%is_absent) .or. &
       allocated(step%material))
     is_contact = interface_unknowns(system, model, state%new, .not. step%is_nlgeom)

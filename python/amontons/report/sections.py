@@ -187,10 +187,10 @@ def ledger(job: Job) -> str:
         lines.append((int(h["step"][i]), float(h["total_time"][i]), *told, float(np.linalg.norm(rest) / size) if size else 0.0))
     text = "<h3>Sums of forces at the end of each step</h3>" + table(
         ("step", "time", "applied", "reactions", "contact, slaves and masters", "contact on slaves", "imbalance over the largest"), lines)
-    work = [np.asarray(h[name], dtype=float) for name in ("external_work", "strain_energy", "friction_work")]
+    work = [np.asarray(h[name], dtype=float) for name in ("external_work", "strain_energy", "friction_work", "damped_work")]
     text += "<h3>Energy at the end of each step</h3>" + table(
-        ("step", "time", "external work", "strain energy", "friction", "the rest"),
-        ((int(h["step"][i]), float(h["total_time"][i]), *(float(w[i]) for w in work), float(work[0][i] - work[1][i] - work[2][i])) for i in last))
+        ("step", "time", "external work", "strain energy", "friction", "damping", "the rest"),
+        ((int(h["step"][i]), float(h["total_time"][i]), *(float(w[i]) for w in work), float(work[0][i] - sum(w[i] for w in work[1:]))) for i in last))
     text += ('<p class="note">The rest is what plasticity and creep took, compliant contact stores, and the error of the '
              "trapezoidal rule by which external work is summed.</p>")  # fmt: skip
     time = np.asarray(h["total_time"], dtype=float)
