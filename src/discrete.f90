@@ -9,7 +9,7 @@ module amontons_discrete
   use amontons_kinds, only: DP
   use amontons_condition, only: stress_under, CONDITION_UNIAXIAL
   use amontons_material_point, only: point_type
-  use amontons_materials, only: material_type
+  use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_points, only: points_type, begin_point, end_point, ELEMENT_OK, ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_springs, only: spring_force
@@ -87,8 +87,39 @@ contains
           stiffness)
       end associate
     end do
+    if (n_nodes == 3 .and. material%law == LAW_SAINT_VENANT) &
+      call hold_middle(X, u, material%youngs_modulus * points%section**2, force, stiffness)
     status = ELEMENT_OK
   end subroutine truss_element
+
+
+  !> Under the calculix dialect the middle node of a straight bar of three nodes is held on its chord as by the bending of a hinged
+  !! bar of square section, 48 E I / L^3 with I = A^2/12: there it is a solid. A curved one keeps the freedom that a chain has.
+  pure subroutine hold_middle(X, u, rigidity, force, stiffness)
+    real(DP), intent(in) :: X(:, :)                !< (3, 3) reference coordinates; the middle is the third [length]
+    real(DP), intent(in) :: u(:, :)                !< (3, 3) displacements [length]
+    real(DP), intent(in) :: rigidity               !< E A^2 [force length^2]
+    real(DP), intent(inout) :: force(3, MAX_NODES)
+    real(DP), intent(inout), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP), parameter :: STRAIGHT = 1.0e-6_DP    !< of the length
+    real(DP) :: chord(3), share(3), length, k, s
+    integer :: a, b, i
+    chord = X(:, 2) - X(:, 1)
+    length = norm2(chord)
+    s = dot_product(X(:, 3) - X(:, 1), chord) / length**2
+    if (norm2(X(:, 3) - X(:, 1) - s * chord) > STRAIGHT * length) return
+    share = [s - 1, -s, 1.0_DP]
+    k = 4 * rigidity / length**3
+    do a = 1, 3
+      force(:, a) = force(:, a) + k * share(a) * matmul(u(:, :3), share)
+      if (.not. present(stiffness)) cycle
+      do b = 1, 3
+        do i = 1, 3
+          stiffness(3 * a - 3 + i, 3 * b - 3 + i) = stiffness(3 * a - 3 + i, 3 * b - 3 + i) + k * share(a) * share(b)
+        end do
+      end do
+    end do
+  end subroutine hold_middle
 
 
   !> factor * dN_a dN_b (c n n + tau 1): the change of V tau dN_a x'/|x'|^2. (tau changes by c + 2 tau with ln s, the

@@ -6,6 +6,8 @@
 !! nodes that one node became: what the hoop stress does to a node points, on both sides of the sector, across the radius
 !! and cancels but for its turn by one degree, which these sums leave to the equations between the nodes. So the
 !! radial force is that of the radial and shear stresses alone.
+!!
+!! Trusses become bars of 8 points, of 27 with a middle node, whose tensors stand in global axes.
 module amontons_expanded
   use amontons_kinds, only: DP, PI
   use amontons_mesh, only: mesh_type, element_nodes, is_out
@@ -13,10 +15,11 @@ module amontons_expanded
   use amontons_shapes, only: shape_functions, quadrature
   use amontons_state, only: fields_type
   use amontons_tensor, only: determinant_minus_one, unpack_voigt
-  use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC, KIND_CAX4R, KIND_CPE4_FULL, MAX_NODES, MAX_POINTS
+  use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC, KIND_CAX4R, KIND_CPE4_FULL, KIND_T3D2, KIND_T3D3, &
+    MAX_NODES, MAX_POINTS
   implicit none
   private
-  public :: sector_share, take_sector
+  public :: sector_share, take_sector, turn_trusses, bar_points
 
   real(DP), parameter :: SECTORS = 180             !< of two degrees in the circle
 
@@ -33,6 +36,52 @@ contains
       if (share < 1) return
     end do
   end function sector_share
+
+
+  !> The points of the solid that a truss becomes, 0 of other elements: its tables have so many rows, all with the mean of its points.
+  pure integer function bar_points(model, e) result(n)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e                       !< element
+    n = 0
+    if (model%dialect /= DIALECT_CALCULIX) return
+    if (model%mesh%kind(e) == KIND_T3D2) n = 8
+    if (model%mesh%kind(e) == KIND_T3D3) n = 27
+  end function bar_points
+
+
+  !> Tensors at the points, those of trusses turned from their axis into global axes where CalculiX has them so.
+  pure function turn_trusses(model, fields, is_current, values) result(turned)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_current              !< along the truss as it lies now
+    real(DP), intent(in) :: values(:, :)           !< (6, n_points) of trusses: xx along them
+    real(DP) :: turned(6, size(values, 2))
+    real(DP) :: chord(3)
+    integer :: e, p, n, nodes(MAX_NODES)
+    turned = values
+    if (model%dialect /= DIALECT_CALCULIX) return
+    do e = 1, model%mesh%n_elements
+      if (.not. is_truss(model%mesh, e)) cycle
+      call element_nodes(model%mesh, e, n, nodes)
+      chord = model%mesh%coordinates(:, nodes(2)) - model%mesh%coordinates(:, nodes(1))
+      if (is_current) chord = chord + fields%u(:, nodes(2)) - fields%u(:, nodes(1))
+      chord = chord / norm2(chord)
+      do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
+        associate (along => values(1, p), across => values(2, p))
+          turned(:3, p) = across + (along - across) * chord**2
+          turned(4:, p) = (along - across) * [chord(1) * chord(2), chord(2) * chord(3), chord(1) * chord(3)]
+        end associate
+      end do
+    end do
+  end function turn_trusses
+
+
+  !> Whether an element is a truss.
+  pure logical function is_truss(mesh, e)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    is_truss = mesh%kind(e) == KIND_T3D2 .or. mesh%kind(e) == KIND_T3D3
+  end function is_truss
 
 
   !> Turns the forces of the full circle on the nodes of axisymmetric elements into those that CalculiX prints.

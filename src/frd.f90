@@ -23,6 +23,7 @@ module amontons_frd
   use amontons_history, only: increment_record_type
   use amontons_state, only: fields_type, history_row, slave_type, STATUS_OPEN
   use amontons_contact_fields, only: nodal_slaves, n_nodal_slaves
+  use amontons_expanded, only: turn_trusses
   use amontons_nodal, only: average_at_nodes
   use amontons_printed, only: contact_axes, printed_forces
   use amontons_version, only: VERSION
@@ -308,9 +309,10 @@ contains
     case (FRD_NDTEMP)
       values(1, :) = fields%temperature
     case (FRD_STRESS)
-      call average_at_nodes(model%mesh, fields%stress, values)
+      call average_at_nodes(model%mesh, turn_trusses(model, fields, model%steps(max(1, fields%step))%is_nlgeom, &
+        fields%stress), values)
     case (FRD_TOSTRAIN)
-      call average_at_nodes(model%mesh, fields%strain, values)
+      call average_at_nodes(model%mesh, turn_trusses(model, fields, .false., fields%strain), values)
     case (FRD_PE)
       call average_at_nodes(model%mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, model%mesh%n_points]), values)
     case (FRD_ENER)

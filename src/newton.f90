@@ -25,7 +25,8 @@ module amontons_newton
 
   real(DP), parameter :: CARRIED_OFF = 2.0_DP       !< so many sizes of the model are enough for a body that had to be carried [-]
 
-  real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times the largest of the job so far [-]
+  real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times force_scale [-]
+  real(DP), parameter :: ROUNDING = 1.0e-13_DP      !< of the largest force of the attempt, iterates far off included: no residual is less [-]
   real(DP), parameter :: FAR_TRAVEL = 0.6_DP        !< facets: a slave node that goes farther may meet or leave its master [-]
 
   !> An increment on its way.
@@ -38,7 +39,8 @@ module amontons_newton
     logical :: is_carried = .false.                !< the last one was such
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
     type(forensics_type) :: forensics
-    real(DP) :: force_scale = 0                    !< largest force of the job so far [force]
+    real(DP) :: largest_seen = 0                   !< largest force of the attempt [force]
+    real(DP) :: force_scale = 0                    !< largest force where increments began and where they converged [force]
   end type newton_type
 
 contains
@@ -74,7 +76,9 @@ contains
       call evaluate(system, model, step, .true., state, newton%trouble)
     end if
     call note_slaves(newton%forensics, state%new%slaves)
-    call note_residual(newton, system)
+    newton%force_scale = max(newton%force_scale, system%largest_force)
+    newton%largest_seen = 0.0_DP
+    call note_residual(newton, system, step%controls%r_n)
   end subroutine begin_newton
 
 
@@ -114,10 +118,11 @@ contains
     call note_slaves(newton%forensics, state%new%slaves)
     call watch_bodies(newton, model, state)
     if (newton%trouble /= TROUBLE_NONE) return
-    call note_residual(newton, system)
+    call note_residual(newton, system, step%controls%r_n)
     call note_step(newton, system, state, search, system%n_krylov - n_krylov)
     verdict = judge(step%controls, newton%progress)
     if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)
+    if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)
   end subroutine iterate
 
 
@@ -168,12 +173,13 @@ contains
 
   !> The residual over the largest force, and the two before it. What rounding makes of gaps counts as no residual: bodies that
   !! only touch have no larger force.
-  subroutine note_residual(newton, system)
+  subroutine note_residual(newton, system, tolerance)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(in) :: system
+    real(DP), intent(in) :: tolerance              !< of the residual [-]
     real(DP) :: scale
-    newton%force_scale = max(newton%force_scale, system%largest_force)
-    scale = max(system%largest_force, FORCE_MEMORY * newton%force_scale, tiny(1.0_DP))
+    newton%largest_seen = max(newton%largest_seen, system%largest_force)
+    scale = max(system%largest_force, FORCE_MEMORY * newton%force_scale, ROUNDING / tolerance * newton%largest_seen, tiny(1.0_DP))
     newton%progress%residual = [max(system%largest_residual - system%rounding, 0.0_DP) / scale, newton%progress%residual(0:1)]
     newton%progress%gap = max(system%contact%worst_gap, system%violation)
   end subroutine note_residual

@@ -2,7 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_nodal
   use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, kind_type, FAMILY_AXISYMMETRIC, MAX_NODES, MAX_POINTS, N_KINDS
+  use amontons_topology, only: element_kind, kind_type, FAMILY_AXISYMMETRIC, FAMILY_SPRING, MAX_NODES, &
+    MAX_POINTS, N_KINDS
   use amontons_mesh, only: mesh_type, element_nodes, is_out
   use amontons_shapes, only: extrapolation_matrix, quadrature, shape_functions
   use amontons_element, only: element_point_volumes
@@ -17,7 +18,7 @@ contains
   !> Extrapolates values from the integration points of each element to its nodes and takes the mean at each node.
   !!
   !! All elements at a node weigh the same, whatever their size or material (as in CalculiX); bodies in contact do not
-  !! mix, since they share no node. A node without elements gets 0. Cost: linear.
+  !! mix, since they share no node. Springs and masses have no stress and do not count. A node without elements gets 0. Cost: linear.
   subroutine average_at_nodes(mesh, values, averages)
     type(mesh_type), intent(in) :: mesh
     real(DP), intent(in) :: values(:, :)        !< (n_components, n_points)
@@ -25,6 +26,7 @@ contains
     real(DP) :: matrix(MAX_NODES, MAX_POINTS, N_KINDS)
     logical :: is_made(N_KINDS)
     integer :: n_elements_at(mesh%n_nodes)
+    type(kind_type) :: entry
     integer :: e, a, p, n, n_points, kind, first, nodes(MAX_NODES)
     is_made = .false.
     averages = 0
@@ -32,6 +34,8 @@ contains
     do e = 1, mesh%n_elements
       if (is_out(mesh, e)) cycle
       kind = mesh%kind(e)
+      entry = element_kind(kind)
+      if (entry%family >= FAMILY_SPRING) cycle
       if (.not. is_made(kind)) call extrapolation_matrix(kind, matrix(:, :, kind), n, n_points)
       is_made(kind) = .true.
       call element_nodes(mesh, e, n, nodes)

@@ -23,7 +23,7 @@ module amontons_printed
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
   use amontons_contact_fields, only: slave_position
   use amontons_nodal, only: point_volumes, point_places
-  use amontons_expanded, only: sector_share, take_sector
+  use amontons_expanded, only: sector_share, take_sector, turn_trusses, bar_points
   use amontons_sections, only: section_type, measure_section
   implicit none
   private
@@ -394,7 +394,8 @@ contains
   end function in_directions
 
 
-  !> RF: the reactions of supports. CalculiX prints the internal forces at all nodes that have elements.
+  !> RF: the reactions of supports. CalculiX prints the internal forces at all nodes that have elements; where there are none, at
+  !! reference nodes, these are supports and loads.
   pure function printed_forces(model, fields) result(force)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
@@ -402,6 +403,7 @@ contains
     integer :: i
     force = fields%reaction_force
     if (model%dialect /= DIALECT_CALCULIX) return
+    force = force + fields%applied_force
     do i = 1, size(model%mesh%nodes)
       associate (node => model%mesh%nodes(i))
         force(:, node) = fields%internal_force(:, node) - fields%contact_force(:, node)
@@ -442,31 +444,32 @@ contains
       select case (variable)
       case ('S')
         call print_head(unit, 'stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)', set, time)
-        call print_point_rows(unit, mesh, set, in_axes(fields, request, fields%stress))
+        call print_point_rows(unit, model, set, in_axes(fields, request, turn_trusses(model, fields, is_nlgeom, fields%stress)))
       case ('ME')
         call print_head(unit, 'mechanical strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
-        call print_point_rows(unit, mesh, set, in_axes(fields, request, mechanical_strain(model, fields)))
+        call print_point_rows(unit, model, set, in_axes(fields, request, &
+          turn_trusses(model, fields, .false., mechanical_strain(model, fields))))
       case ('E', 'LE')
         call print_head(unit, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
-        call print_point_rows(unit, mesh, set, in_axes(fields, request, fields%strain))
+        call print_point_rows(unit, model, set, in_axes(fields, request, turn_trusses(model, fields, .false., fields%strain)))
       case ('PEEQ')
         call print_head(unit, 'equivalent plastic strain (elem, integ.pnt.,pe)', set, time)
-        call print_point_rows(unit, mesh, set, reshape(inelastic_strain(model, fields), [1, mesh%n_points]))
+        call print_point_rows(unit, model, set, reshape(inelastic_strain(model, fields), [1, mesh%n_points]))
       case ('CEEQ')
         call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
-        call print_point_rows(unit, mesh, set, reshape(history_row(fields, HISTORY_CEEQ), [1, mesh%n_points]))
+        call print_point_rows(unit, model, set, reshape(history_row(fields, HISTORY_CEEQ), [1, mesh%n_points]))
       case ('SDV')
         if (size(fields%history, 1) < USER_STATE) return   ! no material has any
         call print_head(unit, 'internal state variables (elem, integ.pnt.,values)', set, time)
-        call print_point_rows(unit, mesh, set, fields%history(USER_STATE:, :))
+        call print_point_rows(unit, model, set, fields%history(USER_STATE:, :))
       case ('ENER')
         call print_head(unit, 'internal energy density (elem, integ.pnt.,energy)', set, time)
-        call print_point_rows(unit, mesh, set, reshape(fields%energy, [1, size(fields%energy)]))
+        call print_point_rows(unit, model, set, reshape(fields%energy, [1, size(fields%energy)]))
       case ('COOR')
         allocate (places(3, mesh%n_points))
         call point_places(mesh, places_of(mesh, fields, is_nlgeom), places)
         call print_head(unit, 'global coordinates (elem, integ.pnt.,x,y,z)', set, time)
-        call print_point_rows(unit, mesh, set, places)
+        call print_point_rows(unit, model, set, places)
       case ('ELSE')
         call print_element_rows(unit, ['internal energy (element, energy)', 'total internal energy            '], &
           model, request, time, fields%energy)
@@ -507,17 +510,23 @@ contains
 
 
   !> Rows of the integration points of the elements of a set.
-  subroutine print_point_rows(unit, mesh, set, values)
+  subroutine print_point_rows(unit, model, set, values)
     integer, intent(in) :: unit
-    type(mesh_type), intent(in) :: mesh
+    type(model_type), intent(in) :: model
     type(set_type), intent(in) :: set
     real(DP), intent(in) :: values(:, :)           !< (n_components, n_points)
-    integer :: i, p
+    integer :: i, p, first, n
     do i = 1, size(set%members)
-      associate (e => set%members(i))
+      associate (e => set%members(i), mesh => model%mesh)
         if (is_out(mesh, e)) cycle
-        do p = mesh%point_first(e), mesh%point_first(e + 1) - 1
-          write (unit, POINT_FORM) mesh%element_label(e), p - mesh%point_first(e) + 1, values(:, p)
+        first = mesh%point_first(e)
+        n = mesh%point_first(e + 1) - first
+        do p = 1, bar_points(model, e)
+          write (unit, POINT_FORM) mesh%element_label(e), p, sum(values(:, first:first + n - 1), dim=2) / real(n, DP)
+        end do
+        if (bar_points(model, e) > 0) cycle
+        do p = 1, n
+          write (unit, POINT_FORM) mesh%element_label(e), p, values(:, first + p - 1)
         end do
       end associate
     end do

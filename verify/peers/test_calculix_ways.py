@@ -14,7 +14,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from dat import Block, read_dat  # noqa: E402
+from dat import Block, read_dat, read_frd  # noqa: E402
 from mixed_decks import deck, hold, prints, solid, step  # noqa: E402
 
 CUBE = """*NODE, NSET=N
@@ -259,3 +259,66 @@ def test_energy_after_flow(tables: Callable[..., list[Block]]) -> None:
     stress, energy = (list(block.rows.values())[0][0] for block in blocks[-2:])
     assert stress == pytest.approx(2.0, rel=5e-3)
     assert energy == pytest.approx(2.0**2 / 2 / 1000, rel=1e-2)
+
+
+REF = "*NODE, NSET=REF\n101, 1.5, .5, .5\n*RIGID BODY, NSET=END, REF NODE=101\n*NSET, NSET=END\n2, 3, 6, 7\n"
+WALL = CUBE.split("*BOUNDARY")[0] + "*NSET, NSET=BACK\n1, 4, 5, 8\n*BOUNDARY\nBACK, 1, 3\n"
+
+
+def test_forces_at_reference_node(tables: Callable[..., list[Block]]) -> None:
+    """RF of a reference node without elements is all that acts there: the load, or the reaction of a support that takes its place."""
+    out = "*NODE PRINT, NSET=REF\nU, RF\n*NODE PRINT, NSET=BACK, TOTALS=ONLY\nRF\n*END STEP\n"
+    loaded = tables(WALL + REF + LINEAR + f"*STEP\n*STATIC\n*CLOAD\n101, 1, 7.\n{out}")
+    moved = loaded[0].rows[(101,)]
+    assert loaded[1].rows[(101,)] == pytest.approx([7.0, 0.0, 0.0], abs=1e-6)
+    assert loaded[2].rows[(1,)] == pytest.approx([-7.0, 0.0, 0.0], abs=1e-6)
+    held = tables(WALL + REF + LINEAR + f"*STEP\n*STATIC\n*BOUNDARY\n101, 1, 1, {moved[0]:.9g}\n{out}")
+    assert held[1].rows[(101,)] == pytest.approx([7.0, 0.0, 0.0], abs=1e-4)
+
+
+def test_springs_do_not_thin_out_stress(run_deck: Callable[..., object], tmp_path: Path) -> None:
+    """A spring at a node has no stress and does not count in the mean of the elements there."""
+    spring = "*ELEMENT, TYPE=SPRING1, ELSET=SP\n9, 7\n*SPRING, ELSET=SP\n2\n1.E-9\n"
+    load = "*STEP\n*STATIC\n*CLOAD\n" + "".join(f"{n}, 1, 2.5\n" for n in (2, 3, 6, 7)) + "*EL FILE\nS\n*END STEP\n"
+    result = run_deck(CUBE + LINEAR + spring + load, "--dialect=calculix")
+    assert result.returncode == 0, result.stdout + result.stderr  # type: ignore[attr-defined]
+    stress = next(block for block in read_frd(tmp_path / "job.frd") if block.title == "STRESS")
+    for row in stress.rows.values():
+        assert row == pytest.approx([10.0, 0, 0, 0, 0, 0], abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["T3D2", "T3D3"])
+def test_truss_tables(tables: Callable[..., list[Block]], kind: str) -> None:
+    """A truss at 60 degrees prints its tensors in global axes, at the points of the bar that CalculiX makes of it; the middle node of
+    T3D3 stays on the line, also under NLGEOM.
+    """
+    c, s = 0.5, math.sqrt(0.75)
+    rows, ends = (8, "1, 2") if kind == "T3D2" else (27, "1, 3, 2")
+    text = f"*NODE, NSET=N\n1, 0, 0, 0\n2, {2 * c}, {2 * s:.12g}, 0\n" + (f"3, {c}, {s:.12g}, 0\n" if kind == "T3D3" else "")
+    text += f"*ELEMENT, TYPE={kind}, ELSET=E\n1, {ends}\n" + LINEAR + "0.1\n*BOUNDARY\n1, 1, 3\n2, 3\n*TRANSFORM, NSET=TIP, TYPE=R\n"
+    text += f"{c}, {s:.12g}, 0., {-s:.12g}, {c}, 0.\n*NSET, NSET=TIP\n2\n*BOUNDARY\n2, 2\n"
+    for option in ("", ", NLGEOM"):
+        blocks = tables(text + f"*STEP{option}\n*STATIC\n*CLOAD\n2, 1, .1\n*NODE PRINT, NSET=N\nU\n*EL PRINT, ELSET=E\nS, E\n*END STEP\n")
+        u, stress, strain = blocks
+        assert len(stress.rows) == rows
+        for row in stress.rows.values():  # 0.1 over 0.1; NLGEOM: over the area now
+            assert row == pytest.approx([c * c, s * s, 0, c * s, 0, 0], rel=2e-3, abs=1e-9)
+        for row in strain.rows.values():
+            e, t = 1e-3, -0.25e-3
+            expected = [t + (e - t) * c * c, t + (e - t) * s * s, t, (e - t) * c * s, 0, 0]
+            assert row == pytest.approx(expected, rel=2e-3, abs=1e-9)
+        if kind == "T3D3":
+            assert u.rows[(2,)] == pytest.approx([2e-3, 0, 0], rel=2e-3, abs=1e-12)  # along the line
+            assert u.rows[(3,)] == pytest.approx([1e-3 * c, 1e-3 * s, 0], rel=2e-3, abs=1e-12)
+
+
+def test_stiff_gap_leaves_no_force(tables: Callable[..., list[Block]]) -> None:
+    """A gap as stiff as 1e12 closes: what the first iterate makes of it is no measure for what may be left unbalanced."""
+    text = WALL + "*NODE, NSET=STOP\n101, 1.5, 1., 1.\n102, 1.5, 0., 0.\n*BOUNDARY\nSTOP, 1, 3\n"
+    text += "*ELEMENT, TYPE=GAPUNI, ELSET=G\n9, 7, 101\n10, 2, 102\n*GAP, ELSET=G\n.01, 1., 0., 0.\n" + LINEAR
+    text += "*STEP, NLGEOM\n*STATIC\n*CLOAD\n7, 1, 30.\n2, 1, -4.\n2, 2, 5.\n*NODE PRINT, NSET=N\nU, RF\n*NODE PRINT, NSET=STOP\nRF\n*END STEP\n"
+    u, forces, stops = tables(text)
+    assert u.rows[(7,)][0] == pytest.approx(0.01, rel=1e-6)
+    assert forces.rows[(7,)] == pytest.approx([30.0, 0, 0], abs=0.03)
+    assert forces.rows[(2,)] == pytest.approx([-4.0, 5.0, 0], abs=0.03)
+    assert -30 < stops.rows[(101,)][0] < -15 and abs(stops.rows[(102,)][0]) < 0.01
