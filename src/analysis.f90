@@ -27,7 +27,7 @@ module amontons_analysis
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
   use amontons_newton, only: newton_type, begin_newton, iterate
-  use amontons_stepper, only: stepper_type, open_step, propose_time, accept_increment, reject_increment, &
+  use amontons_stepper, only: stepper_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
     STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
   use amontons_failure, only: failure_reason, failure_lines
   use amontons_store, only: mend_store
@@ -348,6 +348,7 @@ contains
       do
         dt = min(propose_time(analysis%stepper, step), until - analysis%stepper%step_time)
         call begin_trial(analysis, dt, error)
+        analysis%newton%may_be_cut = may_cut(analysis%stepper, step, dt)
         do
           call iterate_trial(analysis, journal, verdict, error)
           if (allocated(error)) return
@@ -398,6 +399,7 @@ contains
     call enter_step(analysis, error)
     if (allocated(error)) return
     call start_attempt(analysis, dt)
+    analysis%newton%may_be_cut = .false.
     call begin_newton(analysis%newton, analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), &
       analysis%is_step_start, analysis%state)
   end subroutine begin_trial

@@ -31,7 +31,11 @@ module amontons_contact
   private
   public :: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, fit_contact
   public :: touching_row, origin_row, row_imbalance, contact_slip_vector, elastic_trial, is_cornered, renew_rows, &
-    refresh_facet, set_origin, SEARCH_REACH
+    refresh_facet, set_origin, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
+
+  integer, parameter :: HOLD_NEVER = 0            !< the node's status was not held in this increment
+  integer, parameter :: HOLD_NOW = 1              !< it is held, whatever its trial traction says
+  integer, parameter :: HOLD_WAS = 2              !< it was, and is not held again
 
   real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
@@ -66,6 +70,7 @@ module amontons_contact
     type(user_answer_type), allocatable :: answers(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
     real(DP), allocatable :: memory(:)            !< committed STATEV
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
+    integer, allocatable :: hold(:)               !< (n_slaves) HOLD_...: whether a cycle has its status held
     integer :: n_opened = 0                       !< changes found by the last evaluation
     integer :: n_closed = 0
     integer :: n_changed = 0                      !< all changes of status, opened and closed included
@@ -121,6 +126,7 @@ contains
     allocate (contact%free(3, 3, n), contact%friction(n), contact%carried(3, n), source=0.0_DP)
     allocate (contact%direction(3, n), source=0.0_DP)
     allocate (contact%answers(n))
+    allocate (contact%hold(n), source=HOLD_NEVER)
     allocate (contact%view%imbalance_t(3, n), contact%view%slip(3, n), contact%view%position(3, n), source=0.0_DP)
     allocate (contact%view%normal_force(n), source=0.0_DP)
     allocate (contact%view%status(n), source=STATUS_OPEN)
@@ -146,6 +152,7 @@ contains
     contact%axes = reshape(contact%axes(:, :, :min(n, size(contact%friction))), [3, 3, n], pad=global_axes(1))
     contact%free = reshape([0.0_DP], [3, 3, n], pad=[0.0_DP])
     contact%friction = spread(0.0_DP, 1, n)
+    contact%hold = spread(HOLD_NEVER, 1, n)
     deallocate (contact%answers)
     allocate (contact%answers(n))
     contact%carried = reshape([0.0_DP], [3, n], pad=[0.0_DP])
@@ -311,7 +318,7 @@ contains
     end if
     if (slave%status /= STATUS_OPEN .and. slave%facet > 0) then
       call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
-        slave%normal, status)
+        slave%normal, status, slave%extension)
     else
       call find_projection(contact%facets(slave%pair), contact%search(slave%pair), x, x(:, slave%node), reach, &
         projection, contact%slave_normal(:, s))
@@ -463,7 +470,7 @@ contains
       do s = 1, size(fields%slaves)
         if (contact%overlaps%level(s) /= level) cycle
         contact%carried(:, s) = row_imbalance(contact, fields%slaves(s), total)
-        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen, s, fields)
+        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. contact%hold(s) == HOLD_NOW, s, fields)
       end do
       do s = 1, size(fields%slaves)
         if (contact%overlaps%level(s) == level) call add_contact_force(contact, fields%slaves(s), fields%contact_force)
@@ -721,7 +728,7 @@ contains
         - origin_offset_of(contact, slave))
     else
       call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
-        slave%normal, status)
+        slave%normal, status, slave%extension)
       slave%gap = slave%gap + slave%offset
       if (status /= PROJECT_ON) slave%facet = 0
     end if

@@ -8,6 +8,7 @@ module amontons_contact_start
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK
   use amontons_rows, only: facet_weights
   use amontons_areas, only: face_area, depth_of, sum_shares
+  use amontons_gap, only: excess_over_edges
   use amontons_search, only: build_search
   use amontons_mortar, only: search_margin
   use amontons_overlaps, only: order_slaves
@@ -65,6 +66,7 @@ contains
         else if (.not. contact%is_small(p) .or. is_step_start) then
           call refresh_facet(contact, x, s, reach, slave)
         end if
+        if (.not. is_beyond(contact, slave)) slave%extension = 0.0_DP
         is_new = .not. slave%is_started
         if (is_new) call start_slave(contact, model, slave)
         call ramp_interference(contact, is_step_start, fields, slave)
@@ -83,6 +85,15 @@ contains
     end do
     call renew_areas(contact, model, x, fields%slaves)
   end subroutine begin_contact_increment
+
+
+  !> Whether a slave node that touches its meshed master is beyond an edge of it.
+  pure logical function is_beyond(contact, slave)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    is_beyond = slave%extension > 0.0_DP .and. slave%facet > 0 .and. slave%status /= STATUS_OPEN
+    if (is_beyond) is_beyond = any(excess_over_edges(contact%facets(slave%pair)%kind(slave%facet), slave%xi) > 0.0_DP)
+  end function is_beyond
 
 
   !> The start of the job: the gap of a pair with CLEARANCE is that, the gap of a tied one nothing.

@@ -5,7 +5,8 @@ module amontons_forensics
   use amontons_state, only: slave_type, STATUS_OPEN
   implicit none
   private
-  public :: forensics_type, note_slaves, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
+  public :: forensics_type, note_slaves, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of, &
+    least_merit, last_facet, DEPTH
 
   integer, parameter :: DEPTH = 8                  !< iterations whose nodes are kept
   integer, parameter :: MOST = 128                 !< iterations whose hashes are kept
@@ -22,14 +23,16 @@ module amontons_forensics
     integer, allocatable :: scenario(:, :)         !< (n_slaves, DEPTH)
     integer, allocatable :: facet(:, :)            !< (n_slaves, DEPTH)
     real(DP), allocatable :: gap(:, :)             !< (n_slaves, DEPTH) [length]
+    real(DP) :: merit(DEPTH) = 0                   !< [force]
   end type forensics_type
 
 contains
 
   !> Notes the slave nodes after an iteration, or at the start. Cost: linear in the slave nodes.
-  pure subroutine note_slaves(forensics, slaves)
+  pure subroutine note_slaves(forensics, slaves, merit)
     type(forensics_type), intent(inout) :: forensics
     type(slave_type), intent(in) :: slaves(:)
+    real(DP), intent(in) :: merit                  !< [force]
     integer :: n
     n = size(slaves)
     if (.not. allocated(forensics%status)) then
@@ -45,6 +48,7 @@ contains
     forensics%scenario(:, 1) = slaves%scenario
     forensics%facet(:, 1) = slaves%facet
     forensics%gap(:, 1) = slaves%gap
+    forensics%merit = [merit, forensics%merit(:DEPTH - 1)]
     forensics%hash(2:) = forensics%hash(:MOST - 1)
     forensics%hash(1) = hash_of(slaves)
   end subroutine note_slaves
@@ -92,6 +96,26 @@ contains
     end do
     slaves = pack([(s, s=1, size(is_in))], is_in)
   end function cycle_nodes
+
+
+  !> The iteration of the least merit among the last ones, counted back from 1, the newest.
+  pure integer function least_merit(forensics, length) result(best)
+    type(forensics_type), intent(in) :: forensics
+    integer, intent(in) :: length                  !< iterations looked at
+    best = minloc(forensics%merit(:min(length, DEPTH)), dim=1)
+  end function least_merit
+
+
+  !> The facet on which a slave node was last; 0: on none.
+  pure integer function last_facet(forensics, s) result(facet)
+    type(forensics_type), intent(in) :: forensics
+    integer, intent(in) :: s
+    integer :: k
+    facet = 0
+    do k = 1, min(forensics%n, DEPTH)
+      if (facet == 0) facet = forensics%facet(s, k)
+    end do
+  end function last_facet
 
 
   !> Whether nothing but stick and slip changes among some slave nodes.

@@ -25,7 +25,7 @@ module amontons_gap
     vertex_derivative, excess_over_edges
   public :: PROJECT_ON, PROJECT_OFF, PROJECT_FAILED
 
-  real(DP), parameter :: EXTENSION = 0.1_DP       !< a node this far beyond a free edge is on, over facet length [-]
+  real(DP), parameter :: EXTENSION_ZONE = 0.1_DP       !< a node this far beyond a free edge is on, over facet length [-]
   real(DP), parameter :: ON_EDGE = 1.0e-8_DP      !< a node this little beyond any edge is on the facet, same unit [-]
   real(DP), parameter :: FARTHEST = 0.6_DP        !< the Newton iteration is kept within this excess, the same unit [-]
   real(DP), parameter :: LONGEST_STEP = 0.5_DP    !< longest step of a natural coordinate, in lengths of the facet [-]
@@ -63,8 +63,9 @@ contains
   !!
   !! It walks over smooth edges and valleys. At a free edge, or a crease that sticks out, the facet reaches up to a
   !! tenth of its length beyond itself (as Abaqus's extension zone); past that the walk tries the other side of a ridge,
-  !! else the point is OFF. On anything but ON, f is the last facet looked at.
-  pure subroutine project_point(facets, x, point, f, xi, g, n, status)
+  !! else the point is OFF. On anything but ON, f is the last facet looked at. A point that keeps to an edge may be given a longer
+  !! extension.
+  pure subroutine project_point(facets, x, point, f, xi, g, n, status, extension)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     real(DP), intent(in) :: point(3)             !< x_s [length]
@@ -73,9 +74,12 @@ contains
     real(DP), intent(out) :: g                   !< gap [length]
     real(DP), intent(out) :: n(3)                !< unit normal [-]
     integer, intent(out) :: status               !< PROJECT_...
+    real(DP), intent(in), optional :: extension  !< over the length of the facet, if more than a tenth [-]
     type(projection_type) :: here, previous
-    real(DP) :: excess(4)
+    real(DP) :: excess(4), reach
     integer :: step, edge, before
+    reach = EXTENSION_ZONE
+    if (present(extension)) reach = max(reach, extension)
     if (allocated(facets%profile)) then
       call project_on_profile(facets, x, point, f, here)
       f = here%facet
@@ -89,10 +93,10 @@ contains
     do step = 1, MOST_STEPS
       here = project_on_facet(facets, x, point, f)
       excess = excess_over_edges(facets%kind(f), here%xi)
-      call choose_edge(facets, f, excess, here%status, edge)
+      call choose_edge(facets, f, excess, reach, here%status, edge)
       if (edge == 0) exit
       if (facets%neighbour(edge, f) == before) then
-        here = nearer_of_two(facets, x, point, here, previous)
+        here = nearer_of_two(facets, x, point, here, previous, reach)
         exit
       end if
       before = f
@@ -335,10 +339,11 @@ contains
 
 
   !> The edge over which the walk goes on; 0 if it ends here, and then the status says how.
-  pure subroutine choose_edge(facets, f, excess, status, edge)
+  pure subroutine choose_edge(facets, f, excess, extension, status, edge)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                     !< facet
     real(DP), intent(in) :: excess(4)            !< over its edges [-]
+    real(DP), intent(in) :: extension            !< how far the facet reaches beyond itself [-]
     integer, intent(inout) :: status             !< of the projection on this facet; out: OFF beyond the extension zone
     integer, intent(out) :: edge
     logical :: is_out(4), is_open(4)
@@ -350,7 +355,7 @@ contains
     is_out = excess > ON_EDGE
     if (any(is_out .and. is_open)) then
       edge = maxloc(excess, dim=1, mask=is_out .and. is_open)
-    else if (any(excess > EXTENSION)) then
+    else if (any(excess > extension)) then
       is_out = is_out .and. facets%edge(:, f) == EDGE_CONVEX
       if (any(is_out)) edge = maxloc(excess, dim=1, mask=is_out)
       if (status == PROJECT_ON) status = PROJECT_OFF
@@ -360,11 +365,12 @@ contains
 
   !> A walk came straight back: the point is beyond the common edge on both sides (a valley from below, a ridge from
   !! above). The side where it is less beyond holds it if that is within the extension zone.
-  pure function nearer_of_two(facets, x, point, one, two) result(nearer)
+  pure function nearer_of_two(facets, x, point, one, two, extension) result(nearer)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
     real(DP), intent(in) :: point(3)             !< x_s [length]
     type(projection_type), intent(in) :: one, two
+    real(DP), intent(in) :: extension            !< how far a facet reaches beyond itself [-]
     type(projection_type) :: nearer
     real(DP) :: beyond(2)
     beyond(1) = maxval(excess_over_edges(facets%kind(one%facet), one%xi))
@@ -378,7 +384,7 @@ contains
       if (middle_distance(facets, x, one%facet, point) < middle_distance(facets, x, two%facet, point)) nearer = one
     end if
     if (nearer%status == PROJECT_FAILED) return
-    nearer%status = merge(PROJECT_ON, PROJECT_OFF, minval(beyond) <= EXTENSION)
+    nearer%status = merge(PROJECT_ON, PROJECT_OFF, minval(beyond) <= extension)
   end function nearer_of_two
 
 
@@ -392,7 +398,7 @@ contains
     f = projection%facet
     excess = excess_over_edges(facets%kind(f), projection%xi)
     holds = all(excess <= ON_EDGE .or. &
-      (excess <= EXTENSION .and. (facets%edge(:, f) == EDGE_FREE .or. facets%edge(:, f) == EDGE_CONVEX)))
+      (excess <= EXTENSION_ZONE .and. (facets%edge(:, f) == EDGE_FREE .or. facets%edge(:, f) == EDGE_CONVEX)))
   end function holds_point
 
 

@@ -4,12 +4,15 @@ module amontons_newton
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_model, only: model_type
-  use amontons_steps, only: step_type
+  use amontons_steps, only: step_type, SEARCH_AUTO
   use amontons_history, only: iteration_record_type
   use amontons_state, only: state_type, slave_type
   use amontons_travel, only: farthest_travel, passed_through
   use amontons_forensics, only: forensics_type, note_slaves
-  use amontons_converge, only: progress_type, judge, VERDICT_GO_ON, VERDICT_DIVERGES, VERDICT_CONVERGED
+  use amontons_contact, only: HOLD_NEVER
+  use amontons_cycles, only: act_on_cycle, release_nodes
+  use amontons_converge, only: progress_type, judge, judge_early, VERDICT_GO_ON, VERDICT_DIVERGES, &
+    VERDICT_CONVERGED, VERDICT_TOO_SLOW
   use amontons_line_search, only: search_type, search_line
   use amontons_settle, only: settle_contact
   use amontons_carry, only: is_carried_off, find_carried_direction, model_extent
@@ -36,7 +39,9 @@ module amontons_newton
     integer :: trouble = TROUBLE_NONE
     integer :: farthest = 0                        !< the node that moved farthest, where that was too far
     integer :: n_carried = 0                       !< iterations in which bodies had to be carried
+    logical :: may_be_cut = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
     logical :: is_carried = .false.                !< the last one was such
+    integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
     type(forensics_type) :: forensics
     real(DP) :: largest_seen = 0                   !< largest force of the attempt [force]
@@ -60,6 +65,8 @@ contains
     newton%forensics = forensics_type()
     newton%n_shifted = system%n_shifted
     newton%n_carried = 0
+    newton%n_cycles = 0
+    system%contact%hold = HOLD_NEVER
     newton%is_carried = .false.
     call begin_increment(system, model, step, is_step_start, state)
     newton%trouble = TROUBLE_ELEMENT
@@ -75,7 +82,7 @@ contains
       call begin_increment(system, model, step, is_step_start, state)
       call evaluate(system, model, step, .true., state, newton%trouble)
     end if
-    call note_slaves(newton%forensics, state%new%slaves)
+    call note_slaves(newton%forensics, state%new%slaves, system%merit)
     newton%force_scale = max(newton%force_scale, system%largest_force)
     newton%largest_seen = 0.0_DP
     call note_residual(newton, system, step%controls%r_n)
@@ -115,15 +122,48 @@ contains
     call search_line(system, model, step, du, ahead, state, search, newton%trouble)
     if (newton%is_carried) call put_down(newton, system, model, state, u, residual)
     if (newton%trouble /= TROUBLE_NONE) return
-    call note_slaves(newton%forensics, state%new%slaves)
+    call note_slaves(newton%forensics, state%new%slaves, system%merit)
     call watch_bodies(newton, model, state)
     if (newton%trouble /= TROUBLE_NONE) return
     call note_residual(newton, system, step%controls%r_n)
     call note_step(newton, system, state, search, system%n_krylov - n_krylov)
     verdict = judge(step%controls, newton%progress)
+    if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. size(state%new%slaves) > 0 .and. .not. newton%is_carried) &
+      call judge_early(newton%progress, verdict)
+    if (step%line_search == SEARCH_AUTO) call watch_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)
   end subroutine iterate
+
+
+  !> Cycles are acted on as they are found; nodes that were held for one are let go when all else is in balance, and the verdict
+  !! waits for what they do.
+  subroutine watch_cycles(newton, system, model, step, state, verdict)
+    type(newton_type), intent(inout) :: newton
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    integer, intent(inout) :: verdict
+    logical :: is_found, is_changed
+    if (size(state%new%slaves) == 0) return
+    if (verdict == VERDICT_CONVERGED) then
+      call release_nodes(system%contact, is_changed)
+    else
+      call act_on_cycle(system%contact, newton%forensics, state%new%slaves, is_found, is_changed)
+      if (is_changed) newton%n_cycles = newton%n_cycles + 1
+      if (is_changed .and. newton%progress%iteration < step%controls%i_c) verdict = VERDICT_GO_ON
+      if (is_found .and. .not. is_changed .and. newton%may_be_cut .and. verdict == VERDICT_GO_ON) verdict = VERDICT_TOO_SLOW
+    end if
+    if (.not. is_changed) return
+    call evaluate(system, model, step, .false., state, newton%trouble)
+    call note_residual(newton, system)
+    if (newton%trouble /= TROUBLE_NONE) then
+      verdict = VERDICT_DIVERGES
+    else if (verdict == VERDICT_CONVERGED .and. system%contact%n_changed > 0) then
+      verdict = VERDICT_GO_ON
+    end if
+  end subroutine watch_cycles
 
 
   !> After an iteration that carried bodies: K is as it is again; the work that the forces did which nothing balanced is added up.

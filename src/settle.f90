@@ -15,6 +15,7 @@ module amontons_settle
   use amontons_steps, only: step_type, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type
   use amontons_slaves, only: slip_view_type
+  use amontons_cycles, only: keep_to_edges
   use amontons_system, only: system_type, foresee, correct_direction, return_to, TROUBLE_NONE
   implicit none
   private
@@ -58,17 +59,29 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(start_type) :: start
     type(best_type) :: best
-    real(DP), allocatable :: correction(:, :)
+    real(DP), allocatable :: correction(:, :), first(:, :)
+    integer, allocatable :: n_lost(:)              ! (n_slaves) times that a slave node ran off its master
+    logical :: is_kept
     integer :: trouble
     n_rounds = 0
     slaves = state%new%slaves
     if (step%line_search /= SEARCH_AUTO .or. .not. system%is_condensed) return
     start = start_type(state%new%u, state%new%internal_force, slaves, system%merit, system%residual, system%contact%view)
+    first = du
     best%du = du
     best%slaves = start%slaves
     allocate (correction, mold=du)
+    allocate (n_lost(size(slaves)), source=0)
     call foresee(system, model, state, start%u, start%force, du)
     do
+      call keep_to_edges(system%contact, start%slaves, state%new%slaves, n_lost, is_kept)
+      if (is_kept .and. n_rounds < MOST_ROUNDS) then   ! from the start, with the nodes that keep to their edges
+        du = first
+        best = best_type(du=du, slaves=start%slaves)
+        state%new%slaves = start%slaves
+        n_rounds = n_rounds + 1
+        call foresee(system, model, state, start%u, start%force, du)
+      end if
       call note_best(system, state, du, best)
       if (system%contact%n_changed == 0 .and. system%merit <= max(SETTLED * start%merit, &
         NEGLIGIBLE * step%controls%r_n * system%largest_force, system%rounding * sqrt(real(size(du), DP)))) exit

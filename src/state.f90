@@ -32,6 +32,7 @@ module amontons_state
     integer :: scenario = 0                 !< 1 to 4 of the last iteration that moved the node in this increment, else 0
     integer :: facet = 0                    !< facet of the master that it projects on; 0: none
     real(DP) :: xi(2) = 0                   !< natural coordinates there
+    real(DP) :: extension = 0               !< how far it may be beyond an edge of its master, if more than a tenth of a facet [-]
     real(DP) :: gap = 0                     !< signed distance along the normal, negative is penetration [length]
     real(DP) :: normal(3) = 0               !< unit normal out of the master
     integer :: origin_facet = 0             !< where it touched at the start of the increment, or first in it; 0: nowhere

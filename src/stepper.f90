@@ -8,7 +8,7 @@ module amontons_stepper
   use amontons_converge, only: VERDICT_DIVERGES
   implicit none
   private
-  public :: stepper_type, open_step, propose_time, accept_increment, reject_increment
+  public :: stepper_type, open_step, propose_time, accept_increment, reject_increment, may_cut
   public :: STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
 
   integer, parameter :: STEP_GOES_ON = 0           !< after an accepted increment: more to come in this step
@@ -81,6 +81,15 @@ contains
     stepper%increment = stepper%increment + 1
     outcome = merge(STEP_OUT_OF_INCREMENTS, STEP_GOES_ON, stepper%increment > step%max_increments)
   end subroutine accept_increment
+
+
+  !> Whether an attempt that fails can be tried again with a smaller increment, and more than once.
+  pure logical function may_cut(stepper, step, dt)
+    type(stepper_type), intent(in) :: stepper
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: dt                     !< length of the attempt [time]
+    may_cut = .not. step%is_direct .and. stepper%attempt < step%controls%i_a .and. step%controls%d_f * dt > step%dt_min
+  end function may_cut
 
 
   !> A failed attempt: cut back, or give up when the step says DIRECT, after i_a cut-backs, or below the least increment.

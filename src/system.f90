@@ -61,6 +61,7 @@ module amontons_system
   real(DP), parameter :: ITERATIVE_TOLERANCE = 1.0e-11_DP   !< of a direction without a factor: its error is seen less well [-]
   real(DP), parameter :: FEW_INCREMENTS = 0.3_DP         !< first increment over the step: a factor serves fewer than that [-]
   integer, parameter :: MOST_OLD = 8                     !< Krylov iterations after which an old factor of the bulk is given up
+  integer, parameter :: MOST_UNSTABLE = 3                !< such factorisations after which an attempt goes on without the interface
   integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
   real(DP), parameter :: ROUNDINGS = 10.0_DP             !< so many times a gap is rounded on its way to a force, at most [-]
   real(DP), parameter :: NEAR = 0.5_DP                   !< an open node nearer than this times the edge is on the interface [-]
@@ -100,6 +101,7 @@ module amontons_system
     integer :: n_factorisations = 0                !< since the last reset by the stepper
     integer :: n_before = 0                        !< the same when the direction was wanted
     integer :: n_krylov = 0
+    integer :: n_unstable = 0                      !< factorisations of the bulk in this attempt that found it not stable
     integer :: n_shifted = 0                       !< factorisations that needed a shift
     integer :: n_whole = 0                         !< directions that needed UMFPACK
     real(DP) :: seconds(N_PHASES) = 0              !< [s]
@@ -519,6 +521,8 @@ contains
     logical, allocatable :: is_contact(:)
     logical :: is_kept
     if (size(state%new%slaves) == 0) return
+    if (system%n_unstable > 0) system%is_dense_wanted = .true.   ! an attempt knows nothing of those before it
+    system%n_unstable = 0
     is_kept = all(model%materials%is_plain) .and. .not. allocated(model%mesh%spring) .and. system%base%n_rows == 0 .and. &
       (.not. step%is_nlgeom .or. size(step%distributed) == 0) .and. .not. is_damped(step)
     if (is_kept .and. is_step_start) is_kept = is_same_bulk(system) .and. .not. (allocated(step%is_absent) .or. &
@@ -677,7 +681,8 @@ contains
     call factorise_bulk(system%condensed, system%assembly%stiffness, system%base, status, error)
     if (allocated(error)) return
     system%n_factorisations = system%n_factorisations + 1
-    system%is_dense_wanted = status == FACTOR_OK
+    if (status /= FACTOR_OK) system%n_unstable = system%n_unstable + 1   ! the next iterate may be a better place
+    system%is_dense_wanted = system%n_unstable < MOST_UNSTABLE
   end subroutine renew_bulk
 
 

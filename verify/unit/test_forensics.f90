@@ -26,7 +26,7 @@ contains
     do i = 1, 6
       slaves(2)%status = merge(STATUS_STICK, STATUS_SLIP, mod(i, 2) == 0)
       slaves(2)%scenario = 2
-      call note_slaves(forensics, slaves)
+      call note_slaves(forensics, slaves, 1.0_DP)
     end do
     call suite%that('flip: of length 2', find_cycle(forensics) == 2)
     call suite%that('flip: one node', size(cycle_nodes(forensics, 2)) == 1)
@@ -38,7 +38,7 @@ contains
     do i = 1, 8
       slaves(2)%status = STATUS_STICK
       slaves(3)%facet = 6 + mod(i, 3)
-      call note_slaves(forensics, slaves)
+      call note_slaves(forensics, slaves, 1.0_DP)
     end do
     call suite%that('cycle: of length 3', find_cycle(forensics) == 3)
     call suite%that('cycle: the third node', all(cycle_nodes(forensics, 3) == 3))
@@ -54,14 +54,14 @@ contains
     slaves%pair = 1
     do i = 1, 5
       slaves%facet = i
-      call note_slaves(forensics, slaves)
+      call note_slaves(forensics, slaves, 1.0_DP)
     end do
     call suite%that('settled: open nodes wander', find_cycle(forensics) == 0)
     forensics = forensics_type()
     slaves%status = STATUS_SLIP
     do i = 1, 5
       slaves%facet = i
-      call note_slaves(forensics, slaves)
+      call note_slaves(forensics, slaves, 1.0_DP)
     end do
     call suite%that('never back', find_cycle(forensics) == 0)
   end subroutine check_settled
@@ -78,11 +78,11 @@ contains
     after%facet = [0, 0, 1]
     call suite%that('left: the closed one', all(left_nodes(before, after) == [1]) .and. size(left_nodes(before, after)) == 1)
     before%gap = [0.1_DP, -0.3_DP, 0.0_DP]
-    call note_slaves(forensics, before)
+    call note_slaves(forensics, before, 1.0_DP)
     call suite%that('jump: needs two iterations', size(jumped_nodes(forensics, before, [1.0_DP])) == 0)
     after%facet = 1
     after%gap = [-0.7_DP, -0.7_DP, -0.2_DP]
-    call note_slaves(forensics, after)
+    call note_slaves(forensics, after, 1.0_DP)
     call suite%that('jump: the first', all(jumped_nodes(forensics, after, [1.0_DP]) == [1]))
     call suite%that('jump: alone', size(jumped_nodes(forensics, after, [1.0_DP])) == 1)
   end subroutine check_nodes

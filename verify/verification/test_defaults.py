@@ -85,7 +85,16 @@ def wedge() -> tuple[Parts, str, str, int, list[str]]:
     return [(body, STEEL), (low, SOFT), (up, SOFT)], "CPE4", pairs + steps(20, load), 20, ["LOW_BOTTOM", "UP_TOP", "WEDGE_LEFT"]
 
 
-@pytest.mark.parametrize("make", [pin_in_bush, cold_fit, gaskets, in_a_corner, wedge], ids=lambda make: make.__name__)
+def gasket_at_edges() -> tuple[Parts, str, str, int, list[str]]:
+    """A soft gasket as wide as the plates that press and shear it: its corners are pressed out over the edges of both."""
+    low, up = sheet("LOW", between(0, 4, 16), between(0, 1, 4)), sheet("UP", between(0, 4, 14), between(1.2, 2.2, 4))
+    gasket = sheet("GASKET", between(0, 4, 24), between(1, 1.2, 3))
+    pairs = pair("GASKET_BOTTOM", "LOW_TOP", 0.3) + pair("GASKET_TOP", "UP_BOTTOM", 0.3)
+    cards = steps(5, fix("LOW_BOTTOM, 1, 2", "UP_TOP, 1", "UP_TOP, 2, 2, -0.02"), fix("UP_TOP, 1, 1, 0.05"))
+    return [(low, STEEL), (gasket, RUBBER), (up, STEEL)], "CPE4", pairs + cards, 10, ["LOW_BOTTOM", "UP_TOP"]
+
+
+@pytest.mark.parametrize("make", [pin_in_bush, cold_fit, gaskets, in_a_corner, wedge, gasket_at_edges], ids=lambda make: make.__name__)
 def test_defaults(proof: Proof, make: Callable[[], tuple[Parts, str, str, int, list[str]]]) -> None:
     """It finishes, in balance, within the iterations that every case is allowed."""
     parts, kind, cards, asked, held = make()

@@ -1,0 +1,118 @@
+!> Cycles: what is done for slave nodes whose statuses come round and round, and for those alone.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/newton.md, "Cycles". A cycle is found by the hash of all slave nodes (amontons_forensics) while the merit does not
+!! fall over its length. Then, for the nodes that change within it:
+!!
+!! - one that runs off its master and is found on it again keeps to the edge that it ran over: for as long as it is pressed, that
+!!   facet reaches a whole length beyond itself for this node;
+!! - any other is held in the status that it had where the merit was least, until all else is in balance; then it is let go,
+!!   and what its trial traction says then counts. No node is held twice in an increment.
+module amontons_cycles
+  use amontons_kinds, only: DP
+  use amontons_surfaces, only: is_compliant
+  use amontons_state, only: slave_type, STATUS_OPEN
+  use amontons_forensics, only: forensics_type, find_cycle, cycle_nodes, least_merit, last_facet, DEPTH
+  use amontons_contact, only: contact_type, HOLD_NEVER, HOLD_NOW, HOLD_WAS
+  implicit none
+  private
+  public :: act_on_cycle, release_nodes, keep_to_edges
+
+  real(DP), parameter :: STAGNANT = 0.5_DP         !< a merit that is not below this part of that one cycle before does not fall [-]
+  integer, parameter :: OFTEN = 3                  !< times that a node runs off its master along one direction until it keeps to the edge
+  real(DP), parameter :: KEEPING = 0.5_DP          !< how far the facet of a node that keeps to its edge reaches beyond itself [-]
+
+contains
+
+  !> Looks for a cycle and acts on its nodes. After: the statuses and facets with which contact is to be evaluated again.
+  subroutine act_on_cycle(contact, forensics, slaves, is_found, is_acted)
+    type(contact_type), intent(inout) :: contact
+    type(forensics_type), intent(in) :: forensics
+    type(slave_type), intent(inout) :: slaves(:)
+    logical, intent(out) :: is_found               !< there is a cycle
+    logical, intent(out) :: is_acted               !< something was done
+    integer, allocatable :: nodes(:)
+    integer :: length, i, best
+    is_acted = .false.
+    is_found = .false.
+    length = find_cycle(forensics)
+    if (length == 0 .or. length >= DEPTH) return
+    if (.not. forensics%merit(1) > STAGNANT * forensics%merit(1 + length)) return
+    is_found = .true.
+    nodes = cycle_nodes(forensics, length)
+    best = least_merit(forensics, length)
+    do i = 1, size(nodes)
+      associate (slave => slaves(nodes(i)), s => nodes(i))
+        if (is_running_off(contact, forensics, slave, s, length)) then
+          if (slave%extension >= KEEPING) cycle
+          slave%extension = KEEPING
+          slave%facet = last_facet(forensics, s)
+          is_acted = .true.
+        else if (contact%hold(s) == HOLD_NEVER .and. .not. is_compliant(contact%laws(slave%pair))) then
+          if (forensics%facet(s, best) == 0) cycle
+          contact%hold(s) = HOLD_NOW
+          slave%status = forensics%status(s, best)
+          if (slave%facet == 0) slave%facet = forensics%facet(s, best)
+          is_acted = .true.
+        end if
+      end associate
+    end do
+  end subroutine act_on_cycle
+
+
+  !> While contact settles along a direction: nodes that ran off their master again and again, and were found on it in between,
+  !! keep to its edge. After: whether there are new ones; they are marked in the slaves where the direction starts.
+  pure subroutine keep_to_edges(contact, start, now, n_lost, is_kept)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(inout) :: start(:)    !< (n_slaves) where the direction starts
+    type(slave_type), intent(in) :: now(:)         !< (n_slaves) as they were foreseen
+    integer, intent(inout) :: n_lost(:)            !< (n_slaves) negative: it is on its master now; else how often it ran off, counted up
+    logical, intent(out) :: is_kept
+    integer :: s
+    is_kept = .false.
+    do s = 1, size(now)
+      if (start(s)%status == STATUS_OPEN .or. start(s)%extension >= KEEPING .or. .not. has_edges(contact, now(s))) cycle
+      if (now(s)%facet > 0) then
+        n_lost(s) = -abs(n_lost(s))
+        cycle
+      end if
+      if (n_lost(s) <= 0) n_lost(s) = abs(n_lost(s)) + 1
+      if (n_lost(s) < OFTEN) cycle
+      start(s)%extension = KEEPING
+      is_kept = .true.
+    end do
+  end subroutine keep_to_edges
+
+
+  !> Whether the master of a node has edges to keep to: it is meshed, and the node slides over it by itself.
+  pure logical function has_edges(contact, slave)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    has_edges = slave%row == 0 .and. .not. contact%is_small(slave%pair) .and. &
+      .not. allocated(contact%facets(slave%pair)%profile)
+  end function has_edges
+
+
+  !> Whether a node goes off its meshed master and comes back within the last iterations.
+  pure logical function is_running_off(contact, forensics, slave, s, length)
+    type(contact_type), intent(in) :: contact
+    type(forensics_type), intent(in) :: forensics
+    type(slave_type), intent(in) :: slave
+    integer, intent(in) :: s                       !< index of the slave
+    integer, intent(in) :: length                  !< of the cycle
+    associate (facet => forensics%facet(s, :length + 1), status => forensics%status(s, :length + 1))
+      is_running_off = any(facet == 0) .and. any(facet > 0 .and. status /= STATUS_OPEN)
+    end associate
+    is_running_off = is_running_off .and. has_edges(contact, slave)
+  end function is_running_off
+
+
+  !> All else is in balance: nodes that were held are let go. After: whether there were any.
+  subroutine release_nodes(contact, is_released)
+    type(contact_type), intent(inout) :: contact
+    logical, intent(out) :: is_released
+    is_released = any(contact%hold == HOLD_NOW)
+    where (contact%hold == HOLD_NOW) contact%hold = HOLD_WAS
+  end subroutine release_nodes
+
+end module amontons_cycles
