@@ -30,6 +30,7 @@ module amontons_condensed
 
   real(DP), parameter :: WELL_HELD = 1.0e-9_DP     !< least pivot of S over its diagonal of which an inverse is made [-]
   integer, parameter :: LANES_OF_SPRINGS = 24      !< rows of T that are made side by side
+  integer, parameter :: TILE = 64                  !< unknowns of the interface that are taken over to them at a time
   real(DP), parameter :: SMALL = 3.0e7_DP          !< operations that are not worth a thought [-]
 
   !> The bulk's factor and the interface's.
@@ -324,8 +325,8 @@ contains
     real(DP), contiguous, intent(in) :: compliance(:, :)   !< inv(S)
     integer, intent(in) :: j, last
     real(DP), contiguous, intent(inout) :: response(:, :)   !< R (n_contact x n_springs)
-    real(DP), intent(inout) :: lanes(:, :)
-    integer :: i, p
+    real(DP), contiguous, intent(inout) :: lanes(:, :)
+    integer :: i, k, p
     logical :: is_node
     i = j
     do while (i <= last)
@@ -342,8 +343,12 @@ contains
       end do
       i = i + 1
     end do
-    do i = 1, size(response, 1)
-      lanes(:last - j + 1, i) = response(i, j:last)
+    do k = 1, size(response, 1), TILE              ! so many that they are still in the cache when the next column comes
+      do p = j, last
+        do i = k, min(k + TILE - 1, size(response, 1))
+          lanes(p - j + 1, i) = response(i, p)
+        end do
+      end do
     end do
   end subroutine respond
 

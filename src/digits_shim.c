@@ -10,6 +10,7 @@
 #include <string.h>
 
 enum { WIDTH = 12, WORTH_THREADS = 1000 };
+static const double LOG10_OF_2 = 0.30102999566398120;
 static const double NEAR_HALF = 1.0e-9; /* of a unit of the sixth digit */
 
 /* A power of ten in long double, from a few that are exact. */
@@ -43,7 +44,9 @@ static void put_digits(const double *values, int n, char *text)
     double v = fabs(values[i]);
     if (!(v >= 1.0e-99)) { put(text, 0, 0, 0); continue; }
     if (v > 9.9e99) v = 9.9e99;
-    int exponent = (int)floor(log10(v));
+    int two;
+    (void)frexp(v, &two);
+    int exponent = (int)floor(two * LOG10_OF_2); /* that of v, or one more */
     long double scaled = exponent <= 5 ? v * power(5 - exponent) : v / power(exponent - 5);
     if (scaled < 99999.5L) { exponent--; scaled = exponent <= 5 ? v * power(5 - exponent) : v / power(exponent - 5); }
     long digits = (long)scaled;

@@ -7,12 +7,15 @@
  * written by H5Dwrite_chunk, which the Fortran interface of HDF5 1.10 does not have, and packed by zlib. */
 #include <hdf5.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
 enum { BYTES = 8, LEVEL = 1, MOST_STORED = 65535, HEAD = 2, WORTH_THREADS = 20000, SAMPLE = 2048, EVERY = 16384 };
-static const double NOISE = 7.2; /* bits a byte: a plane with more entropy than this is left as it is */
+enum { MODULUS = 65521, SUMMED = 4096, SHUFFLED = 1024 };
+static const double NOISE = 6.7; /* bits a byte: a plane with more entropy than this is left as it is. Deflate makes a tenth less of a
+                                    plane with 7.2 bits, 1.5 % of a file, and took half of the time of packing for it. */
 
 /* The entropy of a plane in bits a byte, by a sample: a stretch of SAMPLE bytes in each EVERY. */
 static double entropy(const unsigned char *plane, size_t n)
@@ -31,12 +34,31 @@ static double entropy(const unsigned char *plane, size_t n)
   return bits / (double)seen;
 }
 
-/* The planes, one after the other. */
-static void shuffle(const unsigned char *values, size_t n, unsigned char *planes)
+/* The planes, one after the other; so many values at a time that they stay in the cache while each plane takes its byte of them. */
+static void shuffle(const uint64_t *values, size_t n, unsigned char *planes)
 {
 #pragma omp parallel for schedule(static) if(n > WORTH_THREADS)
-  for (size_t i = 0; i < n; i++)
-    for (size_t j = 0; j < BYTES; j++) planes[j * n + i] = values[BYTES * i + j];
+  for (size_t start = 0; start < n; start += SHUFFLED) {
+    size_t end = start + SHUFFLED < n ? start + SHUFFLED : n;
+    for (size_t j = 0; j < BYTES; j++)
+      for (size_t i = start; i < end; i++) planes[j * n + i] = (unsigned char)(values[i] >> 8 * j);
+  }
+}
+
+/* Adler's sum of RFC 1950 of a plane. Over SUMMED bytes a and b do not reach 2^32, and the compiler adds them up in vectors. */
+static uLong adler_sum(const unsigned char *plane, size_t n)
+{
+  uint32_t a = 1, b = 0;
+  for (size_t start = 0; start < n; start += SUMMED) {
+    uint32_t m = (uint32_t)(n - start < SUMMED ? n - start : SUMMED), sum = 0, weighted = 0;
+    for (uint32_t i = 0; i < m; i++) {
+      sum += plane[start + i];
+      weighted += (m - i) * plane[start + i];
+    }
+    b = (b + m * a % MODULUS + weighted % MODULUS) % MODULUS;
+    a = (a + sum) % MODULUS;
+  }
+  return (uLong)b << 16 | a;
 }
 
 /* A plane as it is, in stored blocks: a byte 0, length and its complement, the bytes. Returns the length. */
@@ -83,7 +105,7 @@ static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_
     unsigned char *plane = planes + (size_t)j * n, *to = packed + HEAD + (size_t)j * room;
     length[j] = entropy(plane, n) > NOISE ? 0 : squeeze(plane, n, to, room);
     if (length[j] == 0) length[j] = store(plane, n, to);
-    sum[j] = adler32_z(1, plane, n);
+    sum[j] = adler_sum(plane, n);
   }
   size_t total = HEAD;
   uLong check = sum[0];
@@ -100,10 +122,10 @@ static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_
   return total;
 }
 
-/* Writes n doubles as one whole chunk at an offset (in C's order of dimensions) of a data set with the filters shuffle and
+/* Writes n doubles (as words of 64 bits) as one whole chunk at an offset (in C's order of dimensions) of a data set with the filters shuffle and
  * deflate. Returns 0, or 1 if it could not be packed here (no memory, another order of bytes): then nothing is written; negative
  * if HDF5 could not write. */
-int amontons_write_chunk(hid_t data_set, const hsize_t *offset, const double *values, size_t n)
+int amontons_write_chunk(hid_t data_set, const hsize_t *offset, const uint64_t *values, size_t n)
 {
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
   return 1;
@@ -114,7 +136,7 @@ int amontons_write_chunk(hid_t data_set, const hsize_t *offset, const double *va
   size_t length = 0;
   int status = 1;
   if (planes && packed) {
-    shuffle((const unsigned char *)values, n, planes);
+    shuffle(values, n, planes);
     length = pack(planes, n, packed, room);
   }
   if (length) status = H5Dwrite_chunk(data_set, H5P_DEFAULT, 0, offset, length, packed) < 0 ? -1 : 0;
