@@ -47,6 +47,7 @@ module amontons_analysis
   public :: analysis_type, start_analysis, advance_analysis, finish_analysis
   public :: solve_increment, enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
 
+  integer, parameter :: SMALL_MODEL = 4000         !< nodes below which threads wait longer for each other than they save
   integer, parameter :: BLAS_BUFFER = 160          !< what OpenBLAS takes at its first call, and some more [megabytes]
   real(DP), parameter :: GUARD_SHARE = 0.03_DP     !< most of the time that may go into checkpoints [-]
 
@@ -107,6 +108,8 @@ contains
     call journal%complain(analysis%complaints)
     if (allocated(error)) return
     analysis%options%is_check = options%is_check .or. analysis%model%is_checked_only
+    if (options%n_threads == 0 .and. analysis%model%mesh%n_nodes < SMALL_MODEL) analysis%options%n_threads = 1
+    call use_threads(analysis%options%n_threads)
     call start_routines(analysis%model, options, error)
     if (allocated(error)) return
     call fasten_model(analysis%model, error)
@@ -261,11 +264,11 @@ contains
   !> Threads of the element loop of this job; without OpenMP nothing happens. The number belongs to the calling thread.
   subroutine use_threads(n_threads)
 !$  use omp_lib, only: omp_set_num_threads
-    integer, intent(in) :: n_threads
+    integer, intent(in) :: n_threads               !< 0: as many as OpenMP has
     integer :: n
     n = n_threads
-!$  call omp_set_num_threads(n)
     if (n < 1) return
+!$  call omp_set_num_threads(n)
   end subroutine use_threads
 
 

@@ -358,20 +358,20 @@ contains
     integer :: g, i, failed
     failed = huge(failed)
     state%new%internal_force = 0.0_DP
-    !$omp parallel do schedule(dynamic) private(i) reduction(min: failed) if (assembly%n_parts > 1)
+    !$omp parallel private(g, i) reduction(min: failed) if (is_worth_threads(assembly))
+    !$omp do schedule(dynamic)
     do g = 1, assembly%n_parts
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
         call add_forces_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
       end do
     end do
-    !$omp end parallel do
     do g = assembly%n_parts + 1, assembly%n_groups
-      !$omp parallel do schedule(static) reduction(min: failed) if (is_worth_threads(assembly, g))
+      !$omp do schedule(static)
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
         call add_forces_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
       end do
-      !$omp end parallel do
     end do
+    !$omp end parallel
     failed_element = merge(0, failed, failed == huge(failed))
   end subroutine assemble_forces
 
@@ -520,10 +520,9 @@ contains
 
 
   !> Starting threads for a handful of elements costs more than it saves.
-  pure logical function is_worth_threads(assembly, g)
+  pure logical function is_worth_threads(assembly)
     type(assembly_type), intent(in) :: assembly
-    integer, intent(in) :: g                       !< group
-    is_worth_threads = assembly%group_first(g + 1) - assembly%group_first(g) > 16
+    is_worth_threads = size(assembly%element_order) > 64
   end function is_worth_threads
 
 
@@ -670,20 +669,20 @@ contains
     integer :: g, i, failed
     failed = huge(failed)
     assembly%stiffness%value = 0.0_DP
-    !$omp parallel do schedule(dynamic) private(i) reduction(min: failed) if (assembly%n_parts > 1)
+    !$omp parallel private(g, i) reduction(min: failed) if (is_worth_threads(assembly))
+    !$omp do schedule(dynamic)
     do g = 1, assembly%n_parts
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
         call add_tangent_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
       end do
     end do
-    !$omp end parallel do
     do g = assembly%n_parts + 1, assembly%n_groups
-      !$omp parallel do schedule(static) reduction(min: failed) if (is_worth_threads(assembly, g))
+      !$omp do schedule(static)
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
         call add_tangent_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
       end do
-      !$omp end parallel do
     end do
+    !$omp end parallel
     failed_element = merge(0, failed, failed == huge(failed))
   end subroutine assemble_tangent
 

@@ -3,7 +3,7 @@
 program amontons
   use omp_lib, only: omp_get_max_threads
   use amontons_errors, only: error_type, set_error, EXIT_DONE, EXIT_USAGE, EXIT_IO
-  use amontons_posix, only: watch_end, watch_signals
+  use amontons_posix, only: begin_again, watch_end, watch_signals
   use amontons_version, only: VERSION, DESCRIPTION
   use amontons_journal, only: journal_type, open_journal, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
   use amontons_model, only: job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
@@ -38,6 +38,7 @@ contains
     call open_journal(journal, .false., PROGRESS_NONE)
     call read_command(command, error)
     if (.not. allocated(error)) then
+      if (command%action == ACTION_RUN) call share_wisely(command%job)
       select case (command%action)
       case (ACTION_HELP)
         call print_help(journal)
@@ -86,7 +87,7 @@ contains
     type(command_type), intent(out) :: command
     type(error_type), allocatable, intent(out) :: error
     integer :: i
-    command%job%n_threads = omp_get_max_threads()
+    command%job%n_threads = 0
     command%job%is_guarded = .true.
     command%job%heeds_signals = .true.
     i = 1
@@ -184,6 +185,16 @@ contains
       end if
     end select
   end subroutine take_option
+
+
+  !> Where a job may have several threads, the program starts again with threads that do not wait for long.
+  subroutine share_wisely(options)
+    type(job_options_type), intent(in) :: options
+    integer :: n
+    n = options%n_threads
+    if (n == 0) n = omp_get_max_threads()
+    if (n > 1) call begin_again()
+  end subroutine share_wisely
 
 
   !> --threads N
@@ -327,7 +338,8 @@ contains
       '  --check                      read the deck, check and audit the model, then stop', &
       '  --resume                     go on with a job that was stopped, from its checkpoint job.restart', &
       '  --no-checkpoint              write no checkpoint', &
-      '  --threads N                  work with N threads (default: OMP_NUM_THREADS, else all processors)', &
+      '  --threads N                  work with N threads (default: OMP_NUM_THREADS, else all processors;', &
+      '                               one for a small model)', &
       '  --outdir DIR                 folder of the result files (default: the folder of the deck)', &
       '  --dialect=abaqus|calculix    what a card means where the two differ (default: abaqus, or what a line', &
       '                               "** dialect: calculix" in the first comments of the deck says)', &

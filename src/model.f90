@@ -26,7 +26,7 @@ module amontons_model
     character(:), allocatable :: job            !< name of the job: the deck's name without folder and .inp
     character(:), allocatable :: outdir         !< folder of the result files
     integer :: dialect = DIALECT_FROM_DECK
-    integer :: n_threads = 1
+    integer :: n_threads = 1                    !< 0: as many as OpenMP has, one for a small model
     logical :: is_check = .false.               !< read, check, audit, stop
     character(:), allocatable :: deck_text      !< the deck itself; then `deck` only names it in messages
     character(:), allocatable :: old_job        !< the job that *RESTART, READ goes on from

@@ -7,7 +7,8 @@ module amontons_posix
   implicit none
   private
   public :: write_whole_file, sync_file, cut_file, checksum_of_words, checksum_of_text, reason_of
-  public :: has_memory, available_megabytes, peak_megabytes, watch_signals, stop_signal, is_status_asked, watch_end
+  public :: has_memory, available_megabytes, peak_megabytes, watch_signals, stop_signal, is_status_asked, watch_end, &
+    begin_again
 
   interface
     function write_whole_c(path, temporary, bytes, n_bytes) bind(C, name='amontons_write_whole') result(status)
@@ -43,6 +44,10 @@ module amontons_posix
       integer(c_int64_t), value :: n_bytes
       integer(c_int64_t) :: sum
     end function checksum_words_c
+
+    !> Starts the program again with threads that soon sleep when they wait; see posix_shim.c. For the main program only.
+    subroutine begin_again() bind(C, name='amontons_begin_again')
+    end subroutine begin_again
 
     !> SIGINT, SIGTERM and SIGUSR1 are noted from now on. For the main program only.
     subroutine watch_signals() bind(C, name='amontons_watch_signals')

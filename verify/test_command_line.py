@@ -1,6 +1,9 @@
 """The command line: options, wrong usage, exit codes, and the words that programs which start us look for."""
 
+import os
 import re
+import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -119,6 +122,33 @@ def test_ways_to_name_a_job(run: Run, tmp_path: Path, words: list[str]) -> None:
     assert "*ERROR" not in done.stdout + done.stderr
     assert (tmp_path / "job.vtkhdf").exists()
     assert (tmp_path / "job.sta").exists()
+
+
+@pytest.mark.parametrize(("words", "wait", "wanted"), [
+    (["--threads", "2"], {}, b"GOMP_SPINCOUNT=10000"),
+    (["--threads", "1"], {}, None),
+    (["--threads", "2"], {"GOMP_SPINCOUNT": "77"}, b"GOMP_SPINCOUNT=77"),
+    (["--threads", "2"], {"OMP_WAIT_POLICY": "passive"}, None),
+])
+@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="only where the system shows the environment of a process")
+def test_threads_soon_sleep(program: Path, root: Path, tmp_path: Path, words: list[str], wait: dict[str, str],
+                            wanted: bytes | None) -> None:
+    """With more than one thread the program runs on with a short wait, under its own number, unless the environment says how to."""
+    clean = {name: value for name, value in os.environ.items() if name not in ("GOMP_SPINCOUNT", "OMP_WAIT_POLICY")}
+    job = subprocess.Popen([program, *words, "--outdir", tmp_path, root / "input" / "shear_block.inp"], env=clean | wait,
+                           stdout=subprocess.DEVNULL)
+    try:
+        for _ in range(1000):                      # until the job is under way
+            if job.poll() is not None or (tmp_path / "shear_block.sta").exists():
+                break
+            time.sleep(0.02)
+        assert job.poll() is None
+        found = [line for line in Path(f"/proc/{job.pid}/environ").read_bytes().split(b"\0") if line.startswith(b"GOMP_SPINCOUNT")]
+        assert found == ([wanted] if wanted else [])
+        assert Path(f"/proc/{job.pid}/comm").read_text() == f"{program.name}\n"
+    finally:
+        job.kill()
+        job.wait()
 
 
 def test_outdir(run: Run, tmp_path: Path) -> None:

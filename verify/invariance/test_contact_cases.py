@@ -127,7 +127,7 @@ def solve(run: Run, folder: Path, deck: str, threads: int = 1) -> Job:
     """A job that has to finish."""
     folder.mkdir(exist_ok=True)
     (folder / "job.inp").write_text(deck)
-    done = run(["--quiet", "job"], cwd=folder, threads=threads)
+    done = run(["--quiet", "--threads", threads, "job"], cwd=folder, threads=threads)
     assert done.returncode == 0, done.stdout + done.stderr
     return Job(folder / "job.vtkhdf", "job")
 

@@ -92,7 +92,7 @@ def solve(run: Run, folder: Path, say: Saying, name: str = "job", threads: int =
     folder = folder / name
     folder.mkdir()
     (folder / "job.inp").write_text(deck(say))
-    done = run(["--quiet", "job"], cwd=folder, threads=threads)
+    done = run(["--quiet", "--threads", threads, "job"], cwd=folder, threads=threads)
     assert done.returncode == 0, done.stdout + done.stderr
     return Job(folder / "job.vtkhdf", name)
 

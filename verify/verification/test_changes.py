@@ -200,7 +200,7 @@ def test_many_elements(run_deck: Run, tmp_path: Path, threads: int) -> None:
     deck += COLUMNS[COLUMNS.index("*MATERIAL"):]
     for load in ("*BOUNDARY\nLID, 3, 3, .08\n", OUT.replace("\n2\n", "\nUPPER\n"), BACK.format(""), "*BOUNDARY\nLID, 3, 3, .16\n"):
         deck += f"*STEP\n*STATIC\n{load}{PRINT}*END STEP\n"
-    done = run_deck(deck, threads=threads)
+    done = run_deck(deck, "--threads", str(threads), threads=threads)
     assert done.returncode == 0, done.stdout
     stresses, u = read_blocks(tmp_path, "stresses"), read_blocks(tmp_path, "displacements")
     assert [len(rows) for rows in stresses] == [64, 32, 64, 64]
