@@ -176,7 +176,7 @@ programs: all
 PYTEST = OMP_NUM_THREADS=$${OMP_NUM_THREADS:-1} AMONTONS_BIN=$(BIN) AMONTONS_LIB=$(LIB) AMONTONS_UNITS=$(B)/unit \
   $(PY) -m pytest -n $(JOBS) $(PYTEST_OPTIONS)
 
-test: programs $(VENV)/installed ## Run all tests
+test: programs $(VENV)/installed $(VENV)-doc/installed ## Run all tests, those of the documentation site among them
 	@$(PYTEST) verify
 
 check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
@@ -206,7 +206,7 @@ api: $(VENV)-api/installed ## Build the pages of the source (FORD) into build/si
 
 $(VENV)-doc/installed: doc/requirements.txt
 $(VENV)-api/installed: doc/requirements-api.txt
-$(VENV)-doc/installed $(VENV)-api/installed:
+$(VENV)-doc/installed $(VENV)-api/installed: | ready
 	@echo "installing the Python packages of $< into $(@D)"
 	$(Q)$(PYTHON) -m venv --clear $(@D)
 	$(Q)$(@D)/bin/python -m pip install --quiet --disable-pip-version-check --no-input -r $<

@@ -15,7 +15,7 @@ module amontons_analysis
   use amontons_history, only: increment_record_type, iteration_record_type, PHASE_OUTPUT, PHASE_OTHER, N_PHASES
   use amontons_factor, only: set_blas_threads, choose_blas_kernels
   use amontons_deck, only: read_deck, read_deck_text
-  use amontons_state, only: state_type, commit_state, restore_state
+  use amontons_state, only: state_type, slave_type, commit_state, restore_state
   use amontons_slaves, only: commit_slip
   use amontons_changes, only: change_model, bear_elements
   use amontons_adjust, only: adjust_slaves
@@ -56,6 +56,7 @@ module amontons_analysis
     type(job_options_type) :: options
     type(model_type) :: model
     type(state_type) :: state
+    type(slave_type), allocatable :: at_start(:)   !< as the first increment finds them: facets and gaps before anything moves
     type(system_type) :: system
     type(newton_type) :: newton
     type(stepper_type) :: stepper
@@ -161,7 +162,7 @@ contains
     if (allocated(error)) return
     call open_frd(analysis%frd, analysis%model, analysis%options, error)
     if (allocated(error)) return
-    call write_increment(analysis%results, analysis%model, analysis%state%old, first_record(analysis), error)
+    call write_first(analysis, error)
     if (allocated(error)) return
     if (any(analysis%model%steps%restart_frequency > 0)) call start_archive(analysis%archive, &
       job_path(analysis%options, '.res'), analysis%model%deck_text, analysis%model%dialect, error)
@@ -171,6 +172,24 @@ contains
     call measure_frd(analysis%frd, analysis%frd_counts)
     call guard(analysis, .false., error)
   end subroutine open_files
+
+
+  !> The frame before the first increment: slave nodes show the gaps that the audit found; the state itself does not know them yet.
+  subroutine write_first(analysis, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(error_type), allocatable, intent(out) :: error
+    type(slave_type), allocatable :: kept(:)
+    if (.not. allocated(analysis%at_start)) then
+      call write_increment(analysis%results, analysis%model, analysis%state%old, first_record(analysis), error)
+      return
+    end if
+    call move_alloc(analysis%state%old%slaves, kept)
+    allocate (analysis%state%old%slaves, source=kept)
+    analysis%state%old%slaves%facet = analysis%at_start%facet
+    analysis%state%old%slaves%gap = analysis%at_start%gap
+    call write_increment(analysis%results, analysis%model, analysis%state%old, first_record(analysis), error)
+    call move_alloc(kept, analysis%state%old%slaves)
+  end subroutine write_first
 
 
   !> The row of the history before the first increment: of a job that goes on from another one's state what that had reached.
@@ -287,6 +306,7 @@ contains
       call audit_summary(analysis%model, analysis%system%contact, analysis%state%new%slaves, summary)
       call journal%say(summary)
     end if
+    analysis%at_start = analysis%state%new%slaves
     call restore_state(analysis%state)
   end subroutine audit
 

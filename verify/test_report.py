@@ -19,7 +19,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE / "decks"), str(HERE.parent / "python")]
 
 import make_decks  # noqa: E402
-from amontons.report import main, make_report  # noqa: E402
+from amontons.report import main, make_report, round_factor, sections  # noqa: E402
 from amontons.report.data import Job, read_job  # noqa: E402
 from solids import KINDS, as_kind, node_set  # noqa: E402
 
@@ -83,6 +83,35 @@ def test_what_it_says(cubes: Path, program: Path) -> None:
     assert loads == []
 
 
+def test_forces_of_sets(cubes: Path) -> None:
+    """What LID takes FLOOR gives, and both are the force of contact; with sums of nothing the scale is that of single nodes."""
+    job = read_job(cubes)
+    sums = sections.set_reactions(job)
+    lid, floor = (sums[name][-1] for name in ("LID", "FLOOR"))
+    slave = np.asarray(job.history["slave_force"])[-1]
+    np.testing.assert_allclose(lid, -floor, atol=1e-6 * np.abs(lid).max())
+    np.testing.assert_allclose(floor, slave, atol=1e-6 * np.abs(lid).max())
+    imbalance = re.findall(r'<td class="n">([^<]*)</td></tr>', sections.ledger(job).split("Reactions of the node sets")[0])
+    assert len(imbalance) == 2 and max(map(float, imbalance)) < 1e-5
+
+
+def test_materials_are_told_by_their_cards() -> None:
+    """What follows *MATERIAL, with what chooses the law; a number that was not given is no zero."""
+    deck = "*MATERIAL, NAME=WOOD\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n1, 2\n*DENSITY\n1\n*STEP\n*STATIC\n*MATERIAL, NAME=m\n*PLASTIC\n"
+    assert sections.material_cards(deck) == {"WOOD": "ELASTIC, TYPE=ENGINEERING CONSTANTS; DENSITY", "M": "PLASTIC"}
+    assert sections.told(0.0) == "-"
+
+
+def test_bodies_apart_are_not_shown_in_each_other(run: Run, root: Path, cubes: Path, tmp_path: Path) -> None:
+    """Displacements are enlarged where the bodies touch all over from the start, else not; and frame 0 has the gaps of the deck."""
+    assert round_factor(read_job(cubes)) > 1.0
+    assert run(["--quiet", "--outdir", tmp_path, root / "input" / "hertz_octant.inp"]).returncode == 0
+    ball = read_job(tmp_path / "hertz_octant.vtkhdf")
+    assert round_factor(ball) == 1.0
+    gaps, heights = ball.fields["COPEN"][0][ball.slave_node], ball.points[ball.slave_node, 2]   # the plate is at z = 0
+    np.testing.assert_allclose(gaps, heights, atol=1e-12 * heights.max())
+
+
 def test_command(cubes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The command writes the page; a file that is none of ours is refused with exit code 7."""
     assert main([str(cubes), "--output", str(tmp_path / "page.html")]) == 0
@@ -102,7 +131,7 @@ def open_in_browser(page: Path, folder: Path) -> tuple[str, str]:
     return done.stdout, done.stderr
 
 
-@pytest.mark.skipif(BROWSER is None, reason="Chromium is not installed (apt-get install chromium)")
+@pytest.mark.skipif(BROWSER is None, reason="Chromium is not installed (.ci/deps browser)")
 @pytest.mark.parametrize("case", ["contact", "quadratic"])
 def test_in_a_browser(cubes: Path, run_deck: Run, tmp_path: Path, case: str) -> None:
     """The view is drawn, the console stays empty, and nothing was asked of anybody."""

@@ -1,6 +1,6 @@
 """The documentation site: it builds without a warning, and every link in it leads somewhere.
 
-It needs what `make doc` installs into .venv-doc (AMONTONS_MKDOCS names another mkdocs); else it is skipped.
+It needs what `make test` and `make doc` install into .venv-doc (AMONTONS_MKDOCS names another mkdocs); else it is skipped.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -28,7 +28,7 @@ WRITTEN_LATER = "/api/index.html"  #: by FORD, which `make doc` runs after mkdoc
 def site(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The site, built from a copy of doc/ with the card reference."""
     if not MKDOCS.exists():
-        pytest.skip("mkdocs is not installed (make doc does it)")
+        pytest.skip("mkdocs is not installed (make test does it)")
     folder = tmp_path_factory.mktemp("site")
     shutil.copytree(ROOT / "doc", folder / "doc")
     shutil.copy(ROOT / "mkdocs.yml", folder)

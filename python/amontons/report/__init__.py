@@ -52,9 +52,15 @@ def chosen_frames(n_frames: int, bytes_each: int) -> list[int]:
 
 
 def round_factor(job: Job) -> float:
-    """1, or 1, 2, 5 times a power of ten that shows the largest displacement as about a tenth of the model."""
+    """1, or 1, 2, 5 times a power of ten that shows the largest displacement as about a tenth of the model.
+
+    Where slave nodes start apart from their masters it is 1: larger displacements would show bodies in each other.
+    """
+    size = float(np.ptp(job.points, axis=0).max())
+    if len(job.slave_node) and "COPEN" in job.fields and np.abs(job.fields["COPEN"][0][job.slave_node]).max() > 1e-6 * size:
+        return 1.0
     largest = float(np.linalg.norm(job.fields["U"], axis=2).max())
-    wanted = float(np.ptp(job.points, axis=0).max()) / 10 / largest if largest > 0 else 1.0
+    wanted = size / 10 / largest if largest > 0 else 1.0
     if wanted <= 2:
         return 1.0
     power = 10.0 ** math.floor(math.log10(wanted))
@@ -78,13 +84,15 @@ def view_data(job: Job) -> dict[str, object]:
 
     x = job.points[nodes] if len(nodes) else np.zeros((1, 3))
     middle = (x.min(axis=0) + x.max(axis=0)) / 2
+    factor = round_factor(job)
+    reach = max(float(np.linalg.norm(x + factor * job.fields["U"][k][nodes] - middle, axis=1).max()) for k in frames) if len(nodes) else 1.0
     return {
         "points": packed(x, "f4"), "triangles": packed(place[triangles], "u4"), "edges": packed(place[edges], "u4"),
         "nodes": packed(nodes, "u4"), "n_sides": len(sides), "labels": job.labels[nodes].tolist(),
         "displacement": packed(job.fields["U"][frames][:, nodes], "f4"), "times": job.times[frames].tolist(), "frames": frames,
         "fields": [{"name": n, "unit": job.units.get(s, ""), "data": packed(scalar(s, h), "f4")} for n, s, h in fields],
-        "middle": middle.tolist(), "radius": float(np.linalg.norm(x - middle, axis=1).max()) or 1.0,
-        "factor": round_factor(job), "colours": charts.VIRIDIS, "view": "z" if job.is_plane else "iso",
+        "middle": middle.tolist(), "radius": reach or 1.0,
+        "factor": factor, "colours": charts.VIRIDIS, "view": "z" if job.is_plane else "iso",
     }  # fmt: skip
 
 

@@ -50,6 +50,7 @@ class Axis:
     start: float  #: pixel of low
     end: float
     is_log: bool = False
+    is_whole: bool = False  #: ticks at whole numbers only
 
     def at(self, value: float) -> float:
         """The pixel of a value."""
@@ -66,6 +67,7 @@ class Axis:
         span = self.high - self.low or 1.0
         step = 10 ** math.floor(math.log10(span / 4))
         step *= next(f for f in (1, 2, 5, 10) if span / (f * step) <= 6)
+        step = max(step, 1.0) if self.is_whole else step
         first = math.ceil(self.low / step - 1e-9)
         return [k * step for k in range(first, math.floor(self.high / step + 1e-9) + 1)]
 
@@ -111,7 +113,8 @@ def lines(series: Sequence[Series], x_label: str, y_label: str, is_log: bool = F
     else:
         low, high = min(low, 0.0), max(high, 0.0)
         high = high if high > low else low + 1.0
-    x = Axis(float(xs.min()), float(xs.max()), LEFT, WIDTH - RIGHT)
+    start = 0.0 if x_label == "time" else float(xs.min())
+    x = Axis(start, float(xs.max()), LEFT, WIDTH - RIGHT)
     y = Axis(low, high, HEIGHT - BOTTOM, TOP, is_log)
     parts = frame(x, y, x_label, y_label)
     parts += [f'<line class="mark" x1="{x.at(m):.1f}" x2="{x.at(m):.1f}" y1="{TOP}" y2="{HEIGHT - BOTTOM}"/>' for m in marks]
@@ -132,14 +135,14 @@ def columns(names: Sequence[str], counts: NDArray, x_label: str, y_label: str, c
         return '<p class="none">There is nothing to show.</p>'
     n = len(counts)
     chunk = max(1, math.ceil(n / 600))
-    x = Axis(0.0, float(n), LEFT, WIDTH - RIGHT)
-    y = Axis(0.0, float(counts.sum(axis=1).max()), HEIGHT - BOTTOM, TOP)
+    x = Axis(0.5, n + 0.5, LEFT, WIDTH - RIGHT, is_whole=True)
+    y = Axis(0.0, float(counts.sum(axis=1).max()), HEIGHT - BOTTOM, TOP, is_whole=True)
     parts = frame(x, y, x_label, y_label)
     for start in range(0, n, chunk):
         rows = counts[start : start + chunk]
         row = rows[int(rows.sum(axis=1).argmax())]
         base = 0.0
-        x0, x1 = x.at(start), x.at(min(start + chunk, n))
+        x0, x1 = x.at(start + 0.5), x.at(min(start + chunk, n) + 0.5)
         for value, colour in zip(row, colours, strict=False):
             if value > 0:
                 top, bottom = y.at(base + value), y.at(base)
@@ -174,6 +177,7 @@ def patches(polygons: Sequence[Floats], values: Sequence[float], title: str, uni
     width, height = span * scale + 2
     parts = []
     top, bottom = max(values), min(values)
+    bottom = min(bottom, 0.0) if top - bottom <= 1e-9 * abs(top) else bottom   # one value all over is the top of its scale
     for polygon, value in zip(polygons, values, strict=True):
         at = (polygon - low) * scale + 1
         colour = classes[min(round(value), len(classes) - 1)][1] if classes else shade(value, bottom, top)

@@ -90,6 +90,7 @@ class Job:
     slave_pair: Ints
     skin: Skin
     lines: Ints  #: (m, 2) trusses and springs
+    node_sets: dict[str, Ints]
 
     @property
     def is_plane(self) -> bool:
@@ -123,8 +124,14 @@ def read_job(path: Path) -> Job:
             controls=_table(ours["controls"]), materials=_table(ours["materials"]), pairs=_table(ours["pairs"]),
             slave_node=contact["node"][:].astype(np.int64) if "node" in contact else np.zeros(0, dtype=np.int64),
             slave_pair=contact["pair"][:].astype(np.int64) if "pair" in contact else np.zeros(0, dtype=np.int64),
-            skin=outer_skin(*cells), lines=_lines(*cells),
+            skin=outer_skin(*cells), lines=_lines(*cells), node_sets=_sets(ours["mesh/node_sets"]),
         )  # fmt: skip
+
+
+def _sets(group: h5py.Group) -> dict[str, Ints]:
+    """Members of each set."""
+    first, members = group["first"][:], group["members"][:].astype(np.int64)
+    return {name: members[a:b] for name, a, b in zip(_words(group["name"]), first[:-1], first[1:], strict=True)}
 
 
 def _labels(labels: Ints, n_points: int) -> Ints:

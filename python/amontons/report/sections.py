@@ -20,6 +20,10 @@ SEARCHES = ["none", "all", "global", "nodal", "automatic"]
 SCENARIOS = ["I slipped too far", "II not enough slip", "III backed up too far", "IV backing up"]
 SCENARIO_COLOURS = ["#4daf7c", "#f2c14e", "#d1495b", "#6c5b9e"]
 STATUS_NAMES = ["open", "stick", "slip"]
+#: Cards that may follow *MATERIAL.
+OF_MATERIALS = {"ELASTIC", "PLASTIC", "CYCLIC HARDENING", "CREEP", "HYPERELASTIC", "HYPERFOAM", "EXPANSION", "DENSITY", "CONDUCTIVITY",
+                "SPECIFIC HEAT", "DEPVAR", "USER MATERIAL", "DAMPING", "DEFORMATION PLASTICITY", "POTENTIAL", "RATE DEPENDENT",
+                "INITIAL CONDITIONS", "NO COMPRESSION", "VISCOELASTIC", "ANNEAL TEMPERATURE"}  # fmt: skip
 UNTOLD = 1.0e29  #: written for what was no finite number
 
 
@@ -48,7 +52,10 @@ def verdict(job: Job) -> tuple[bool, str]:
     failed = int(np.sum(job.history["is_converged"][rows] == 0))
     reached = float(np.max(job.history["total_time"][rows & (job.history["is_converged"] == 1)], initial=0.0))
     if reached >= asked * (1 - 1e-9):
-        return True, f"All {len(job.steps['period'])} steps are done, to time {number(reached)}; {failed} attempts were cut back."
+        n = len(job.steps["period"])
+        steps = "The step is done" if n == 1 else f"All {n} steps are done"
+        attempts = "no attempt was" if failed == 0 else "1 attempt was" if failed == 1 else f"{failed} attempts were"
+        return True, f"{steps}, to time {number(reached)}; {attempts} cut back."
     reason = next((str(r) for r in reversed(job.history["reason"].tolist()) if str(r)), "") if "reason" in job.history else ""
     return False, f"The job stands at time {number(max(reached, done))} of {number(asked)}. {reason}"
 
@@ -67,9 +74,11 @@ def model_summary(job: Job) -> str:
     ]
     parts = [table(("what", "value"), rows, "facts")]
     m = job.materials
+    laws = material_cards(job.deck)
     parts.append("<h3>Materials</h3>" + table(
-        ("material", "law at finite strain", "Young's modulus", "Poisson's ratio", "density"),
-        zip(m["name"], m["law"], m["youngs_modulus"], m["poissons_ratio"], m["density"], strict=True)))  # fmt: skip
+        ("material", "its cards", "Young's modulus", "Poisson's ratio", "density"),
+        ((str(name), laws.get(str(name).upper(), "in an included file"), *(told(float(m[part][i])) for part in ("youngs_modulus", "poissons_ratio", "density")))
+         for i, name in enumerate(m["name"]))))  # fmt: skip
     p = job.pairs
     if len(p["slave"]):
         parts.append("<h3>Contact pairs</h3>" + table(
@@ -77,6 +86,29 @@ def model_summary(job: Job) -> str:
             ((s, t, float(mu), "small" if small else "finite", int(np.sum(job.slave_pair == i)))
              for i, (s, t, mu, small) in enumerate(zip(p["slave"], p["master"], p["friction"], p["is_small_sliding"], strict=True)))))  # fmt: skip
     return "".join(parts)
+
+
+def told(value: float) -> object:
+    """A number that was given; 0 stands for one that was not."""
+    return value or "-"
+
+
+def material_cards(deck: str) -> dict[str, str]:
+    """The cards of each material, by its name."""
+    found: dict[str, list[str]] = {}
+    name = ""
+    for line in deck.splitlines():
+        if not line.startswith("*") or line.startswith("**"):
+            continue
+        card, *rest = (part.strip().upper() for part in line[1:].split(","))
+        if card == "MATERIAL":
+            name = next((part.split("=")[1].strip().strip('"') for part in rest if part.startswith("NAME")), "")
+            found[name] = []
+        elif card in OF_MATERIALS and name:
+            found[name].append(", ".join([card, *(part for part in rest if part.startswith(("TYPE", "HARDENING", "LAW")) or "=" not in part)]))
+        else:
+            name = ""
+    return {name: "; ".join(cards) or "none" for name, cards in found.items()}
 
 
 def deck_cards(text: str) -> Counter[str]:
@@ -178,30 +210,64 @@ def ledger(job: Job) -> str:
     if not len(h["step"]):
         return '<p class="none">No increment has converged.</p>'
     last = [int(np.flatnonzero(h["step"] == s)[-1]) for s in np.unique(h["step"])]
+    is_round = bool(job.kinds) and all(kind.startswith("CAX") for kind in job.kinds)
+    counted = [1] if is_round else [0, 1, 2]   # around an axis radial forces balance by themselves
+    nodal = float(np.linalg.norm(job.fields["RF"][-1], axis=1).max()) if "RF" in job.fields else 0.0
     lines = []
     for i in last:
         forces = [np.asarray(h[name][i]) for name in ("applied_force", "reaction_force", "contact_force")]
-        rest = sum(forces)
-        size = max(float(np.linalg.norm(f)) for f in (*forces, np.asarray(h["slave_force"][i])))
-        told = [vector(np.asarray(f), size) for f in (*forces, h["slave_force"][i])]
-        lines.append((int(h["step"][i]), float(h["total_time"][i]), *told, float(np.linalg.norm(rest) / size) if size else 0.0))
+        rest = sum(forces)[counted]
+        size = max(nodal, *(float(np.linalg.norm(f)) for f in (*forces, np.asarray(h["slave_force"][i]))))
+        sums = [vector(np.asarray(f), size) for f in (*forces, h["slave_force"][i])]
+        lines.append((int(h["step"][i]), float(h["total_time"][i]), *sums, float(np.linalg.norm(rest) / size) if size else 0.0))
     text = "<h3>Sums of forces at the end of each step</h3>" + table(
         ("step", "time", "applied", "reactions", "contact, slaves and masters", "contact on slaves", "imbalance over the largest"), lines)
-    work = [np.asarray(h[name], dtype=float) for name in ("external_work", "strain_energy", "friction_work", "damped_work")]
+    text += ('<p class="note">Supports that push against each other, and slaves against masters, add up to nothing. '
+             + ("Around an axis only forces along the axis are counted in the imbalance. " if is_round else "") + "The largest is that of "
+             "these sums, or of the reactions of single nodes.</p>" + by_set(job))  # fmt: skip
+    work = [np.asarray(h[name], dtype=float) for name in ("external_work", "strain_energy", "friction_work", "contact_energy", "damped_work")]
     text += "<h3>Energy at the end of each step</h3>" + table(
-        ("step", "time", "external work", "strain energy", "friction", "damping", "the rest"),
+        ("step", "time", "external work", "strain energy", "friction", "stored in contact", "damping", "the rest"),
         ((int(h["step"][i]), float(h["total_time"][i]), *(float(w[i]) for w in work), float(work[0][i] - sum(w[i] for w in work[1:]))) for i in last))
-    text += ('<p class="note">The rest is what plasticity and creep took, compliant contact stores, and the error of the '
+    text += ('<p class="note">The rest is what plasticity and creep took, and the error of the '
              "trapezoidal rule by which external work is summed.</p>")  # fmt: skip
     time = np.asarray(h["total_time"], dtype=float)
     text += charts.lines([Series("external work", time, work[0]), Series("strain energy", time, work[1]), Series("friction", time, work[2])],
                          "time", "energy")  # fmt: skip
-    slave, reaction = np.asarray(h["slave_force"]), np.asarray(h["reaction_force"])
+    slave = np.asarray(h["slave_force"])
     names = "xyz"
     shown = [Series(f"contact on slaves, {names[k]}", time, slave[:, k]) for k in range(3) if np.abs(slave[:, k]).max() > 1e-9 * max(np.abs(slave).max(), 1e-300)]
     if not shown:
-        shown = [Series(f"reactions, {names[k]}", time, reaction[:, k]) for k in range(3) if np.abs(reaction[:, k]).max() > 0]
+        sums = set_reactions(job)
+        largest = max((float(np.abs(f).max()) for f in sums.values()), default=0.0)
+        shown = [Series(f"{name}, {names[k]}", job.times, force[:, k]) for name, force in list(sums.items())[:3]
+                 for k in range(3) if np.abs(force[:, k]).max() > 1e-6 * largest]  # fmt: skip
     return text + charts.lines(shown, "time", "force")
+
+
+def set_reactions(job: Job) -> dict[str, Floats]:
+    """Sums of the reactions over time of the node sets that are held: (frames, 3) each, the largest first."""
+    if "RF" not in job.fields:
+        return {}
+    force = job.fields["RF"]
+    nodal = float(np.linalg.norm(force, axis=2).max())
+    sums = {name: force[:, members].sum(axis=1) for name, members in job.node_sets.items() if len(members) and len(members) < len(job.labels)}
+    sums = {name: f for name, f in sums.items() if nodal > 0 and np.abs(f).max() > 1e-6 * nodal}
+    return dict(sorted(sums.items(), key=lambda entry: -float(np.linalg.norm(entry[1], axis=1).max())))
+
+
+def by_set(job: Job) -> str:
+    """Reactions of the node sets that are held, at the last frame."""
+    rows = [(name, len(job.node_sets[name]), *(told_zero(float(v), float(np.abs(f).max())) for v in f[-1])) for name, f in set_reactions(job).items()]
+    if not rows:
+        return ""
+    note = '<p class="note">Twelve sets with the largest.</p>' if len(rows) > 12 else ""
+    return "<h3>Reactions of the node sets at the last frame</h3>" + table(("set", "nodes", "x", "y", "z"), rows[:12]) + note
+
+
+def told_zero(value: float, size: float) -> float:
+    """Rounding beside a size is 0."""
+    return value if abs(value) > 1e-9 * size else 0.0
 
 
 def vector(value: Floats, size: float) -> str:
@@ -253,6 +319,10 @@ def pair_curves(job: Job, nodes: Ints, shear: Floats, slip: Floats) -> str:
     """Curves along the direction in which the slave nodes reach farthest."""
     d = int(np.argmax(np.ptp(job.points[nodes], axis=0)))
     order = nodes[np.argsort(job.points[nodes, d], kind="stable")]
+    closed = np.flatnonzero(job.fields["CSTATUS"][-1][order] > 0)
+    if 0 < len(closed) < 0.4 * len(order):   # local contact: what is near it
+        more = len(closed) // 2 + 2
+        order = order[max(0, closed[0] - more) : closed[-1] + more + 1]
     at, pressure = job.points[order, d], job.fields["CPRESS"][-1]
     text = charts.lines([Series("pressure", at, pressure[order]), Series("friction", at, shear[order])], "xyz"[d], "stress", has_dots=True)
     return text + charts.lines([Series("slip since the start", at, slip[order])], "xyz"[d], "length", has_dots=True)

@@ -10,7 +10,7 @@
   const edges = new Uint32Array(bytes(job.edges)), moves = new Float32Array(bytes(job.displacement));
   const nodes = new Uint32Array(bytes(job.nodes));
   job.fields.forEach(f => { f.values = new Float32Array(bytes(f.data)); f.data = null; });
-  const n = points.length / 3, gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+  const n = points.length / 3, gl = canvas.getContext("webgl2", { antialias: true, alpha: false, preserveDrawingBuffer: true });
   const find = id => box.querySelector("#" + id);
   if (!gl) { find("nogl").hidden = false; canvas.hidden = true; return; }
 
@@ -23,7 +23,8 @@
   const fragment = `#version 300 es
     precision highp float; in float v; in vec3 eye; uniform vec2 range; uniform vec3 colours[${scale.length}]; uniform int kind; out vec4 c;
     void main() {
-      if (kind == 1) { c = vec4(0.1, 0.13, 0.16, 1.0); return; }
+      if (kind == 1) { c = vec4(1.0, 1.0, 1.0, ${Math.min(0.8, Math.max(0.22, 18 / Math.sqrt(job.n_sides + 1))).toFixed(3)}); return; }
+      if (kind == 3) { c = vec4(0.1, 0.13, 0.16, 1.0); return; }
       if (kind == 2) { vec2 q = gl_PointCoord - 0.5; if (dot(q, q) > 0.25) discard;
         c = dot(q, q) > 0.13 ? vec4(1.0, 1.0, 1.0, 1.0) : vec4(0.84, 0.12, 0.2, 1.0); return; }
       float t = clamp((v - range.x) / max(range.y - range.x, 1e-30), 0.0, 1.0) * ${(scale.length - 1).toFixed(1)};
@@ -48,7 +49,7 @@
   function indices(data) { const b = gl.createBuffer(); gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, b);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, data, gl.STATIC_DRAW); return b; }
   const triangleBuffer = indices(triangles), edgeBuffer = indices(edges), one = indices(new Uint32Array([0]));
-  gl.enable(gl.DEPTH_TEST); gl.clearColor(1, 1, 1, 1);
+  gl.enable(gl.DEPTH_TEST); gl.enable(gl.BLEND); gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA); gl.clearColor(1, 1, 1, 1);
 
   const state = { frame: job.times.length - 1, field: 0, factor: job.factor, pan: [0, 0], zoom: 1, turn: null, chosen: -1, timer: 0 };
   const product = (a, b) => a.map((_, i) => { const r = Math.floor(i / 3), c = i % 3;
@@ -57,7 +58,14 @@
     return axis === 0 ? [1, 0, 0, 0, c, -s, 0, s, c] : axis === 1 ? [c, 0, s, 0, 1, 0, -s, 0, c] : [c, -s, 0, s, c, 0, 0, 0, 1]; };
   const VIEWS = { iso: product(about(0, -1.15), about(2, 0.5)), x: [0, 1, 0, 0, 0, 1, 1, 0, 0], y: [-1, 0, 0, 0, 0, 1, 0, 1, 0],
     z: [1, 0, 0, 0, 1, 0, 0, 0, 1], front: [1, 0, 0, 0, 0, 1, 0, -1, 0] };
-  function look(name) { state.turn = VIEWS[name].slice(); state.pan = [0, 0]; state.zoom = 1; draw(); }
+  function look(name) { state.turn = VIEWS[name].slice(); state.zoom = 1; fit(); draw(); }
+  function fit() {                                     // all of the present frame into the picture, as it is turned now
+    const low = [Infinity, Infinity], high = [-Infinity, -Infinity], t = state.turn;
+    for (let i = 0; i < n; i++) { const k = 3 * (state.frame * n + i);
+      const p = [0, 1, 2].map(d => points[3 * i + d] + state.factor * moves[k + d] - job.middle[d]);
+      for (let r = 0; r < 2; r++) { const q = t[3 * r] * p[0] + t[3 * r + 1] * p[1] + t[3 * r + 2] * p[2];
+        low[r] = Math.min(low[r], q); high[r] = Math.max(high[r], q); } }
+    state.pan = [0, 1].map(r => -(low[r] + high[r]) / 2); state.size = [0, 1].map(r => Math.max(high[r] - low[r], job.radius * 1e-6)); }
 
   function take() {                                    // the present frame to the graphics card
     const f = job.fields[state.field], k = state.frame, v = f.values.subarray(k * n, (k + 1) * n);
@@ -74,7 +82,7 @@
     const w = canvas.clientWidth, h = canvas.clientHeight, ratio = window.devicePixelRatio || 1;
     if (canvas.width !== Math.round(w * ratio)) { canvas.width = Math.round(w * ratio); canvas.height = Math.round(h * ratio); }
     gl.viewport(0, 0, canvas.width, canvas.height); gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const fit = 1.3 * state.zoom / job.radius, zoom = w > h ? [fit * h / w, fit] : [fit, fit * w / h], t = state.turn;
+    const near = 1.8 * state.zoom * Math.min(w / h / state.size[0], 1 / state.size[1]), zoom = [near * h / w, near], t = state.turn;
     gl.uniformMatrix3fv(where.turn, false, [t[0], t[3], t[6], t[1], t[4], t[7], t[2], t[5], t[8]]);
     gl.uniform3fv(where.middle, job.middle); gl.uniform2fv(where.pan, state.pan); gl.uniform2fv(where.zoom, zoom);
     gl.uniform1f(where.factor, state.factor); gl.uniform2fv(where.range, state.range);
@@ -82,8 +90,9 @@
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangleBuffer); gl.drawElements(gl.TRIANGLES, triangles.length, gl.UNSIGNED_INT, 0);
     gl.uniform1i(where.kind, 1); gl.uniform1f(where.lift, 0.0015);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, edgeBuffer);
-    const from = find("edges").checked ? 0 : job.n_sides;   // trusses and springs are always drawn
-    gl.drawElements(gl.LINES, edges.length - 2 * from, gl.UNSIGNED_INT, 8 * from);
+    if (find("edges").checked) gl.drawElements(gl.LINES, 2 * job.n_sides, gl.UNSIGNED_INT, 0);
+    gl.uniform1i(where.kind, 3);                         // trusses and springs are always drawn
+    gl.drawElements(gl.LINES, edges.length - 2 * job.n_sides, gl.UNSIGNED_INT, 8 * job.n_sides);
     if (state.chosen >= 0) { gl.uniform1i(where.kind, 2); gl.uniform1f(where.lift, 0.9); gl.uniform1f(where.size, 14 * ratio);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, one); gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint32Array([state.chosen]), gl.DYNAMIC_DRAW);
       gl.drawElements(gl.POINTS, 1, gl.UNSIGNED_INT, 0); }
@@ -110,7 +119,7 @@
   const slider = find("frame"); slider.max = job.times.length - 1; slider.value = state.frame;
   slider.oninput = () => { state.frame = Number(slider.value); take(); draw(); };
   const factor = find("factor"); factor.value = state.factor;
-  factor.oninput = () => { const v = Number(factor.value); if (Number.isFinite(v)) { state.factor = v; draw(); } };
+  factor.oninput = () => { const v = Number(factor.value); if (Number.isFinite(v)) { state.factor = v; fit(); draw(); } };
   find("edges").onchange = draw; find("all").onchange = () => { take(); draw(); };
   find("play").onclick = event => { if (state.timer) { clearInterval(state.timer); state.timer = 0; event.target.textContent = "play"; return; }
     event.target.textContent = "stop";
