@@ -5,6 +5,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import base64
 import re
 import shutil
 import subprocess
@@ -19,7 +20,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE / "decks"), str(HERE.parent / "python")]
 
 import make_decks  # noqa: E402
-from amontons.report import main, make_report, round_factor, sections  # noqa: E402
+from amontons.report import main, make_report, round_factor, sections, view_data  # noqa: E402
 from amontons.report.data import Job, read_job  # noqa: E402
 from solids import KINDS, as_kind, node_set  # noqa: E402
 
@@ -110,6 +111,19 @@ def test_bodies_apart_are_not_shown_in_each_other(run: Run, root: Path, cubes: P
     assert round_factor(ball) == 1.0
     gaps, heights = ball.fields["COPEN"][0][ball.slave_node], ball.points[ball.slave_node, 2]   # the plate is at z = 0
     np.testing.assert_allclose(gaps, heights, atol=1e-12 * heights.max())
+
+
+def test_analytic_tool_and_skin_all_around(run_deck: Run, root: Path, tmp_path: Path) -> None:
+    """A tool is drawn after the bodies, to be seen through; of a slave surface all around a cube only the closed face is mapped."""
+    deck = next(text for text in (root / "doc" / "manual" / "contact.md").read_text().split("```abaqus\n") if "NAME=BALL" in text).split("```")[0]
+    assert run_deck(deck.replace("1, S2", "1,", 1), "--quiet").returncode == 0
+    job = read_job(tmp_path / "job.vtkhdf")
+    view = view_data(job)
+    n_triangles = len(base64.b64decode(view["triangles"])) // 12
+    assert view["n_bodies"] == 12 < n_triangles
+    closed = np.unique(job.slave_node[job.is_closed])
+    assert set(closed) == set(np.flatnonzero((job.labels > 0) & (job.labels < 9) & (job.points[:, 2] == 1)))
+    assert sections.maps(job).count("<polygon") == 4
 
 
 def test_command(cubes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

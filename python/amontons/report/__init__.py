@@ -70,6 +70,9 @@ def round_factor(job: Job) -> float:
 def view_data(job: Job) -> dict[str, object]:
     """What the view draws: the outer nodes with their displacements and values."""
     triangles, sides = job.skin.triangles(), job.skin.edges()
+    is_tool = (job.labels[triangles] == 0).all(axis=1)   # points of analytic surfaces have no labels
+    triangles = np.concatenate([triangles[~is_tool], triangles[is_tool]])
+    sides = sides[(job.labels[sides] > 0).any(axis=1)]
     edges = np.concatenate([sides, job.lines])
     nodes = np.unique(np.concatenate([triangles.ravel(), edges.ravel()]))
     place = np.zeros(len(job.points), dtype=np.int64)
@@ -88,7 +91,7 @@ def view_data(job: Job) -> dict[str, object]:
     reach = max(float(np.linalg.norm(x + factor * job.fields["U"][k][nodes] - middle, axis=1).max()) for k in frames) if len(nodes) else 1.0
     return {
         "points": packed(x, "f4"), "triangles": packed(place[triangles], "u4"), "edges": packed(place[edges], "u4"),
-        "nodes": packed(nodes, "u4"), "n_sides": len(sides), "labels": job.labels[nodes].tolist(),
+        "nodes": packed(nodes, "u4"), "n_sides": len(sides), "n_bodies": int(np.sum(~is_tool)), "labels": job.labels[nodes].tolist(),
         "displacement": packed(job.fields["U"][frames][:, nodes], "f4"), "times": job.times[frames].tolist(), "frames": frames,
         "fields": [{"name": n, "unit": job.units.get(s, ""), "data": packed(scalar(s, h), "f4")} for n, s, h in fields],
         "middle": middle.tolist(), "radius": reach or 1.0,

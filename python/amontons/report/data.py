@@ -88,6 +88,7 @@ class Job:
     pairs: Table
     slave_node: Ints
     slave_pair: Ints
+    is_closed: NDArray[np.bool_]  #: of each slave at the last frame
     skin: Skin
     lines: Ints  #: (m, 2) trusses and springs
     node_sets: dict[str, Ints]
@@ -114,6 +115,7 @@ def read_job(path: Path) -> Job:
         fields = {name: data[name][: n_frames * n].reshape(n_frames, n, *data[name].shape[1:]) for name in data}
         cells = grid["Connectivity"][:], grid["Offsets"][:], grid["Types"][:]
         contact = ours.get("contact", {})
+        n_slaves = len(contact["node"]) if "node" in contact else 0
         return Job(
             name=path.stem, path=path, version=_text(ours, "version"), dialect=_text(ours, "dialect"),
             heading=_text(ours, "heading"), deck=_text(ours, "deck"), points=grid["Points"][:],
@@ -124,6 +126,7 @@ def read_job(path: Path) -> Job:
             controls=_table(ours["controls"]), materials=_table(ours["materials"]), pairs=_table(ours["pairs"]),
             slave_node=contact["node"][:].astype(np.int64) if "node" in contact else np.zeros(0, dtype=np.int64),
             slave_pair=contact["pair"][:].astype(np.int64) if "pair" in contact else np.zeros(0, dtype=np.int64),
+            is_closed=contact["status"][(n_frames - 1) * n_slaves : n_frames * n_slaves] > 0 if n_slaves else np.zeros(0, dtype=bool),
             skin=outer_skin(*cells), lines=_lines(*cells), node_sets=_sets(ours["mesh/node_sets"]),
         )  # fmt: skip
 

@@ -283,22 +283,33 @@ def maps(job: Job) -> str:
     for i in range(len(job.pairs["slave"])):
         nodes = np.unique(job.slave_node[job.slave_pair == i])
         if len(nodes):
-            text += f"<h3>{escape(str(job.pairs['slave'][i]))} on {escape(str(job.pairs['master'][i]))}</h3>" + pair_maps(job, nodes)
+            text += f"<h3>{escape(str(job.pairs['slave'][i]))} on {escape(str(job.pairs['master'][i]))}</h3>" + pair_maps(job, nodes, i)
     return text
 
 
-def pair_maps(job: Job, nodes: Ints) -> str:
-    """The maps of one slave surface; of a plane model curves."""
+def pair_maps(job: Job, nodes: Ints, pair: int) -> str:
+    """The maps of one slave surface; of a plane model curves. Of a surface all around a body: where it is closed."""
+    closed = np.unique(job.slave_node[(job.slave_pair == pair) & job.is_closed])
     last = {name: values[-1] for name, values in job.fields.items()}
     shear, slip = (np.linalg.norm(last[name], axis=1) for name in ("CSHEAR", "CSLIP"))
     is_slave = np.zeros(len(job.points), dtype=bool)
     is_slave[nodes] = True
     rings = [] if job.is_plane else [(r, c) for r, c in zip(job.skin.rings, job.skin.corners, strict=True) if is_slave[r].all()]
     if not rings:
-        return pair_curves(job, nodes, shear, slip)
+        return pair_curves(job, nodes, closed, shear, slip)
     x = job.points
-    normal = sum((np.cross(x[c[2]] - x[c[0]], x[c[-1]] - x[c[1]]) if len(c) == 4 else np.cross(x[c[1]] - x[c[0]], x[c[2]] - x[c[0]])
-                  for _, c in rings), np.zeros(3))  # fmt: skip
+
+    def area(c: Ints) -> Floats:
+        return np.cross(x[c[2]] - x[c[0]], x[c[-1]] - x[c[1]]) if len(c) == 4 else np.cross(x[c[1]] - x[c[0]], x[c[2]] - x[c[0]])
+
+    areas = np.array([area(c) for _, c in rings])
+    if np.linalg.norm(areas.sum(axis=0)) < 0.5 * np.linalg.norm(areas, axis=1).sum() and len(closed):
+        touching = np.array([np.isin(c, closed).sum() for _, c in rings])
+        way = (touching[:, None] * areas).sum(axis=0)
+        keep = (touching > 0) & (areas @ way > 0.3 * np.linalg.norm(areas, axis=1) * np.linalg.norm(way))
+        if keep.any():
+            rings, areas = [ring for ring, k in zip(rings, keep, strict=True) if k], areas[keep]
+    normal = areas.sum(axis=0)
     dropped = int(np.argmax(np.abs(normal)))
     kept = [d for d in range(3) if d != dropped]
     rings = rings[:: max(1, len(rings) // 6000)]
@@ -315,14 +326,15 @@ def pair_maps(job: Job, nodes: Ints) -> str:
             + charts.patches(shapes, status, "Status", "", names, list(zip(STATUS_NAMES, charts.STATUS, strict=True))) + "</div>")  # fmt: skip
 
 
-def pair_curves(job: Job, nodes: Ints, shear: Floats, slip: Floats) -> str:
+def pair_curves(job: Job, nodes: Ints, closed: Ints, shear: Floats, slip: Floats) -> str:
     """Curves along the direction in which the slave nodes reach farthest."""
+    if 1 < len(closed) < 0.4 * len(nodes):   # local contact: what is near it
+        x = job.points
+        nearest = np.sort(np.linalg.norm(x[closed][:, None] - x[closed][None], axis=2), axis=1)[:, 1].max()
+        apart = np.linalg.norm(x[nodes][:, None] - x[closed][None], axis=2).min(axis=1)
+        nodes = nodes[apart < 2.5 * nearest]
     d = int(np.argmax(np.ptp(job.points[nodes], axis=0)))
     order = nodes[np.argsort(job.points[nodes, d], kind="stable")]
-    closed = np.flatnonzero(job.fields["CSTATUS"][-1][order] > 0)
-    if 0 < len(closed) < 0.4 * len(order):   # local contact: what is near it
-        more = len(closed) // 2 + 2
-        order = order[max(0, closed[0] - more) : closed[-1] + more + 1]
     at, pressure = job.points[order, d], job.fields["CPRESS"][-1]
     text = charts.lines([Series("pressure", at, pressure[order]), Series("friction", at, shear[order])], "xyz"[d], "stress", has_dots=True)
     return text + charts.lines([Series("slip since the start", at, slip[order])], "xyz"[d], "length", has_dots=True)

@@ -24,6 +24,7 @@
     precision highp float; in float v; in vec3 eye; uniform vec2 range; uniform vec3 colours[${scale.length}]; uniform int kind; out vec4 c;
     void main() {
       if (kind == 1) { c = vec4(1.0, 1.0, 1.0, ${Math.min(0.8, Math.max(0.22, 18 / Math.sqrt(job.n_sides + 1))).toFixed(3)}); return; }
+      if (kind == 4) { c = vec4(0.55, 0.6, 0.65, 0.35); return; }
       if (kind == 3) { c = vec4(0.1, 0.13, 0.16, 1.0); return; }
       if (kind == 2) { vec2 q = gl_PointCoord - 0.5; if (dot(q, q) > 0.25) discard;
         c = dot(q, q) > 0.13 ? vec4(1.0, 1.0, 1.0, 1.0) : vec4(0.84, 0.12, 0.2, 1.0); return; }
@@ -87,12 +88,15 @@
     gl.uniform3fv(where.middle, job.middle); gl.uniform2fv(where.pan, state.pan); gl.uniform2fv(where.zoom, zoom);
     gl.uniform1f(where.factor, state.factor); gl.uniform2fv(where.range, state.range);
     gl.uniform1i(where.kind, 0); gl.uniform1f(where.lift, 0); gl.uniform1f(where.size, 1);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangleBuffer); gl.drawElements(gl.TRIANGLES, triangles.length, gl.UNSIGNED_INT, 0);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangleBuffer); gl.drawElements(gl.TRIANGLES, 3 * job.n_bodies, gl.UNSIGNED_INT, 0);
     gl.uniform1i(where.kind, 1); gl.uniform1f(where.lift, 0.0015);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, edgeBuffer);
     if (find("edges").checked) gl.drawElements(gl.LINES, 2 * job.n_sides, gl.UNSIGNED_INT, 0);
     gl.uniform1i(where.kind, 3);                         // trusses and springs are always drawn
     gl.drawElements(gl.LINES, edges.length - 2 * job.n_sides, gl.UNSIGNED_INT, 8 * job.n_sides);
+    gl.uniform1i(where.kind, 4); gl.uniform1f(where.lift, 0); gl.depthMask(false);   // analytic surfaces, seen through
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangleBuffer);
+    gl.drawElements(gl.TRIANGLES, triangles.length - 3 * job.n_bodies, gl.UNSIGNED_INT, 12 * job.n_bodies); gl.depthMask(true);
     if (state.chosen >= 0) { gl.uniform1i(where.kind, 2); gl.uniform1f(where.lift, 0.9); gl.uniform1f(where.size, 14 * ratio);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, one); gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint32Array([state.chosen]), gl.DYNAMIC_DRAW);
       gl.drawElements(gl.POINTS, 1, gl.UNSIGNED_INT, 0); }
