@@ -113,7 +113,8 @@ contains
       'are free in plane stress and in trusses are found by us (our own parameter).')
     call table%option('TYPE', VALUE_WORD, 'What the routine gives.', allowed='MECHANICAL', default='MECHANICAL')
     call table%refuse_words('THERMAL', 'There is no heat transfer.')
-    call table%option('UNSYMM', VALUE_NONE, 'The symmetric part of DDSDDE is taken.', status=STATUS_NOTED)
+    call table%option('UNSYMM', VALUE_NONE, 'DDSDDE is taken as it is, with this word and without; of C3D8I its ' // &
+      'symmetric part.', status=STATUS_NOTED)
     call table%option('HYBRID FORMULATION|EFFMOD', VALUE_TEXT, 'Only stress from strain.', status=STATUS_REFUSED)
     call table%card('DEPVAR', IN_MODEL, 'Number of variables that UMAT keeps at each point (STATEV), zero at the ' // &
       'start unless INITIAL CONDITIONS, TYPE=SOLUTION says otherwise.', parent='MATERIAL', &

@@ -15,8 +15,8 @@ module amontons_element
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_material_point, only: point_type, update_point
   use amontons_plane, only: plane_element, plane_volumes, plane_body_force, plane_temperature_weights, edge_pressure
-  use amontons_points, only: points_type, begin_point, keep_history, ELEMENT_OK, ELEMENT_INVERTED, &
-    ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
+  use amontons_points, only: points_type, begin_point, keep_history, split_tangent, ELEMENT_OK, &
+    ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_principal, only: logarithm_1p
   use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, STRESS_OK, STRESS_INVERTED, &
@@ -645,6 +645,7 @@ contains
       if (IS_MEAN(kind)) point%strain = point%strain + ((dilatation - sum(point%strain(:3))) / 3) * VOIGT_IDENTITY
       call update_point(material, is_nlgeom, point, status)
       if (status /= STRESS_OK) exit
+      call split_tangent(material, point, points, p)
       tau(:, p) = point%stress
       tangent(:, :, p) = point%tangent
       points%stress(:, p) = point%stress

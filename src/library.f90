@@ -14,6 +14,7 @@ module amontons_library
   use amontons_model, only: job_options_type
   use amontons_stepper, only: propose_time
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
+  use amontons_skew, only: with_skew
   use amontons_sparse, only: sparse_type, full_of, multiply_transpose
   use amontons_state, only: state_type
   use amontons_topology, only: kind_type, facet_kind_type, element_kind, facet_kind
@@ -733,7 +734,7 @@ contains
       case ('MAP')
         matrix = system%whole%map
       case ('STIFFNESS')
-        matrix = full_of(system%assembly%stiffness)
+        matrix = with_skew(full_of(system%assembly%stiffness), system%assembly%skew)
       case default
         call set_error(error, EXIT_USAGE, 'There is no matrix named ' // name // '; TANGENT, MAP and STIFFNESS are there.')
       end select

@@ -17,7 +17,7 @@ module amontons_plane
   use amontons_hourglass, only: hourglass_type, prepare_hourglass, soften_hourglass, add_hourglass
   use amontons_material_point, only: point_type
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
-  use amontons_points, only: points_type, begin_point, end_point, ELEMENT_OK, ELEMENT_INVERTED, &
+  use amontons_points, only: points_type, begin_point, end_point, split_tangent, ELEMENT_OK, ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_stress, only: STRESS_OK, STRESS_INVERTED, LARGEST_GRADIENT, logarithm_1p
@@ -290,6 +290,7 @@ contains
       point%H = strip%H(:, :, p)
       call stress_under(condition_of(entry), material, is_nlgeom, point, status)
       if (status /= STRESS_OK) exit
+      call split_tangent(material, point, points, p)
       tau(:, p) = point%stress(PLANE)
       c(:, :, p) = point%tangent(PLANE, PLANE)
       call end_point(material, is_nlgeom, point, points, p)

@@ -10,13 +10,15 @@ module amontons_points
   use amontons_user_material, only: user_point_type
   implicit none
   private
-  public :: points_type, begin_point, end_point, keep_history
+  public :: points_type, begin_point, end_point, keep_history, split_tangent
   public :: ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
 
   integer, parameter :: ELEMENT_OK = 0             !< all is well
   integer, parameter :: ELEMENT_INVERTED = 1       !< det F is not positive at an integration point
   integer, parameter :: ELEMENT_NOT_FINITE = 2     !< a displacement is NaN, infinite or beyond all bounds
   integer, parameter :: ELEMENT_DEGENERATE = 3     !< the undeformed volume of a point is not positive
+
+  real(DP), parameter :: SYMMETRIC = 1.0e-10_DP    !< a skew part this small over the largest entry is rounding [-]
 
   !> What is known at the integration points of one element; entries past its points are undefined. The past, the
   !! temperatures and the times are read only where the material is not plain; a plain one leaves the history alone.
@@ -39,6 +41,7 @@ module amontons_points
     real(DP) :: strain(6, MAX_POINTS)              !< small, logarithmic or Green's strain, tensor components [-]
     real(DP) :: energy(MAX_POINTS)                 !< strain energy per reference volume [stress]
     real(DP) :: volume(MAX_POINTS)                 !< reference volume of the point: weight times determinant [length^3]
+    real(DP), allocatable :: skew(:, :, :)         !< (6, 6, MAX_POINTS) (c - c')/2 of an unsymmetric law [stress]
   end type points_type
 
 contains
@@ -76,6 +79,22 @@ contains
     points%energy(p) = point%energy
     if (.not. material%is_plain) call keep_history(point, points, p)
   end subroutine end_point
+
+
+  !> Leaves the symmetric part of the tangent of a point, which the kernels take; what a user's law has beside it is kept.
+  pure subroutine split_tangent(material, point, points, p)
+    type(material_type), intent(in) :: material
+    type(point_type), intent(inout) :: point       !< in: tangent; out: its symmetric part
+    type(points_type), intent(inout) :: points     !< out: skew
+    integer, intent(in) :: p                       !< point
+    real(DP) :: skew(6, 6)
+    if (.not. material%is_user) return
+    skew = 0.5_DP * (point%tangent - transpose(point%tangent))
+    point%tangent = 0.5_DP * (point%tangent + transpose(point%tangent))
+    if (all(abs(skew) <= SYMMETRIC * maxval(abs(point%tangent)))) return
+    if (.not. allocated(points%skew)) allocate (points%skew(6, 6, MAX_POINTS), source=0.0_DP)
+    points%skew(:, :, p) = skew
+  end subroutine split_tangent
 
 
   !> The history of a point into those of its element.

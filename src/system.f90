@@ -4,7 +4,7 @@
 !! Two verbs. `evaluate` gives imbalance, contact and residual of a configuration: forces only, no matrix.
 !! `find_direction` linearises there and solves:
 !!
-!!     K      stiffness of the elements and loads, symmetric; what follower loads add to it is in assembly%follower
+!!     K      stiffness of the elements and loads, symmetric; what the tangent has beside it is in assembly%skew
 !!     C, c   du = C dv + c: boundary conditions, equations, followers, contact rows     (constraints)
 !!     A      C' K C, factorised by Cholesky                                             (factor)
 !!     J      C' (K - d F_c) C, with the exact change of the contact forces, unsymmetric (contact_tangent)
@@ -32,8 +32,9 @@ module amontons_system
   use amontons_bonds, only: add_curvatures, keep_supports, curved_nodes
   use amontons_supports, only: support_model
   use amontons_damping, only: is_damped, begin_damping, share_volumes, brake, stiffen
-  use amontons_follower, only: finish_follower, subtract_follower, with_follower
-  use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, assemble_loads
+  use amontons_skew, only: finish_skew, subtract_skew, with_skew
+  use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent
+  use amontons_applied, only: assemble_loads
   use amontons_symmetry, only: find_symmetry, find_held
   use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
     touching_row
@@ -433,7 +434,7 @@ contains
       if (failed /= 0) return
       call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
       if (state%new%damping(DAMPING_NOW) > 0.0_DP) call brake(system%share, state)
-      call finish_follower(system%assembly%follower, 3 * model%mesh%n_nodes, error)
+      call finish_skew(system%assembly%skew, 3 * model%mesh%n_nodes, error)
       if (allocated(error)) return
       if (state%new%damping(DAMPING_NOW) > 0.0_DP) call stiffen(system%share, state, system%assembly%stiffness)
       system%is_assembled = system%is_constant
@@ -756,7 +757,7 @@ contains
     options%floor = floor
     options%max_iterations = merge(system%reduced%most_iterations, KRYLOV_MOST, is_iterative)
     if (is_iterative) options%tolerance = ITERATIVE_TOLERANCE
-    if (is_iterative .and. size(system%links) == 0 .and. .not. allocated(system%assembly%follower%matrix%first)) then
+    if (is_iterative .and. size(system%links) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)) then
       call conjugate_gradients(matrix, preconditioner, b, v, options, report)
     else
       call gmres(tangent, preconditioner, b, v, options, report, error)
@@ -799,7 +800,7 @@ contains
     type(sparse_type), intent(out) :: J            !< (n_free x n_free)
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: K, E, by_imbalance, by_displacement
-    K = with_follower(full_of(system%assembly%stiffness), system%assembly%follower)
+    K = with_skew(full_of(system%assembly%stiffness), system%assembly%skew)
     call condensation(system%base, E, error)
     if (allocated(error)) return
     call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement, error)
@@ -830,7 +831,7 @@ contains
     real(DP), intent(out) :: w(:)                  !< (n_unknowns) [force]
     real(DP), allocatable :: du(:, :), d_imbalance(:, :), d_force(:, :)
     call multiply_symmetric(system%assembly%stiffness, flat, w)
-    call subtract_follower(system%assembly%follower, flat, w)
+    call subtract_skew(system%assembly%skew, flat, w)
     if (size(system%links) == 0) return
     allocate (d_imbalance(3, size(flat) / 3), d_force(3, size(flat) / 3))
     du = reshape(flat, [3, size(flat) / 3])

@@ -5,7 +5,7 @@
 !! trial state. At finite strain the increment is that of Hughes and Winget: with the increment of displacement d and
 !! the middle configuration x, G = dd/dx, DSTRAN = sym G, DROT = (1 - W/2)^-1 (1 + W/2), W = skw G; stress and strain at
 !! the start are turned by DROT. DDSDDE is (1/J) d(J s)/de of Jaumann's rate; the tangent that the element wants is that
-!! of the Lie derivative of tau = J s: c : D = J DDSDDE : D - D tau - tau D, of which the symmetric part is taken.
+!! of the Lie derivative of tau = J s: c : D = J DDSDDE : D - D tau - tau D. It need not be symmetric.
 !!
 !! With an orientation all components are those in the local axes, which the increments of rotation carry along: UMAT then
 !! gets stress and strain as they were, DROT = 1, DSTRAN in the axes at the end, and Q^T F Q with the axes Q of the start
@@ -82,7 +82,6 @@ contains
       tangent = volume * tangent
       call subtract_turning(stress, tangent)
     end if
-    tangent = 0.5_DP * (tangent + transpose(tangent))
   end subroutine update_user
 
 

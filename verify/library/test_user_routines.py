@@ -160,6 +160,66 @@ def plane_deck(kind: str, material: str) -> str:
                       "*BOUNDARY", "1, 1, 1", *(f"{n}, 2, 2" for n in low), *steps, ""])  # fmt: skip
 
 
+LINEAR_LAW = "*USER MATERIAL, CONSTANTS=4{}\n-1., 1000., 0.3, 0.2\n"
+FRICTIONAL = "*USER MATERIAL, CONSTANTS=4{}\n0.9, 1000., 0.3, 1.\n"
+UNSYMMETRIC = ["C3D4", "C3D6", "C3D8", "C3D8R", "C3D10", "C3D15", "C3D20R", "CPE3", "CPE4", "CPE4R", "CAX4", "CAX4R", "CPS4", "CPE8",
+               "CAX8R"]  # fmt: skip
+
+
+def unsymmetric_deck(kind: str, law: str) -> str:
+    """Of any kind of element; in plane stress the strain across is ours to find."""
+    law = law.format(", SPATIAL" if kind.startswith("CPS") else "")
+    return solid_deck(kind, law) if kind.startswith("C3D") else plane_deck(kind, law)
+
+
+@pytest.mark.parametrize("kind", UNSYMMETRIC)
+def test_an_unsymmetric_law_that_is_linear(run: Run, tmp_path: Path, kind: str) -> None:
+    """The tangent of every kind of element has all of DDSDDE: a linear problem takes one iteration in each increment."""
+    (tmp_path / "job.inp").write_text(unsymmetric_deck(kind, LINEAR_LAW))
+    done = run(["job", f"user={ROUTINES / 'unsymmetric.f90'}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        assert file["AMONTONS/history/n_iterations"][1:].tolist() == [1] * 8
+
+
+@pytest.mark.parametrize("kind", ["C3D8", "C3D8R", "C3D10", "C3D20R", "CPE4", "CAX4R"])
+def test_flow_without_dilatancy_converges_quadratically(run: Run, tmp_path: Path, kind: str) -> None:
+    """Drucker and Prager's law with flow that keeps the volume: its tangent is far from symmetric. The residual, over the largest
+    force, falls with its square once it is below 1e-2; with the symmetric part of the tangent such jobs take many times longer, or fail."""
+    deck = unsymmetric_deck(kind, FRICTIONAL)
+    (tmp_path / "job.inp").write_text(deck.replace("0.25, 1.", "0.5, 1.\n*CONTROLS, PARAMETERS=FIELD\n1e-12, 1e-12, , , 1e-12"))
+    done = run(["job", f"user={ROUTINES / 'unsymmetric.f90'}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    seen: dict[str, list[float]] = {}
+    for line in (tmp_path / "job.cvg").read_text().splitlines():
+        words = line.split()
+        if len(words) > 5 and words[0].isdigit():
+            seen.setdefault(" ".join(words[:3]), []).append(0.01 * float(words[5]))
+    pairs = [(a, b) for history in seen.values() for a, b in zip(history, history[1:], strict=False) if 1e-9 < a < 1e-2]
+    assert len(pairs) >= 2
+    assert all(b <= max(100 * a**2, 1e-13) for a, b in pairs), pairs
+
+
+def test_flow_without_dilatancy_in_closed_form(run: Run, tmp_path: Path) -> None:
+    """A cube under a pressure P from its sides is pressed until it flows: the stress along it is -(k + P + 2 a P/3) / (1 - a/3), and
+    the change of volume is that of the mean stress alone, 3 (1 - 2 nu) p / E."""
+    corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    a, young, nu, k, pressure = 0.9, 1000.0, 0.3, 1.0, 0.5
+    (tmp_path / "job.inp").write_text("\n".join([
+        "*NODE", *(f"{i}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(corners, 1)), "*ELEMENT, TYPE=C3D8, ELSET=BODY", "1, 1, 2, 3, 4, 5, 6, 7, 8",
+        "*MATERIAL, NAME=SAND", FRICTIONAL.format("").strip(), "*SOLID SECTION, ELSET=BODY, MATERIAL=SAND", "*BOUNDARY", "1, 1", "4, 1", "5, 1",
+        "8, 1", "1, 2", "2, 2", "5, 2", "6, 2", "1, 3", "2, 3", "3, 3", "4, 3", "*STEP", "*STATIC", "0.25, 1.", "*DLOAD", "BODY, P4, 0.5",
+        "BODY, P5, 0.5", "*BOUNDARY", *(f"{n}, 3, 3, -0.01" for n in range(5, 9)), "*END STEP", ""]))  # fmt: skip
+    done = run(["job", f"user={ROUTINES / 'unsymmetric.f90'}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    along = -(k + pressure + 2 * a * pressure / 3) / (1 - a / 3)
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        stress, u = file["VTKHDF/PointData/S"][-8:], file["VTKHDF/PointData/U"][-8:]
+    assert np.abs(stress - np.array([-pressure, -pressure, along, 0, 0, 0])).max() <= 1e-5 * abs(along)
+    volume = u[6].sum()
+    assert abs(volume - (along - 2 * pressure) * (1 - 2 * nu) / young) <= 1e-5 * abs(u).max()
+
+
 @pytest.mark.parametrize("kind", ["CPS4", "T3D2"])
 def test_volume_stays_where_umat_knows_no_strain_across(run: Run, tmp_path: Path, kind: str) -> None:
     """A bar of length 2 and section 0.3 under NLGEOM is pulled by a fifth with NTENS = 3 and 1. The stress is E ln(1.2), to the

@@ -1,6 +1,6 @@
 !> The tangent of bodies under pressures that follow their faces, against central differences of the residual.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_follower
+program test_skew
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, complaints_type
   use amontons_model, only: model_type, job_options_type
@@ -53,7 +53,7 @@ contains
       call residual_at(system, model, state, u, plus)
       call linearise(system, model, model%steps(1), state, trouble, error)
       call suite%that(name // ': linearised', trouble == 0 .and. .not. allocated(error))
-      call suite%that(name // ': what is left of W', allocated(system%assembly%follower%matrix%first) .eqv. expected == 0)
+      call suite%that(name // ': what is left of W', allocated(system%assembly%skew%matrix%first) .eqv. expected == 0)
       call change_forces(system, reshape(du, [3 * n]), w)
       call suite%near(name // ': operator', norm2(reshape(w, [3, n]) + difference), 0.0_DP, 1.0e-7_DP * norm2(w))
       call tangent_matrix(system, J, error)
@@ -119,4 +119,4 @@ contains
     end do
   end function random
 
-end program test_follower
+end program test_skew
