@@ -157,7 +157,7 @@ contains
     end if
     if (.not. is_changed) return
     call evaluate(system, model, step, .false., state, newton%trouble)
-    call note_residual(newton, system)
+    call note_residual(newton, system, step%controls%r_n)
     if (newton%trouble /= TROUBLE_NONE) then
       verdict = VERDICT_DIVERGES
     else if (verdict == VERDICT_CONVERGED .and. system%contact%n_changed > 0) then
