@@ -87,6 +87,7 @@ contains
     call refuse_fields(table)
     call table%card('DEFORMATION PLASTICITY', IN_MODEL, 'Ramberg and Osgood''s law, in place of ELASTIC: E e = s + ' // &
       'a s (s/s0)^(n-1).', parent='MATERIAL', data='E, nu, s0, n, a, temperature')
+    call table%differ('It turns NLGEOM on for all steps under calculix, with Almansi''s strain.')
     call table%card('CREEP', IN_MODEL, 'Creep, in VISCO steps, and in STATIC steps of the abaqus dialect not at all.', &
       parent='MATERIAL', data='A, n, m, temperature')
     call table%option('LAW', VALUE_WORD, 'TIME: rate A q^n t^m; STRAIN: (A q^n ((m+1) e)^m)^(1/(m+1)); NORTON: TIME.', &
@@ -134,6 +135,7 @@ contains
     call table%option('NEO HOOKE|MOONEY-RIVLIN|YEOH|POLYNOMIAL|REDUCED POLYNOMIAL|OGDEN|ARRUDA-BOYCE', VALUE_NONE, &
       'Kind of rubber.', default='POLYNOMIAL')
     call table%option('N', VALUE_INTEGER, 'Order: POLYNOMIAL 1 to 3, OGDEN and REDUCED POLYNOMIAL 1 to 6.', default='1')
+    call table%differ('It turns NLGEOM on for all steps under calculix.')
     call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=STATUS_NOTED)
     call table%option('MARLOW|VAN DER WAALS|USER|ANISOTROPIC|VALANIS-LANDEL', VALUE_TEXT, 'Use one of the others.', &
       status=STATUS_REFUSED)
@@ -146,6 +148,7 @@ contains
     call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=STATUS_NOTED)
     call table%option('TEST DATA INPUT|POISSON', VALUE_TEXT, 'Give the constants.', status=STATUS_REFUSED)
     call refuse_fields(table)
+    call table%differ('It turns NLGEOM on for all steps under calculix.')
   end subroutine describe_rubber
 
 

@@ -306,7 +306,8 @@ contains
       'mean rotation of the nodes is the first displacement of the last node, whose coordinates are the axis).', &
       data='kind, nodes or node sets')
     call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck.', status=STATUS_REFUSED)
-    call table%differ('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance.')
+    call table%differ('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance. PLANE, ' // &
+      'STRAIGHT and BEAM turn NLGEOM on for all steps under calculix.')
 
     call table%card('RIGID BODY', IN_MODEL, 'Nodes that move with a reference node as a rigid body; its degrees of ' // &
       'freedom 4 to 6 are the rotation vector.')
@@ -394,8 +395,9 @@ contains
     call table%option('USER', VALUE_NONE, 'The routine DISP of the user gives the displacements.')
     call describe_case(table)
     call table%option('MASSLESS|MODEL', VALUE_TEXT, 'Inertia does not count.', status=STATUS_NOTED)
-    call table%option('SUBMODEL|STEP|DATA SET|REGION TYPE|BASE NAME', VALUE_TEXT, &
-      'Give the displacements themselves.', status=STATUS_REFUSED)
+    call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'There are no submodels: write the displacements themselves, or ' // &
+      'let the routine DISP give them (USER).', status=STATUS_REFUSED)
+    call table%option('REGION TYPE|BASE NAME', VALUE_TEXT, 'Give the displacements themselves.', status=STATUS_REFUSED)
 
     call table%card('CLOAD', IN_STEP, 'Forces on nodes.', data='node or node set, degree of freedom (1 to 3), force')
     call table%option('OP', VALUE_WORD, 'NEW lets the forces of earlier steps go to zero.', allowed='MOD|NEW', &
@@ -404,8 +406,12 @@ contains
     call table%option('TIME DELAY', VALUE_REAL, LATER, default='0')
     call describe_case(table)
     call table%option('OMEGA0', VALUE_TEXT, 'The sectors do not turn.', status=STATUS_NOTED)
-    call table%option('FOLLOWER|USER|SUBMODEL|STEP|DATA SET|CYCLIC MODE|REGION TYPE', VALUE_TEXT, &
-      'Give forces that keep their direction.', status=STATUS_REFUSED)
+    call table%option('FOLLOWER', VALUE_NONE, 'Forces keep their direction; a pressure on faces turns with them.', &
+      status=STATUS_REFUSED)
+    call table%option('USER', VALUE_NONE, 'Give the forces an AMPLITUDE; it may be by the routine UAMP.', status=STATUS_REFUSED)
+    call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'There are no submodels: write the forces themselves.', &
+      status=STATUS_REFUSED)
+    call table%option('CYCLIC MODE|REGION TYPE', VALUE_TEXT, 'Write the forces themselves.', status=STATUS_REFUSED)
 
     call table%card('DLOAD', IN_STEP, 'Pressure on element faces, positive when it pushes into the element, gravity, ' // &
       'rotation and body forces.', data='element or element set, P1 to P6, pressure; or surface, P, pressure; or ' // &
@@ -585,6 +591,7 @@ contains
     call table%option('NAME', VALUE_NAME, 'Name of the section, which is not needed.')
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
       default='1')
+    call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=STATUS_NOTED)
     call table%option('AXES|UPDATE|OP', VALUE_TEXT, 'Vectors are in global directions.', status=STATUS_NOTED)
   end subroutine describe_prints
 
@@ -683,10 +690,12 @@ contains
     call table%cards_with(STATUS_REFUSED, 'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
       'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS|CONTACT INITIALIZATION ASSIGNMENT|CONTACT ' // &
       'INITIALIZATION DATA', 'The model is the same in all steps.')
+    call table%cards_with(STATUS_REFUSED, 'SUBMODEL', 'Write the displacements of the cut boundary themselves into a file ' // &
+      'with *BOUNDARY that *INCLUDE reads, or let the routine DISP give them (*BOUNDARY, USER).')
     call table%cards_with(STATUS_REFUSED, 'BASE MOTION|CORRELATION LENGTH|CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|' // &
       'RADIATE|CRADIATE|SRADIATE|VIEWFACTOR|CAVITY DEFINITION|FLOW|SFLOW|DFLOW|DECHARGE|CECHARGE|MASS FLOW|LIMIT ' // &
       'VELOCITY|VALUES AT INFINITY|SELECT CYCLIC SYMMETRY MODES|SELECT EIGENMODES|INERTIA RELIEF|LOAD CASE|END ' // &
-      'LOAD CASE|SUBMODEL|FOUNDATION|INCIDENT WAVE|DESIGN RESPONSE|DESIGN VARIABLES|OBJECTIVE|CONSTRAINT|' // &
+      'LOAD CASE|FOUNDATION|INCIDENT WAVE|DESIGN RESPONSE|DESIGN VARIABLES|OBJECTIVE|CONSTRAINT|' // &
       'GEOMETRIC CONSTRAINT|GEOMETRIC TOLERANCES|RANDOM FIELD|RETAINED NODAL DOFS|SUBSTRUCTURE MATRIX OUTPUT|' // &
       'SUBSTRUCTURE PATH|SUBSTRUCTURE LOAD CASE', 'The loads are those of *BOUNDARY, *CLOAD and *DLOAD.')
   end subroutine describe_refused_procedures

@@ -1,26 +1,25 @@
-!> Deck bonds: the cards that bind displacements together, TRANSFORM, MPC, RIGID BODY, COUPLING, TIE, PRE-TENSION SECTION.
+!> Deck bonds: the cards that bind displacements together, TRANSFORM, RIGID BODY, COUPLING, TIE, PRE-TENSION SECTION.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! What is linear becomes equations (MPC TIE and PIN, DISTRIBUTING, PRE-TENSION SECTION), the rest bonds and ties.
 !! Rotations are displacements of a rotation node: ROT NODE, or one that is made beside the reference node.
 module amontons_deck_bonds
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_mpc, only: read_mpc, make_rotation, add_equation
   use amontons_deck_profiles, only: carry_profile
   use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_integer, need_at_most, &
     nodes_of_field, is_card
-  use amontons_loads, only: equation_type
   use amontons_mesh, only: append_node
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type
   use amontons_tensor, only: cross_product
   use amontons_text, only: parse_real, parse_integer, squeezed, NUMBER_OK
-  use amontons_ties, only: bond_type, tie_type, spread_type, frame_rule_type, frame_at, BOND_BODY, BOND_PLANE, BOND_STRAIGHT, &
-    BOND_DISTANCE, BOND_TURN
+  use amontons_ties, only: bond_type, tie_type, spread_type, frame_rule_type, frame_at, BOND_BODY
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
   implicit none
   private
-  public :: read_transforms, read_bonds, find_orientation, add_equation
+  public :: read_transforms, read_bonds, find_orientation
 
 contains
 
@@ -153,20 +152,6 @@ contains
   end subroutine read_bonds
 
 
-  !> The rotation node of a reference node; one is made if there is none yet.
-  subroutine make_rotation(model, reference, rotation)
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: reference
-    integer, intent(out) :: rotation
-    rotation = model%rotation_of(reference)
-    if (rotation > 0) return
-    call append_node(model%mesh, model%mesh%coordinates(:, reference), rotation)
-    model%mesh%is_abstract(rotation) = .true.
-    model%rotation_of = [model%rotation_of, 0]
-    model%rotation_of(reference) = rotation
-  end subroutine make_rotation
-
-
   !> RIGID BODY: the nodes of a node set or of an element set, and a reference node.
   subroutine read_rigid_body(reader, model, c)
     type(reader_type), intent(inout) :: reader
@@ -277,190 +262,6 @@ contains
     end do
     nodes = pack([(i, i=1, model%mesh%n_nodes)], is_member(1:))
   end subroutine body_nodes
-
-
-  !> MPC: kind and nodes, in one row or several.
-  subroutine read_mpc(reader, model, c)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: c
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    integer, allocatable :: nodes(:), found(:)
-    character(:), allocatable :: kind
-    integer :: i, label, status, first
-    logical :: is_ok, has_row
-    call open_card(reader, c, parameters, row)
-    has_row = next_row(reader%cards, row)
-    do while (has_row)
-      kind = squeezed(field_text(reader%cards, row, 1))
-      first = row%line
-      allocate (found(0))
-      is_ok = .true.
-      i = 2
-      do
-        do while (i <= row%n)
-          if (squeezed(field_text(reader%cards, row, i)) /= '') then
-            call nodes_of_field(reader, model%mesh, row, i, nodes, is_ok)
-            found = [found, nodes]
-          end if
-          i = i + 1
-        end do
-        has_row = next_row(reader%cards, row)
-        if (.not. has_row) exit
-        call field_integer(reader%cards, row, 1, label, status)
-        if (status /= NUMBER_OK .and. reader%node_sets%find(field_text(reader%cards, row, 1)) == 0) exit
-        i = 1
-      end do
-      if (is_ok) call add_mpc(reader, model, first, kind, found)
-      deallocate (found)
-    end do
-  end subroutine read_mpc
-
-
-  !> The bonds of one MPC.
-  subroutine add_mpc(reader, model, line, kind, given)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: line
-    character(*), intent(in) :: kind             !< squeezed
-    integer, intent(in) :: given(:)              !< nodes as they stand in the deck
-    type(bond_type) :: bond
-    integer, allocatable :: nodes(:)
-    integer :: i
-    nodes = each_once(given)
-    bond%card = 'MPC'
-    bond%line = reader%cards%line_number(line)
-    select case (kind)
-    case ('PLANE', 'STRAIGHT')
-      bond%kind = merge(BOND_PLANE, BOND_STRAIGHT, kind == 'PLANE')
-      if (.not. spans(model, nodes, kind)) then
-        call complain(reader, line, 'PLANE needs three nodes that are not on a line and more, STRAIGHT two nodes that ' // &
-          'are apart and more.')
-        return
-      end if
-      do i = merge(4, 3, kind == 'PLANE'), size(nodes)
-        bond%node = [nodes(i), nodes(:merge(3, 2, kind == 'PLANE'))]
-        model%bonds = [model%bonds, bond]
-      end do
-    case ('BEAM', 'LINK')
-      call add_beam(reader, model, line, nodes, bond, is_link=kind == 'LINK')
-    case ('TIE', 'PIN')
-      call add_pin(reader, model, line, nodes)
-    case ('MEANROT')
-      call add_turn(reader, model, line, nodes, bond)
-    case default
-      call complain(reader, line, 'The MPC ' // kind // ' is not supported; known are PLANE, STRAIGHT, BEAM, LINK, TIE, PIN ' // &
-        'and MEANROT.')
-    end select
-  end subroutine add_mpc
-
-
-  !> Whether the first nodes span a plane or a line.
-  pure logical function spans(model, nodes, kind)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: nodes(:)
-    character(*), intent(in) :: kind
-    spans = .false.
-    if (size(nodes) < merge(4, 3, kind == 'PLANE')) return
-    associate (x => model%mesh%coordinates(:, nodes(:3)))
-      spans = norm2(x(:, 2) - x(:, 1)) > 0.0_DP
-      if (kind == 'PLANE') spans = norm2(cross_product(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))) > &
-        1.0e-6_DP * norm2(x(:, 2) - x(:, 1)) * norm2(x(:, 3) - x(:, 1))
-    end associate
-  end function spans
-
-
-  !> Nodes in their order, each once.
-  pure function each_once(given) result(nodes)
-    integer, intent(in) :: given(:)
-    integer, allocatable :: nodes(:)
-    integer :: i
-    nodes = pack(given, [(.not. any(given(:i - 1) == given(i)), i=1, size(given))])
-  end function each_once
-
-
-  !> LINK, and BEAM in CalculiX: two nodes keep their distance. BEAM in Abaqus: the first is fixed rigidly to the second.
-  subroutine add_beam(reader, model, line, nodes, bond, is_link)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: line, nodes(:)
-    type(bond_type), intent(inout) :: bond
-    logical, intent(in) :: is_link
-    if (size(nodes) /= 2) then
-      call complain(reader, line, 'BEAM and LINK need two nodes.')
-    else if (is_link .or. reader%dialect == DIALECT_CALCULIX) then
-      bond%kind = BOND_DISTANCE
-      bond%node = nodes
-      model%bonds = [model%bonds, bond]
-    else
-      bond%node = nodes(:1)
-      bond%reference = nodes(2)
-      call make_rotation(model, bond%reference, bond%rotation)
-      model%bonds = [model%bonds, bond]
-    end if
-  end subroutine add_beam
-
-
-  !> TIE, PIN: the first node moves as the second.
-  subroutine add_pin(reader, model, line, nodes)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: line, nodes(:)
-    integer :: k
-    if (size(nodes) /= 2) then
-      call complain(reader, line, 'TIE and PIN need two nodes.')
-      return
-    end if
-    do k = 1, 3
-      call add_equation(model, nodes, [k, k], [1.0_DP, -1.0_DP], 'MPC', reader%cards%line_number(line))
-    end do
-  end subroutine add_pin
-
-
-  !> MEANROT: nodes, and last a pilot: its coordinates are the axis, its first displacement the mean rotation.
-  subroutine add_turn(reader, model, line, nodes, bond)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: line, nodes(:)
-    type(bond_type), intent(inout) :: bond
-    integer :: n
-    n = size(nodes)
-    if (n < 3) then
-      call complain(reader, line, 'MEANROT needs at least two nodes and the pilot.')
-      return
-    end if
-    bond%kind = BOND_TURN
-    bond%node = nodes(:n - 1)
-    bond%reference = nodes(n)
-    bond%axis = model%mesh%coordinates(:, nodes(n))
-    if (.not. norm2(bond%axis) > 0.0_DP) then
-      call complain(reader, line, 'The coordinates of the last node of MEANROT are the axis; they must not all be zero.')
-      return
-    end if
-    bond%axis = bond%axis / norm2(bond%axis)
-    model%mesh%is_abstract(bond%reference) = .true.
-    model%bonds = [model%bonds, bond]
-  end subroutine add_turn
-
-
-  !> Appends an equation.
-  subroutine add_equation(model, node, dof, coefficient, card, line)
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: node(:), dof(:)
-    real(DP), intent(in) :: coefficient(:)
-    character(*), intent(in) :: card
-    integer, intent(in) :: line                  !< of the deck
-    type(equation_type) :: equation
-    logical :: is_kept(size(node))
-    is_kept = abs(coefficient) > 0.0_DP
-    equation%node = pack(node, is_kept)
-    equation%dof = pack(dof, is_kept)
-    equation%coefficient = pack(coefficient, is_kept)
-    equation%card = card
-    equation%line = line
-    model%equations = [model%equations, equation]
-  end subroutine add_equation
 
 
   !> COUPLING with KINEMATIC or DISTRIBUTING below it.

@@ -296,7 +296,11 @@ contains
     call need_integer(reader, row, 3, 'last degree of freedom', last, is_ok, default=first)
     call need_real(reader, row, 4, 'displacement', value, is_ok, 0.0_DP)
     if (.not. is_ok) return
-    if (first < 1 .or. last < first .or. last > 6) then
+    if (first == 11 .and. last == 11) then
+      call complain(reader, row%line, 'The degree of freedom 11 is the temperature, which belongs to a flow of heat; ' // &
+        '*TEMPERATURE prescribes temperatures.')
+      is_ok = .false.
+    else if (first < 1 .or. last < first .or. last > 6) then
       call complain(reader, row%line, 'The degrees of freedom must be 1 to 3 (to 6 at reference nodes), the first not ' // &
         'above the last.')
       is_ok = .false.

@@ -4,7 +4,7 @@ module amontons_deck_spreads
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, row_type, next_row
   use amontons_card_form, only: parameter_text
-  use amontons_deck_bonds, only: add_equation
+  use amontons_deck_mpc, only: add_equation
   use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_at_most, nodes_of_field, is_card
   use amontons_model, only: model_type, DIALECT_CALCULIX
   implicit none

@@ -21,16 +21,17 @@ module amontons_deck_steps
     SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, SOLVER_AUTO, SOLVER_ITERATIVE, &
     PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, N_FRD
   use amontons_text, only: text_of, squeezed, parse_integer, parse_real, is_one_of, joined_words, NUMBER_OK
+  use amontons_ties, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
   use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC
   implicit none
   private
   public :: read_steps
 
   character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
-    'CSTATUS|CFORCE|CNORMF|CSHEARF|PEEQ|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD' !< what the result file holds
-  character(*), parameter :: FRD_WORDS(N_FRD) = [character(9) :: 'U', 'RF', 'NT', 'S', 'E', 'PEEQ', 'ENER', &
+    'CSTATUS|CFORCE|CNORMF|CSHEARF|PEEQ|CEEQ|ENER|ME|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD' !< what the result files hold
+  character(*), parameter :: FRD_WORDS(N_FRD) = [character(9) :: 'U', 'NT', 'S', 'E', 'ME', 'RF', 'PEEQ|CEEQ', 'ENER', &
     'CDIS|CSTR']                                          !< what asks for the fields of the .frd file
-  integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 1, 2, 2, 2, 2, 3]   !< cards of nodes, elements, contact
+  integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 2, 2, 2, 1, 2, 2, 3]   !< cards of nodes, elements, contact
 
   !> What is known while the steps are read.
   type :: progress_type
@@ -64,6 +65,7 @@ contains
     call start_standing(model, progress%standing)
     call start_thermal(model, progress%thermal)
     progress%step%controls = default_controls(reader%dialect)
+    if (reader%dialect == DIALECT_CALCULIX) call turn_on_nlgeom(reader, model, progress%step)
     allocate (progress%step%prints(0))
     do c = 1, reader%cards%n_cards
       if (reader%step_of_card(c) == 0) then
@@ -80,6 +82,26 @@ contains
     end do
     call close_step(reader, model, reader%cards%n_cards, progress)
   end subroutine read_steps
+
+
+  !> The calculix dialect: some cards make all steps geometrically nonlinear, as they do in CalculiX 2.20.
+  subroutine turn_on_nlgeom(reader, model, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(step_type), intent(inout) :: step
+    character(*), parameter :: ALWAYS = 'HYPERELASTIC|HYPERFOAM|DEFORMATION PLASTICITY|GAP CONDUCTANCE'
+    logical :: has_curved
+    integer :: c
+    has_curved = any(model%bonds%kind == BOND_PLANE .or. model%bonds%kind == BOND_STRAIGHT .or. &
+      model%bonds%kind == BOND_DISTANCE)
+    do c = 1, reader%cards%n_cards
+      if (.not. (is_one_of(reader%cards%cards(c)%key, ALWAYS) .or. (has_curved .and. is_card(reader, c, 'MPC')))) cycle
+      step%is_nlgeom = .true.
+      call note(reader, reader%cards%cards(c)%line, 'This card turns NLGEOM on for all steps, as in CalculiX; *STEP, ' // &
+        'NLGEOM=NO turns it off.')
+      return
+    end do
+  end subroutine turn_on_nlgeom
 
 
   !> The controls of a dialect before any CONTROLS card.
@@ -708,8 +730,8 @@ contains
         unknown = unknown // word
       end do
     end do
-    if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'The result file always holds the same fields; ' &
-      // unknown // ' is not among them.')
+    if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'job.vtkhdf always holds the same fields, and ' // &
+      'job.frd those asked for; what is in neither: ' // unknown // '.')
   end subroutine read_file_request
 
 

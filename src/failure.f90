@@ -193,7 +193,7 @@ contains
     case ('PENETRATION')
       words = 'smaller increments, so that a node moves less than half an edge of the master in each.'
     case ('LIMIT')
-      words = 'prescribe displacements instead of forces beyond this load.'
+      words = 'prescribe displacements instead of forces beyond this load, or damp the step (*STATIC, STABILIZE).'
     case default
       words = 'smaller increments (the first number after *STATIC; the third is the least allowed).'
     end select

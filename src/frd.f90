@@ -5,7 +5,8 @@
 !! for such programs, with six digits; the doubles are in job.vtkhdf. One frame per written increment, one block per
 !! field. No date stands in it, so that the same job gives the same file.
 !!
-!! As in CalculiX's own file, nodes without elements are left out; elements of one node are, too.
+!! As in CalculiX's own file, nodes without elements are left out, and of a frame those whose elements are all taken out
+!! (MODEL CHANGE); elements of one node are, too.
 !!
 !! Reference: CGX manual, "Result Format": fixed columns, long form; element types 1 to 12 with their order of nodes,
 !! in which the mid-side nodes of the upright edges come before those of the top.
@@ -15,15 +16,16 @@ module amontons_frd
   use amontons_digits, only: rows_as_text
   use amontons_posix, only: cut_file, sync_file
   use amontons_topology, only: element_kind, kind_type, FAMILY_MASS, FAMILY_SOLID
-  use amontons_mesh, only: mesh_type
+  use amontons_mesh, only: mesh_type, is_out
   use amontons_materials, only: HISTORY_PEEQ
-  use amontons_steps, only: is_output_due, step_type, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_FORC, FRD_NDTEMP, FRD_PE, &
-    FRD_STRESS, FRD_TOSTRAIN, N_FRD
+  use amontons_steps, only: is_output_due, step_type, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_FORC, FRD_MESTRAIN, &
+    FRD_NDTEMP, FRD_PE, FRD_STRESS, FRD_TOSTRAIN, N_FRD
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type
   use amontons_state, only: fields_type, history_row, slave_type, STATUS_OPEN
   use amontons_contact_fields, only: nodal_slaves, n_nodal_slaves
   use amontons_expanded, only: turn_trusses
+  use amontons_mechanical, only: mechanical_strain
   use amontons_nodal, only: average_at_nodes
   use amontons_printed, only: contact_axes, printed_forces
   use amontons_version, only: VERSION
@@ -41,7 +43,8 @@ module amontons_frd
     integer :: n_frames = 0
     integer :: n_blocks = 0
     logical :: is_all = .false.                    !< all fields, whatever the cards ask for
-    integer, allocatable :: nodes(:)               !< those that are written
+    integer, allocatable :: nodes(:)               !< those that are written: with elements
+    integer, allocatable :: present(:)             !< those of them that have elements in the present frame
     integer :: status = 0                          !< of the first line that could not be written
   end type frd_type
 
@@ -55,10 +58,11 @@ module amontons_frd
 
   type(head_type), parameter :: HEADS(N_FRD) = [ &
     head_type('DISP', 3, KIND_VECTOR, [character(8) :: 'D1', 'D2', 'D3', 'ALL', '', '']), &
-    head_type('FORC', 3, KIND_VECTOR, [character(8) :: 'F1', 'F2', 'F3', 'ALL', '', '']), &
     head_type('NDTEMP', 1, KIND_SCALAR, [character(8) :: 'T', '', '', '', '', '']), &
     head_type('STRESS', 6, KIND_TENSOR, [character(8) :: 'SXX', 'SYY', 'SZZ', 'SXY', 'SYZ', 'SZX']), &
     head_type('TOSTRAIN', 6, KIND_TENSOR, [character(8) :: 'EXX', 'EYY', 'EZZ', 'EXY', 'EYZ', 'EZX']), &
+    head_type('MESTRAIN', 6, KIND_TENSOR, [character(8) :: 'MEXX', 'MEYY', 'MEZZ', 'MEXY', 'MEYZ', 'MEZX']), &
+    head_type('FORC', 3, KIND_VECTOR, [character(8) :: 'F1', 'F2', 'F3', 'ALL', '', '']), &
     head_type('PE', 1, KIND_SCALAR, [character(8) :: 'PE', '', '', '', '', '']), &
     head_type('ENER', 1, KIND_SCALAR, [character(8) :: 'ENER', '', '', '', '', '']), &
     head_type('CONTACT', 6, KIND_TENSOR, [character(8) :: 'COPEN', 'CSLIP1', 'CSLIP2', 'CPRESS', 'CSHEAR1', 'CSHEAR2'])]
@@ -107,14 +111,26 @@ contains
     type(frd_type), intent(inout) :: frd
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
-    logical, allocatable :: is_used(:)
-    integer :: i
     frd%path = job_path(options, '.frd')
     frd%is_all = options%has_frd
-    allocate (is_used(model%mesh%n_nodes), source=.false.)   ! has_elements does not know the nodes of pre-tension sections
-    is_used(model%mesh%nodes) = .true.
-    frd%nodes = pack([(i, i=1, model%mesh%n_nodes)], is_used)
+    frd%nodes = nodes_of(model%mesh, .false.)
   end subroutine prepare
+
+
+  !> The nodes of elements (has_elements of the mesh does not know those of pre-tension sections).
+  pure function nodes_of(mesh, is_by_frame) result(nodes)
+    type(mesh_type), intent(in) :: mesh
+    logical, intent(in) :: is_by_frame             !< of those alone that are not taken out
+    integer, allocatable :: nodes(:)
+    logical :: is_used(mesh%n_nodes)
+    integer :: e, i
+    is_used = .false.
+    do e = 1, mesh%n_elements
+      if (is_by_frame .and. is_out(mesh, e)) cycle
+      is_used(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
+    end do
+    nodes = pack([(i, i=1, mesh%n_nodes)], is_used)
+  end function nodes_of
 
 
   !> Whether the job has such a file.
@@ -182,7 +198,7 @@ contains
     character(90) :: line
     write (line, '(a,18x,i12,37x,i1)') '    2C', size(frd%nodes), 1
     call put(frd, line)
-    call put_rows(frd, mesh%node_label, mesh%coordinates)
+    call put_rows(frd, frd%nodes, mesh%node_label, mesh%coordinates)
     call put(frd, ' -3')
   end subroutine write_nodes
 
@@ -270,6 +286,7 @@ contains
     end associate
     if (.not. any(shown)) return
     frd%n_frames = frd%n_frames + 1
+    frd%present = nodes_of(model%mesh, .true.)
     do i = 1, N_FRD
       if (shown(i)) call write_block(frd, HEADS(i), model%mesh%node_label, block_values(model, fields, i), &
         fields%total_time, record)
@@ -289,6 +306,7 @@ contains
     if (frd%is_all) then
       is_shown = .true.
       is_shown(FRD_NDTEMP) = any(fields%temperature /= 0) .or. step%frd(FRD_NDTEMP)
+      is_shown(FRD_MESTRAIN) = is_shown(FRD_NDTEMP) .or. step%frd(FRD_MESTRAIN)
       is_shown(FRD_PE) = size(fields%history, 1) > 0 .or. step%frd(FRD_PE)
     end if
     is_shown(FRD_CONTACT) = is_shown(FRD_CONTACT) .and. n_slaves > 0
@@ -313,6 +331,8 @@ contains
         fields%stress), values)
     case (FRD_TOSTRAIN)
       call average_at_nodes(model%mesh, turn_trusses(model, fields, .false., fields%strain), values)
+    case (FRD_MESTRAIN)
+      call average_at_nodes(model%mesh, turn_trusses(model, fields, .false., mechanical_strain(model, fields)), values)
     case (FRD_PE)
       call average_at_nodes(model%mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, model%mesh%n_points]), values)
     case (FRD_ENER)
@@ -359,7 +379,7 @@ contains
     frd%n_blocks = frd%n_blocks + 1
     write (line, '(a,i26,2i12)') '    1PSTEP', frd%n_blocks, record%increment, record%step
     call put(frd, line)
-    write (line, '(a,i5,1p,e12.5,i12,20x,i2,i5,10x,i2)') '  100CL', 100 + frd%n_frames, time, size(frd%nodes), 0, &
+    write (line, '(a,i5,1p,e12.5,i12,20x,i2,i5,10x,i2)') '  100CL', 100 + frd%n_frames, time, size(frd%present), 0, &
       frd%n_frames, 1
     call put(frd, line)
     write (line, '(a,a8,2i5)') ' -4  ', head%name, head%n + merge(1, 0, head%kind == KIND_VECTOR), 1
@@ -369,7 +389,7 @@ contains
       call put(frd, line)
     end do
     if (head%kind == KIND_VECTOR) call put(frd, ' -5  ALL         1    2    0    0    1ALL')
-    call put_rows(frd, labels, values)
+    call put_rows(frd, frd%present, labels, values)
     call put(frd, ' -3')
   end subroutine write_block
 
@@ -387,15 +407,16 @@ contains
 
 
   !> A row per node that is written, many rows at a time.
-  subroutine put_rows(frd, labels, values)
+  subroutine put_rows(frd, nodes, labels, values)
     type(frd_type), intent(inout) :: frd
+    integer, intent(in) :: nodes(:)                !< those that are written
     integer, intent(in) :: labels(:)               !< (n_nodes)
     real(DP), intent(in) :: values(:, :)           !< (width, n_nodes)
     integer, parameter :: AT_A_TIME = 10000
     integer :: i, status
-    do i = 1, size(frd%nodes), AT_A_TIME
-      associate (nodes => frd%nodes(i:min(i + AT_A_TIME - 1, size(frd%nodes))))
-        write (frd%unit, '(a)', iostat=status) rows_as_text(labels(nodes), values(:, nodes))
+    do i = 1, size(nodes), AT_A_TIME
+      associate (some => nodes(i:min(i + AT_A_TIME - 1, size(nodes))))
+        write (frd%unit, '(a)', iostat=status) rows_as_text(labels(some), values(:, some))
       end associate
       if (frd%status == 0) frd%status = status
     end do

@@ -8,6 +8,7 @@
 !! |---|---|
 !! | six strains to six stresses: linear elasticity with axes, kinematic hardening, deformation plasticity | ln(C)/2 |
 !! | the same for linear elasticity under LAW_SAINT_VENANT (calculix dialect) | Green's strain |
+!! | the same for deformation plasticity under LAW_SAINT_VENANT | Almansi's strain, with Cauchy's stress |
 !! | isotropic: linear elasticity, isotropic hardening, creep, rubber, foam | logarithms of the elastic stretches |
 !! | plasticity and creep under LAW_SAINT_VENANT | the isochoric elastic b (Simo), as CalculiX |
 !!
@@ -89,8 +90,9 @@ contains
     if (status /= STRESS_OK) return
     if (material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM) then
       call update_principal(material, moduli, point, status)
-    else if (material%law == LAW_SAINT_VENANT .and. .not. (is_inelastic(material) .or. &
-      material%has_deformation_plasticity)) then
+    else if (material%law == LAW_SAINT_VENANT .and. material%has_deformation_plasticity) then
+      call update_almansi(material, moduli, point, status)
+    else if (material%law == LAW_SAINT_VENANT .and. .not. is_inelastic(material)) then
       call update_green(material, moduli, point, status)
     else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material) .and. moduli%is_isotropic) then
       call update_simo(material, moduli, point, status)
@@ -405,6 +407,50 @@ contains
     point%stress = matmul(push, point%stress)
     point%tangent = matmul(push, matmul(point%tangent, transpose(push)))
   end subroutine update_green
+
+
+  !> Deformation plasticity as CalculiX has it: the law of six strains between Almansi's strain e = (1 - inv(b))/2 and Cauchy's
+  !! stress s. With C = ds/de and the rate of deformation d the Kirchhoff stress changes, beside what it is carried along, by
+  !!
+  !!     J (C : (d - d e - e d) + s tr d - d s - s d),
+  !!
+  !! of which the symmetric part is taken: there is no potential.
+  pure subroutine update_almansi(material, moduli, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    real(DP) :: inverse(3, 3), rest(3, 3), e(3, 3), s(3, 3), d(3, 3), J, tangent(6, 6)
+    integer :: k
+    point%strain = almansi_strain(point%H)
+    call strain_law(material, moduli, point%strain, point, status)
+    call invert(IDENTITY + point%H, inverse, J)
+    e = unpack_voigt(point%strain)
+    s = unpack_voigt(point%stress)
+    do k = 1, 6
+      d = unpack_voigt(merge(1.0_DP, 0.0_DP, [1, 2, 3, 4, 5, 6] == k))
+      if (k > 3) d = 0.5_DP * d
+      rest = d - matmul(d, e) - matmul(e, d)
+      tangent(:, k) = matmul(point%tangent(:, :3), [rest(1, 1), rest(2, 2), rest(3, 3)]) &
+        + 2 * matmul(point%tangent(:, 4:), [rest(1, 2), rest(2, 3), rest(1, 3)])
+      rest = matmul(d, s) + matmul(s, d)
+      tangent(:, k) = tangent(:, k) - pack_voigt(rest)
+      if (k <= 3) tangent(:, k) = tangent(:, k) + point%stress
+    end do
+    point%tangent = 0.5_DP * J * (tangent + transpose(tangent))
+    point%stress = J * point%stress
+    point%energy = J * point%energy
+  end subroutine update_almansi
+
+
+  !> (1 - inv(b))/2 = -(h + h' + h'h)/2 with h = inv(F) - 1 = -inv(F) H, without loss of digits at small strain.
+  pure function almansi_strain(H) result(strain)
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    real(DP) :: strain(6)
+    real(DP) :: inverse(3, 3), det
+    call invert(IDENTITY + H, inverse, det)
+    strain = -green_strain(-matmul(inverse, H))
+  end function almansi_strain
 
 
   !> The law of six strains between ln(C)/2 and its conjugate stress, turned to space.

@@ -10,14 +10,14 @@ module amontons_steps
   public :: SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
   public :: SOLVER_AUTO, SOLVER_ITERATIVE
-  public :: N_FRD, FRD_DISP, FRD_FORC, FRD_NDTEMP, FRD_STRESS, FRD_TOSTRAIN, FRD_PE, FRD_ENER, FRD_CONTACT
+  public :: N_FRD, FRD_DISP, FRD_FORC, FRD_NDTEMP, FRD_STRESS, FRD_TOSTRAIN, FRD_MESTRAIN, FRD_PE, FRD_ENER, FRD_CONTACT
 
   integer, parameter :: SEARCH_NONE = 0, SEARCH_ALL = 1, SEARCH_GLOBAL = 2, SEARCH_NODAL = 3, SEARCH_AUTO = 4
   integer, parameter :: SOLVER_AUTO = 0, SOLVER_ITERATIVE = 1
   integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4
-  ! Fields of the .frd file, in their order there.
-  integer, parameter :: N_FRD = 8, FRD_DISP = 1, FRD_FORC = 2, FRD_NDTEMP = 3, FRD_STRESS = 4, FRD_TOSTRAIN = 5, &
-    FRD_PE = 6, FRD_ENER = 7, FRD_CONTACT = 8
+  ! Fields of the .frd file, in their order there, which is CalculiX's.
+  integer, parameter :: N_FRD = 9, FRD_DISP = 1, FRD_NDTEMP = 2, FRD_STRESS = 3, FRD_TOSTRAIN = 4, FRD_MESTRAIN = 5, &
+    FRD_FORC = 6, FRD_PE = 7, FRD_ENER = 8, FRD_CONTACT = 9
 
   !> Controls in CalculiX's slots (CONTROLS, PARAMETERS=...), with Amontons's defaults.
   type :: controls_type

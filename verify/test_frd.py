@@ -107,7 +107,61 @@ def test_requests_stay_until_replaced(run_deck: Run, tmp_path: Path) -> None:
     steps = [text[text.index("*STEP") :] for text in later]
     assert run_deck(deck + "".join(steps), "--dialect=calculix", "--quiet").returncode == 0
     found = [(block.time, block.title) for block in read_frd(tmp_path / "job.frd")]
-    assert found == [(1.0, "DISP"), (1.0, "STRESS"), (2.0, "DISP"), (2.0, "STRESS"), (3.0, "FORC"), (3.0, "STRESS")]
+    assert found == [(1.0, "DISP"), (1.0, "STRESS"), (2.0, "DISP"), (2.0, "STRESS"), (3.0, "STRESS"), (3.0, "FORC")]
+
+
+def test_elements_out_and_mechanical_strain(run_deck: Run, tmp_path: Path) -> None:
+    """A frame has the nodes of the elements that are in, as CalculiX writes them; MESTRAIN is the strain without 1e-4 times 10 degrees."""
+    nodes = "".join(f"{4 * k + i + 1}, {x}., {y}., {k}.\n" for k in range(3) for i, (x, y) in enumerate(((0, 0), (1, 0), (1, 1), (0, 1))))
+    deck = f"""** dialect: calculix
+*NODE, NSET=N
+{nodes}*ELEMENT, TYPE=C3D8, ELSET=E
+1, 1, 2, 3, 4, 5, 6, 7, 8
+2, 5, 6, 7, 8, 9, 10, 11, 12
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.
+*EXPANSION
+1e-4
+*SOLID SECTION, ELSET=E, MATERIAL=M
+*INITIAL CONDITIONS, TYPE=TEMPERATURE
+N, 0.
+*BOUNDARY
+1, 1, 3
+2, 2, 3
+3, 3
+4, 3
+*STEP
+*STATIC
+*TEMPERATURE
+N, 10.
+*DLOAD
+1, P2, 1.
+*NODE FILE
+U
+*EL FILE
+E, ME
+*END STEP
+*STEP
+*STATIC
+*MODEL CHANGE, TYPE=ELEMENT, REMOVE
+2
+*END STEP
+*STEP
+*STATIC
+*MODEL CHANGE, TYPE=ELEMENT, ADD
+2
+*END STEP
+"""
+    done = run_deck(deck, "--quiet")
+    assert done.returncode == 0, done.stdout + done.stderr
+    blocks = read_frd(tmp_path / "job.frd")
+    assert [(block.time, block.title, len(block.rows)) for block in blocks] == [
+        (float(step), title, 8 if step == 2 else 12) for step in (1, 2, 3) for title in ("DISP", "TOSTRAIN", "MESTRAIN")]  # fmt: skip
+    total, mechanical = blocks[4:6]
+    for node in range(1, 9):
+        assert mechanical.rows[(node,)][:3] == pytest.approx([0.0, 0.0, -1e-3], abs=1e-8), "p/E in element 1 alone"
+        assert total.rows[(node,)][:3] == pytest.approx([1e-3, 1e-3, 0.0], abs=1e-8)
 
 
 def test_contact_and_the_same_file_twice(run: Run, root: Path, tmp_path: Path) -> None:

@@ -322,3 +322,18 @@ def test_stiff_gap_leaves_no_force(tables: Callable[..., list[Block]]) -> None:
     assert forces.rows[(7,)] == pytest.approx([30.0, 0, 0], abs=0.03)
     assert forces.rows[(2,)] == pytest.approx([-4.0, 5.0, 0], abs=0.03)
     assert -30 < stops.rows[(101,)][0] < -15 and abs(stops.rows[(102,)][0]) < 0.01
+
+
+def test_constraints_that_are_not_linear(tables: Callable[..., list[Block]]) -> None:
+    """MPC PLANE and STRAIGHT turn NLGEOM on, as CalculiX 2.20 says when it reads them; MEANROT and the abaqus dialect do not."""
+    body = CUBE[: CUBE.index("*BOUNDARY")] + LINEAR + "*BOUNDARY\n1, 1, 3\n2, 1, 3\n3, 1, 3\n4, 1, 3\n"
+    load = "*STEP{}\n*STATIC\n*CLOAD\n7, 1, 30.\n6, 3, -20.\n*NODE PRINT, NSET=N\nU\n*END STEP\n"
+    for mpc, is_turned_on in (("PLANE, 5, 6, 7, 8", True), ("STRAIGHT, 5, 6, 2", True), ("MEANROT, 5, 5, 5, 7, 7, 7, 99", False)):
+        pilot = "*NODE\n99, 0., 0., 1.\n" if "99" in mpc else ""
+        cards = body + pilot + f"*MPC\n{mpc}\n"
+        plain, large, abaqus = (tables(cards + load.format(words), dialect)[-1].rows for words, dialect in
+                                (("", "calculix"), (", NLGEOM", "calculix"), ("", "abaqus")))
+        away = max(abs(a - b) for node in range(5, 9) for a, b in zip(plain[(node,)], large[(node,)], strict=True))
+        assert (away < 1e-9) == is_turned_on, mpc
+        away = max(abs(a - b) for node in range(5, 9) for a, b in zip(abaqus[(node,)], large[(node,)], strict=True))
+        assert away > 1e-3, mpc

@@ -600,7 +600,7 @@ contains
     call expect_error(suite, MODEL_PART // B // 'nix,1;' // STEP_PART, 'node set ''nix''')
     call expect_error(suite, MODEL_PART // B // '1,WELDED;' // STEP_PART, 'ENCASTRE')
     call expect_error(suite, MODEL_PART // B // '1,3,2;' // STEP_PART, 'not above the last')
-    call expect_error(suite, MODEL_PART // B // '1,11,11,20.;' // STEP_PART, '1 to 3')
+    call expect_error(suite, MODEL_PART // B // '1,11,11,20.;' // STEP_PART, '*TEMPERATURE')
     call expect_error(suite, MODEL_PART // B // '1,4,4,.1;' // STEP_PART, 'no rotations')
     call expect_error(suite, MODEL_PART // B // '1,1,1,inf;' // STEP_PART, 'finite')
     call expect_error(suite, MODEL_PART // '*BOUNDARY,TYPE=VELOCITY;1,1;' // STEP_PART, 'Prescribe')

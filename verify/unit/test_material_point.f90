@@ -37,6 +37,7 @@ program test_material_point
   call check_simo(kinematic_metal(.false.), 'Simo, kinematic')
   call check_simo(kinematic_metal(.true.), 'Simo, combined')
   call check_simo_tension()
+  call check_almansi()
   call check_axes()
   call check_tension()
   call check_cycle()
@@ -240,12 +241,13 @@ contains
 
 
   !> The tangent against central differences of the stress, small or finite; at finite strain L_v tau = c : d.
-  subroutine check_tangent(name, material, start, is_nlgeom, tolerance)
+  subroutine check_tangent(name, material, start, is_nlgeom, tolerance, has_potential)
     character(*), intent(in) :: name
     type(material_type), intent(in) :: material
     type(point_type), intent(in) :: start
     logical, intent(in) :: is_nlgeom
     real(DP), intent(in) :: tolerance              !< over the largest entry [-]
+    logical, intent(in), optional :: has_potential   !< .false.: the tangent is the symmetric part
     type(point_type) :: point, plus, minus
     real(DP) :: d(3, 3), c(6, 6), F(3, 3)
     real(DP), parameter :: STEP = 1.0e-6_DP
@@ -270,6 +272,7 @@ contains
       if (is_nlgeom) c(:, k) = c(:, k) - pack_voigt(matmul(d, unpack_voigt(point%stress)) &
         + matmul(unpack_voigt(point%stress), d)) / STEP
     end do
+    if (present(has_potential)) c = 0.5_DP * (c + transpose(c))
     call suite%near(name // ': tangent', maxval(abs(c - point%tangent)) / maxval(abs(c)), 0.0_DP, tolerance)
     call suite%near(name // ': symmetric', maxval(abs(point%tangent - transpose(point%tangent))) / maxval(abs(c)), &
       0.0_DP, 1e-12_DP)
@@ -505,6 +508,33 @@ contains
     if (allocated(material%kinematic)) material%kinematic(1)%stress = 3 * material%kinematic(1)%stress
     call check_tangent(name // ', within the yield surface', material, point, .true., 1e-7_DP)
   end subroutine check_simo
+
+
+  !> Deformation plasticity under the calculix dialect: objectivity, tangent, and the stress of CalculiX 2.20, one C3D8 that is
+  !! sheared symmetrically by 0.001: 1.134923e2 in the plane, normal stresses -0.5817470 and -0.4115086.
+  subroutine check_almansi()
+    type(material_type) :: material
+    type(point_type) :: point
+    integer :: i, status
+    material = ramberg_osgood()
+    material%law = LAW_SAINT_VENANT
+    do i = 1, 4
+      point = virgin()
+      point%H = any_gradient(0.1_DP)
+      call check_tangent('Almansi', material, point, .true., 1e-6_DP, has_potential=.false.)
+      call check_objectivity('Almansi', material, point)
+    end do
+    material%deformation = table_type([0.0_DP], reshape([210000.0_DP, 0.3_DP, 200.0_DP, 6.0_DP, 0.4_DP], [5, 1]))
+    point = virgin()
+    point%H(1, 2) = 1e-3_DP
+    point%H(2, 1) = 1e-3_DP
+    call update_point(material, .true., point, status)
+    point%stress = point%stress / (1 - 1e-6_DP)    ! Cauchy's
+    call suite%near('Almansi, shear', point%stress(4), 113.4923_DP, 1e-4_DP)
+    call suite%near('Almansi, along', point%stress(1), -0.5817470_DP, 1e-6_DP)
+    call suite%near('Almansi, across', point%stress(3), -0.4115086_DP, 1e-6_DP)
+    call suite%near('Almansi, strain', point%strain(1), -1.500003e-6_DP, 1e-11_DP)
+  end subroutine check_almansi
 
 
   !> Tension and compression by 2 % in 20 increments against CalculiX 2.20, one C3D8 with the same data: stress, PEEQ and
