@@ -349,6 +349,122 @@ U
     assert float(total.group(3)) == pytest.approx(PRESSURE * SIZE[0] * SIZE[1], rel=1e-5)
 
 
+AREA, FORCE, SLOPE = SIZE[0] * SIZE[1], 60.0, 50.0 * YOUNG
+
+
+def stack() -> tuple[str, list[list[tuple[int, list[int]]]], dict[str, list[int]], int]:
+    """Three boxes of C3D8, one on the other, that share no nodes: node lines, elements of each, node sets, number of nodes."""
+    points, cells = box_mesh("hexahedron")
+    n = len(points)
+    nodes = "".join(f"{i + 1 + b * n}, {x:.8E}, {y:.8E}, {z + b * SIZE[2]:.8E}\n" for b in range(3) for i, (x, y, z) in enumerate(points))
+    bodies = [[(e + 1 + b * len(cells), [int(m) + 1 + b * n for m in cell]) for e, cell in enumerate(cells)] for b in range(3)]
+    low = [i + 1 for i in np.flatnonzero(np.abs(points[:, 2]) < 1e-9)]
+    high = [i + 1 + 2 * n for i in np.flatnonzero(np.abs(points[:, 2] - SIZE[2]) < 1e-9)]
+    return nodes, bodies, {"LOW": low, "HIGH": high}, 3 * n
+
+
+def ends(bodies: list[list[tuple[int, list[int]]]], b: int, side: str) -> list[int]:
+    """The elements of a box with a face below (S1) or above (S2)."""
+    half = len(bodies[b]) // 2
+    elements = [e for e, _ in bodies[b]]
+    return elements[:half] if side == "S1" else elements[half:]
+
+
+def check_stack(run: Runner, folder: Path, deck: str, *options: str) -> list[tuple[str, list[float]]]:
+    """Runs a deck of the stack, nu = 0, and compares the descent of the reference point: F (3 L/(E A) + 1/(K A)).
+
+    Gives the rows of the .dat file, each with the heading of its block.
+    """
+    (folder / "job.inp").write_text(deck)
+    done = run([*options, "job"], cwd=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows, title = [], ""
+    for line in (folder / "job.dat").read_text().splitlines():
+        if re.search("[a-z]{3}", line):
+            title = line.strip()
+        elif re.fullmatch(r"[-+.\dE ]*\d[-+.\dE ]*", line):
+            rows.append((title, [float(word) for word in line.split()]))
+    descent = [row for head, row in rows if head.startswith("displacements")][-1]
+    assert descent[3] == pytest.approx(-FORCE / AREA * (3 * SIZE[2] / YOUNG + 1 / SLOPE), rel=1e-4)
+    return rows
+
+
+def test_prepomax_assembly(run: Runner, tmp_path: Path) -> None:
+    """A tie, a contact pair with Adjust, a rigid body with its two nodes, an amplitude of many pairs, all in PrePoMax's words."""
+    nodes, bodies, sets, n = stack()
+    frame = "**\n** {} ++++++++++++++++++++++++++++++++++++++++++++++\n**\n"
+    deck = frame.format("Heading") + "*Heading\nModel: Model-1,     Date: 1. 02. 2026,     Unit system: MM_TON_S_C\n"
+    deck += frame.format("Nodes") + f"*Node\n{nodes}{n + 1}, 0.5, 1, 9\n{n + 2}, 0.5, 1, 9\n" + frame.format("Elements")
+    for b, body in enumerate(bodies):
+        deck += f"*Element, Type=C3D8, Elset=Solid_part-{b + 1}\n" + "".join(f"{e}, {', '.join(map(str, cell))}\n" for e, cell in body)
+    deck += frame.format("Node sets") + f"*Nset, Nset=RP-1_ref_{n + 1}\n{n + 1}\n*Nset, Nset=RP-1_rot_{n + 2}\n{n + 2}\n"
+    deck += f"*Nset, Nset=Internal_Selection-1_Fixed-1\n{numbers(sets['LOW'])}*Nset, Nset=Internal_Selection-1_Rigid_Body-1\n{numbers(sets['HIGH'])}"
+    deck += frame.format("Element sets")
+    surfaces = ""
+    for name, b, side in (("Tie-1_Slave", 1, "S1"), ("Tie-1_Master", 0, "S2"), ("Contact_Pair-1_Slave", 2, "S1"), ("Contact_Pair-1_Master", 1, "S2")):
+        deck += f"*Elset, Elset=Internal-1_{name}_{side}\n{numbers(ends(bodies, b, side))}"
+        surfaces += f"*Surface, Name=Internal_Selection-1_{name}, Type=Element\nInternal-1_{name}_{side}, {side}\n"
+    deck += frame.format("Surfaces") + surfaces + frame.format("Physical constants") + frame.format("Coordinate systems")
+    deck += frame.format("Materials") + f"*Material, Name=Steel\n*Elastic\n{YOUNG:g}, 0\n" + frame.format("Sections")
+    deck += "".join(f"*Solid section, Elset=Solid_part-{b}, Material=Steel\n" for b in (1, 2, 3)) + frame.format("Pre-tension sections")
+    deck += frame.format("Constraints") + "*Tie, Name=Tie-1, Position tolerance=0.01\nInternal_Selection-1_Tie-1_Slave, Internal_Selection-1_Tie-1_Master\n"
+    deck += f"*Rigid body, Nset=Internal_Selection-1_Rigid_Body-1, Ref node={n + 1}, Rot node={n + 2}\n"
+    deck += frame.format("Surface interactions") + "*Surface interaction, Name=Surface_interaction-1\n"
+    deck += f"*Surface behavior, Pressure-overclosure=Linear\n{SLOPE:g}, 1E-08\n*Friction\n0.1, {SLOPE / 10:g}\n"
+    deck += frame.format("Contact pairs") + "*Contact pair, Interaction=Surface_interaction-1, Type=Node to surface, Adjust=0.001\n"
+    deck += "Internal_Selection-1_Contact_Pair-1_Slave, Internal_Selection-1_Contact_Pair-1_Master\n" + frame.format("Amplitudes")
+    deck += "*Amplitude, Name=Amplitude-1\n0, 0, 0.2, 0.2, 0.4, 0.4, 0.6, 0.6, \n0.8, 0.8, 1, 1\n" + frame.format("Initial conditions")
+    deck += frame.format("Steps") + frame.format("Step-1") + "*Step, Inc=100\n*Static, Solver=PaStiX\n0.5, 1, 1E-05, 1E+30\n" + frame.format("Controls")
+    deck += frame.format("Output frequency") + "*Output, Frequency=2\n" + frame.format("Boundary conditions") + "*Boundary, op=New\n"
+    deck += "** Name: Fixed-1\n*Boundary\nInternal_Selection-1_Fixed-1, 1, 6, 0\n** Name: Displacement_rotation-1\n*Boundary\n"
+    deck += f"RP-1_ref_{n + 1}, 1, 2, 0\n*Boundary\nRP-1_rot_{n + 2}, 1, 3, 0\n" + frame.format("Loads") + "*Cload, op=New\n*Dload, op=New\n"
+    deck += f"** Name: Concentrated_Force-1\n*Cload, Amplitude=Amplitude-1\n{n + 1}, 3, {-FORCE:g}\n" + frame.format("Defined fields")
+    deck += frame.format("History outputs") + f"*Node print, Nset=RP-1_ref_{n + 1}\nU\n"
+    deck += "*Contact print, Totals=Only, Master=Internal_Selection-1_Contact_Pair-1_Master, Slave=Internal_Selection-1_Contact_Pair-1_Slave\nCNUM\n"
+    deck += frame.format("Field outputs") + "*Node file\nRF, U\n*El file\nS, E, NOE\n*Contact file\nCDIS, CSTR, PCON\n" + frame.format("End step") + "*End step\n"
+    check_stack(run, tmp_path, deck, "--dialect=calculix")
+    text = (tmp_path / "job.frd").read_text()
+    assert all(f" -4  {block}" in text for block in ("DISP", "FORC", "STRESS", "TOSTRAIN", "CONTACT"))
+
+
+def test_freecad_assembly(run: Runner, tmp_path: Path) -> None:
+    """A tie, contact with friction, a rigid body and a section in FreeCAD's words, the mesh in a file of its own."""
+    nodes, bodies, sets, n = stack()
+    star = "\n***********************************************************\n"
+    mesh = "** written by FreeCAD inp file writer for CalculiX,Abaqus meshes\n** highest dimension mesh elements only.\n\n** Nodes\n*Node, NSET=Nall\n"
+    mesh += nodes + "\n\n** Volume elements\n*Element, TYPE=C3D8, ELSET=Evolumes\n"
+    mesh += "".join(f"{e}, {', '.join(map(str, cell))}\n" for body in bodies for e, cell in body)
+    (tmp_path / "Mesh_Node_Elem_sets.inp").write_text(mesh + "\n** Define element set Eall\n*ELSET, ELSET=Eall\nEvolumes\n\n")
+    deck = star + "** Nodes and Elements\n** written by femmesh.writeABAQUS\n*INCLUDE,INPUT=Mesh_Node_Elem_sets.inp \n"
+    deck += star + "** Element sets for materials and FEM element type (solid, shell, beam, fluid)\n*ELSET,ELSET=M001MaterialSolid\nEvolumes\n"
+    deck += star + "** constraints_fixed_node_sets\n** ConstraintFixed\n*NSET,NSET=ConstraintFixed\n" + "".join(f"{i},\n" for i in sets["LOW"])
+    deck += star + "** constraints_rigidbody_node_sets\n*NSET,NSET=ConstraintRigidBody\n" + "".join(f"{i},\n" for i in sets["HIGH"]) + star
+    for name, b, side in (("DEPConstraintContact", 2, "S1"), ("INDConstraintContact", 1, "S2"), ("TIE_DEPConstraintTie", 1, "S1"), ("TIE_INDConstraintTie", 0, "S2"),
+                          ("SECTIONFACEConstraintSectionPrint", 0, "S1")):  # fmt: skip
+        deck += f"*SURFACE, NAME={name}\n" + "".join(f"{e},{side}\n" for e in ends(bodies, b, side))
+    deck += "\n** Physical constants for SI(mm) unit system with Kelvins\n*PHYSICAL CONSTANTS, ABSOLUTE ZERO=0, STEFAN BOLTZMANN=5.670374419e-11\n"
+    deck += star + f"** Materials\n** see information about units at file end\n*MATERIAL, NAME=MaterialSolid\n*ELASTIC\n{YOUNG:.13G},{0:.13G}\n"
+    deck += "*EXPANSION, ZERO=293.15\n1.2E-05\n" + star + "** Sections\n*SOLID SECTION, ELSET=M001MaterialSolid, MATERIAL=MaterialSolid\n"
+    deck += star + "** Contact Constraints\n** ConstraintContact\n*CONTACT PAIR, INTERACTION=INTConstraintContact, TYPE=SURFACE TO SURFACE, ADJUST=0.01\n"
+    deck += f"DEPConstraintContact, INDConstraintContact\n*SURFACE INTERACTION, NAME=INTConstraintContact\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{SLOPE:.13G}\n"
+    deck += f"*FRICTION\n0.2, {SLOPE / 10:.13G}\n" + star + "** Tie Constraints\n*TIE, POSITION TOLERANCE=0.01, ADJUST=NO, NAME=TIEConstraintTie\n"
+    deck += "TIE_DEPConstraintTie, TIE_INDConstraintTie\n" + star + f"** Rigid Body Constraints\n*NODE\n{n + 1},0.5,1.0,9.0\n{n + 2},0.5,1.0,9.0\n"
+    deck += f"*NSET,NSET=ConstraintRigidBody_RefNode\n{n + 1},\n*NSET,NSET=ConstraintRigidBody_RotNode\n{n + 2},\n"
+    deck += f"*RIGID BODY, NSET=ConstraintRigidBody, REF NODE={n + 1}, ROT NODE={n + 2}\n"
+    deck += star + "** At least one step is needed to run an CalculiX analysis of FreeCAD\n*STEP, INC=2000\n"
+    deck += "*CONTROLS, PARAMETERS=TIME INCREMENTATION\n4,8,9,200,10,400,,200,,\n0.25,0.5,0.75,0.85,,,1.5,\n*CONTROLS, PARAMETERS=FIELD\n0.0005,0.01,,,0.02,1e-05,0.001,1e-08\n"
+    deck += "*STATIC, SOLVER=SPOOLES\n0.5,1.0,1e-05,0.5\n" + star + "** Fixed Constraints\n*BOUNDARY\nConstraintFixed,1\nConstraintFixed,2\nConstraintFixed,3\n\n"
+    deck += star + f"** Rigid Body Constraints\n*BOUNDARY\n{n + 1},1,1,0\n*BOUNDARY\n{n + 1},2,2,0\n*CLOAD\n{n + 1},3,{-FORCE:.13G}\n"
+    deck += "".join(f"*BOUNDARY\n{n + 2},{k},{k},0\n" for k in (1, 2, 3)) + star + "** SectionPrint Constraints\n"
+    deck += "*SECTION PRINT, SURFACE=SECTIONFACEConstraintSectionPrint, NAME=SECTIONPRINTConstraintSectionPrint\nSOF, SOM, SOAREA\n" + star
+    deck += "** Outputs --> frd file\n*NODE FILE\nU\n*EL FILE\nS, E\n** outputs --> dat file\n*NODE PRINT, NSET=ConstraintRigidBody_RefNode\nU\n"
+    deck += "*NODE PRINT, NSET=ConstraintFixed, TOTALS=ONLY\nRF\n*CONTACT PRINT, MASTER=INDConstraintContact, SLAVE=DEPConstraintContact\nCF, CFN, CFS\n\n"
+    deck += f"*OUTPUT, FREQUENCY=1{star}*END STEP\n{star}** CalculiX Input file\n** written by write_footer function\n**   Units\n"
+    rows = check_stack(run, tmp_path, deck, "--dialect=calculix")
+    total = [row for head, row in rows if head.startswith("total force")]
+    assert total[-1] == pytest.approx([0.0, 0.0, FORCE], abs=1e-4 * FORCE)
+
+
 def test_prepomax_compression_only(run: Runner, tmp_path: Path) -> None:
     """PrePoMax's "compression only" support: a gap GAPUNI from a ground node to each node of the face, and a plastic law that makes
     CalculiX iterate. A bar of 12 x 1 x 2 elements is pushed down near its left end: some nodes carry, the others lift off.
