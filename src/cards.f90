@@ -6,6 +6,7 @@ module amontons_cards
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: complaints_type, error_type, set_error, EXIT_IO
   use amontons_lookup, only: sort_integers
+  use amontons_plain, only: read_plain, read_beside
   use amontons_text, only: squeezed, text_of, is_blank, BLANK_CHARACTERS, NEWLINE, parse_integer, parse_real
   implicit none
   private
@@ -15,7 +16,6 @@ module amontons_cards
 
   integer, parameter :: MAX_DEPTH = 32          !< includes within includes
   integer, parameter :: MAX_LISTED = 200        !< errors listed one by one
-  integer(I64), parameter :: BLOCK = 16777216_I64   !< bytes read at once
 
   !> A file of the deck.
   type :: file_type
@@ -94,10 +94,10 @@ contains
     logical :: is_read
     call start_text(cards)
     taken = path
-    call read_file(taken, text, is_read)
+    call read_plain(taken, text, is_read)
     if (.not. is_read) then
       taken = path // '.inp'
-      call read_file(taken, text, is_read)
+      call read_plain(taken, text, is_read)
     end if
     if (.not. is_read) then
       call set_error(error, EXIT_IO, 'The deck ''' // path // ''' cannot be read, nor ''' // path // '.inp''.')
@@ -127,33 +127,6 @@ contains
     allocate (cards%line_start(1024), cards%line_length(1024), cards%line_file(1024), cards%line_number(1024))
     allocate (cards%files(0))
   end subroutine start_text
-
-
-  !> Reads a whole file by blocks.
-  subroutine read_file(path, text, is_read)
-    character(*), intent(in) :: path
-    character(:), allocatable, intent(out) :: text
-    logical, intent(out) :: is_read
-    integer :: unit, iostat
-    integer(I64) :: n, first, last
-    is_read = .false.
-    inquire (file=path, exist=is_read)
-    if (.not. is_read) return
-    is_read = .false.
-    open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=iostat)
-    if (iostat /= 0) return
-    inquire (unit=unit, size=n, iostat=iostat)
-    if (iostat == 0 .and. n >= 0 .and. n < huge(n)) then
-      allocate (character(n) :: text)
-      do first = 1, n, BLOCK
-        last = min(n, first + BLOCK - 1)
-        read (unit, iostat=iostat) text(first:last)
-        if (iostat /= 0) exit
-      end do
-      is_read = iostat == 0
-    end if
-    close (unit, iostat=iostat)
-  end subroutine read_file
 
 
   !> Appends a file's lines to the deck; an INCLUDE line becomes a comment that the included lines follow.
@@ -337,26 +310,6 @@ contains
       if (parameters(i)%key == 'INPUT') path = parameters(i)%text
     end do
   end subroutine include_path
-
-
-  !> Reads a file named in another one: beside that one first, then as it stands.
-  subroutine read_beside(including, path, text, is_read)
-    character(*), intent(in) :: including        !< path of the including file
-    character(:), allocatable, intent(inout) :: path   !< as written; as opened on return
-    character(:), allocatable, intent(out) :: text
-    logical, intent(out) :: is_read
-    character(:), allocatable :: beside
-    is_read = .false.
-    if (path(1:1) /= '/') then
-      beside = including(:index(including, '/', back=.true.)) // path
-      call read_file(beside, text, is_read)
-    end if
-    if (is_read) then
-      path = beside
-    else
-      call read_file(path, text, is_read)
-    end if
-  end subroutine read_beside
 
 
   !> Whether including a file from another would run in a circle.

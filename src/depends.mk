@@ -37,7 +37,8 @@ uses_steps = kinds surfaces loads
 uses_model = kinds user archive mesh materials springs surfaces loads ties steps
 
 # 3 reading: text to cards, cards to model
-uses_cards = kinds errors text lookup
+uses_plain = kinds text
+uses_cards = kinds errors text lookup plain
 uses_card_form = kinds text lookup cards
 uses_card_materials = card_form
 uses_card_table = card_form card_materials

@@ -8,7 +8,7 @@ module amontons_journal
   use, intrinsic :: iso_fortran_env, only: output_unit
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: complaints_type, complaint_type
-  use amontons_text, only: plural, text_of, NEWLINE
+  use amontons_text, only: plural, text_of, BLANK_CHARACTERS, NEWLINE
   use amontons_history, only: iteration_record_type, increment_record_type, N_PHASES, PHASE_NAMES, PHASE_OTHER
   use amontons_posix, only: peak_megabytes
   implicit none
@@ -19,6 +19,7 @@ module amontons_journal
   integer, parameter :: PROGRESS_PLAIN = 1      !< a line per increment
   integer, parameter :: PROGRESS_NONE = 2       !< no line per increment
 
+  integer, parameter :: LONGEST_ECHO = 1000         !< characters of a line of the deck that are shown
   integer, parameter :: COMPLAINTS_SHOWN = 500  !< more than these are only counted
   integer, parameter :: LIVE_WIDTH = 79         !< a live line must not wrap
   character(*), parameter :: ESCAPE = achar(27), RETURN_KEY = achar(13)
@@ -175,7 +176,11 @@ contains
     if (len(place) > 0) place = place // ': '
     call put(journal, place // mark // ': ' // harmless(complaint%text))
     if (.not. allocated(complaint%card)) return
-    if (len_trim(complaint%card) > 0) call put(journal, '    ' // trim(harmless(complaint%card)))
+    if (len_trim(complaint%card) > LONGEST_ECHO) then
+      call put(journal, '    ' // harmless(complaint%card(:LONGEST_ECHO)) // ' ...')
+    else if (len_trim(complaint%card) > 0) then
+      call put(journal, '    ' // trim(harmless(complaint%card)))
+    end if
   end subroutine put_complaint
 
 
@@ -373,12 +378,18 @@ contains
   end function painted
 
 
-  !> The text with every `*ERROR` in it made `* ERROR`: no echo of a deck may look like a failure.
+  !> The text with every `*ERROR` in it made `* ERROR`, and a question mark for what would steer a terminal: no echo of a
+  !! deck may look like a failure, or do anything.
   pure function harmless(text) result(safe)
     character(*), intent(in) :: text
     character(:), allocatable :: safe
     integer :: place
     safe = text
+    do place = 1, len(safe)
+      if (index(BLANK_CHARACTERS, safe(place:place)) > 0) safe(place:place) = ' '
+      if (safe(place:place) == NEWLINE) cycle
+      if (iachar(safe(place:place)) < 32 .or. iachar(safe(place:place)) == 127) safe(place:place) = '?'
+    end do
     place = index(safe, '*ERROR')
     do while (place > 0)
       safe = safe(:place) // ' ' // safe(place + 1:)
