@@ -20,6 +20,7 @@
 #endif
 
 enum { PAGE = 4096 };
+enum { ANOTHER_WRITES = -1, WAS_CHANGED = -2 }; /* beside errno: another job has the file; its length is not what we left */
 
 typedef struct {
   int64_t index; /* page number + 1; 0: an empty place of the table */
@@ -30,9 +31,10 @@ typedef struct {
   int descriptor;
   haddr_t frozen;  /* end of the last whole state */
   haddr_t end;     /* end of what HDF5 has written */
+  off_t length;    /* of the file on disk, as we have left it */
   page *table;     /* open addressing, n_places a power of two */
   size_t n_places, n_pages;
-  int trouble;     /* errno of the first write that failed; HDF5 is not told, its owner asks: a library that cannot write
+  int trouble;     /* errno, ANOTHER_WRITES or WAS_CHANGED of the first write that failed; HDF5 is not told, its owner asks: a library that cannot write
                     * what it wants to close keeps it, and stumbles over it when the process ends */
   int is_held;     /* HDF5 has the file open */
   int is_dropped;  /* what HDF5 still writes is of no interest to anyone */
@@ -98,6 +100,27 @@ static int write_disk(int descriptor, const void *buffer, size_t size, off_t at)
   return 1;
 }
 
+/* One job at a time writes a file: the lock is the kernel's, which takes it back however the job ends. It is none of those by which
+ * HDF5 keeps readers away. Systems that do not know it do without. 0: done. */
+static int take_lock(int descriptor)
+{
+#ifdef F_OFD_SETLK
+  struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+  if (fcntl(descriptor, F_OFD_SETLK, &lock) < 0 && (errno == EAGAIN || errno == EACCES)) return ANOTHER_WRITES;
+#else
+  (void)descriptor;
+#endif
+  return 0;
+}
+
+/* 0 if the file is still in its folder and as long as we have left it, else the trouble. */
+static int look_for_changes(const overlay *self)
+{
+  struct stat status;
+  if (fstat(self->descriptor, &status) < 0) return errno;
+  return status.st_size == self->length && status.st_nlink > 0 ? 0 : WAS_CHANGED;
+}
+
 /* The page in memory, fetched from disk if it is not there yet. */
 static unsigned char *fetch(overlay *self, int64_t index)
 {
@@ -141,15 +164,18 @@ static H5FD_t *driver_open(const char *name, unsigned flags, hid_t list, haddr_t
   (void)maxaddr;
   if (!info || !*info) return NULL;
   overlay *over = *info;
-  int mode = O_CLOEXEC | (flags & H5F_ACC_RDWR ? O_RDWR : O_RDONLY) | (flags & H5F_ACC_TRUNC ? O_TRUNC : 0) |
-             (flags & H5F_ACC_CREAT ? O_CREAT : 0) | (flags & H5F_ACC_EXCL ? O_EXCL : 0);
+  int mode = O_CLOEXEC | (flags & H5F_ACC_RDWR ? O_RDWR : O_RDONLY) | (flags & H5F_ACC_CREAT ? O_CREAT : 0) |
+             (flags & H5F_ACC_EXCL ? O_EXCL : 0);
   int descriptor = open(name, mode, 0666);
   struct stat status;
   if (descriptor < 0) return NULL;
+  over->trouble = take_lock(descriptor);
+  if (over->trouble || (flags & H5F_ACC_TRUNC && ftruncate(descriptor, 0) < 0)) { close(descriptor); return NULL; }
   driver_file *file = calloc(1, sizeof *file);
   if (!file || over->descriptor >= 0 || fstat(descriptor, &status) < 0) { free(file); close(descriptor); return NULL; }
   over->descriptor = descriptor;
   over->end = over->frozen = (haddr_t)status.st_size;
+  over->length = status.st_size;
   over->is_held = 1;
   file->over = over;
   return &file->public;
@@ -232,7 +258,14 @@ static herr_t driver_write(H5FD_t *base, H5FD_mem_t type, hid_t list, haddr_t at
     memcpy(bytes + within, from, n);
     from += n; size -= n; at += n;
   }
-  if (size > 0 && !write_disk(self->descriptor, from, size, (off_t)at)) { self->trouble = errno; return 0; }
+  if (size > 0) {
+    struct stat status;
+    self->trouble = look_for_changes(self);
+    if (self->trouble) return 0;
+    if (!write_disk(self->descriptor, from, size, (off_t)at)) self->trouble = errno;
+    if (fstat(self->descriptor, &status) == 0) self->length = status.st_size;
+    if (self->trouble) return 0;
+  }
   if (end > self->end) self->end = end;
   return 0;
 }
@@ -287,7 +320,7 @@ int amontons_overlay_page_size(void)
   return PAGE;
 }
 
-/* errno of the first write that failed; 0: none. */
+/* errno of the first write that failed, ANOTHER_WRITES or WAS_CHANGED; 0: none. */
 int amontons_overlay_trouble(const void *handle)
 {
   return ((const overlay *)handle)->trouble;
@@ -301,7 +334,7 @@ void amontons_overlay_ends(const void *handle, int64_t *frozen, int64_t *end)
   *end = (int64_t)self->end;
 }
 
-/* Copies the pages as they will be, or as they are on disk. 0: done, else errno. */
+/* Copies the pages as they will be, or as they are on disk. 0: done, else errno, ANOTHER_WRITES or WAS_CHANGED. */
 int amontons_overlay_take(const void *handle, int is_old, int64_t *index, unsigned char *bytes)
 {
   const overlay *self = handle;
@@ -316,27 +349,33 @@ int amontons_overlay_take(const void *handle, int is_old, int64_t *index, unsign
   return 0;
 }
 
-/* Brings what was written behind the end to the medium; the file gets its new length. 0: done, else errno. */
-int amontons_overlay_sync(const void *handle)
+/* Brings what was written behind the end to the medium; the file gets its new length. 0: done, else errno, ANOTHER_WRITES or WAS_CHANGED. */
+int amontons_overlay_sync(void *handle)
 {
-  const overlay *self = handle;
-  struct stat status;
-  if (fstat(self->descriptor, &status) < 0) return errno;
-  if ((haddr_t)status.st_size < self->end && ftruncate(self->descriptor, (off_t)self->end) < 0) return errno;
+  overlay *self = handle;
+  int status = look_for_changes(self);
+  if (status) return status;
+  if (self->length < (off_t)self->end) {
+    if (ftruncate(self->descriptor, (off_t)self->end) < 0) return errno;
+    self->length = (off_t)self->end;
+  }
   return fdatasync(self->descriptor) < 0 ? errno : 0;
 }
 
-/* Writes the pages: the file on disk is the next whole state. 0: done, else errno. */
+/* Writes the pages: the file on disk is the next whole state. 0: done, else errno, ANOTHER_WRITES or WAS_CHANGED. */
 int amontons_overlay_apply(void *handle)
 {
   overlay *self = handle;
   if (self->trouble) return self->trouble;
   if (self->descriptor < 0) return 0;
+  int status = look_for_changes(self);
+  if (status) return status;
   for (size_t i = 0; i < self->n_places; i++)
     if (self->table[i].index && !write_disk(self->descriptor, self->table[i].bytes, PAGE,
                                             (off_t)(self->table[i].index - 1) * PAGE)) return errno;
   if (ftruncate(self->descriptor, (off_t)self->end) < 0) return errno;
   self->frozen = self->end;
+  self->length = (off_t)self->end;
   forget_pages(self);
   return 0;
 }
@@ -351,12 +390,13 @@ void amontons_overlay_free(void *handle)
   release(self);
 }
 
-/* Makes a file what it was: writes pages into it and cuts it off. 0: done, else errno. */
+/* Makes a file what it was: writes pages into it and cuts it off. 0: done, else errno, ANOTHER_WRITES or WAS_CHANGED. */
 int amontons_overlay_mend(const char *path, int64_t n_pages, const int64_t *index, const unsigned char *bytes,
                           int64_t end)
 {
   int descriptor = open(path, O_RDWR | O_CLOEXEC), status = 0;
   if (descriptor < 0) return errno;
+  status = take_lock(descriptor);
   for (int64_t k = 0; k < n_pages && !status; k++)
     if (!write_disk(descriptor, bytes + k * PAGE, PAGE, (off_t)index[k] * PAGE)) status = errno;
   if (!status && (ftruncate(descriptor, (off_t)end) < 0 || fsync(descriptor) < 0)) status = errno;

@@ -36,6 +36,8 @@ module amontons_store
   integer, parameter :: STORE_U8 = 4              !< bytes without sign
   integer, parameter :: STORE_TEXT = 5            !< texts of one length, UTF-8, filled up with NUL
 
+  integer, parameter :: ANOTHER_WRITES = -1, WAS_CHANGED = -2   !< beside errno: see overlay_shim.c
+
   ! For what the filters of HDF5 pack; level 6 takes 1.4 times as long for 1 % less. Reals of fields: pack_shim.c.
   integer, parameter :: GZIP_LEVEL = 1
   integer, parameter :: COLUMN_CHUNK = 256        !< rows, of tables that grow by one row at a time
@@ -242,6 +244,9 @@ contains
     end if
     store%is_open = all(s >= 0)
     call judge(store, s, doing, error)
+    if (s(7) < 0 .and. c_associated(store%overlay)) then
+      if (overlay_trouble(store%overlay) /= 0) call judge_errno(path, overlay_trouble(store%overlay), doing, error)
+    end if
     call h5pclose_f(access, unused)
     if (.not. store%is_open) call free_overlay(store)
   end subroutine start_file
@@ -863,11 +868,19 @@ contains
   !> Makes an error of an error number of the operating system.
   subroutine judge_errno(path, status, doing, error)
     character(*), intent(in) :: path
-    integer, intent(in) :: status                 !< errno; 0: all is well
+    integer, intent(in) :: status                 !< errno, ANOTHER_WRITES, WAS_CHANGED; 0: all is well
     character(*), intent(in) :: doing             !< to follow 'cannot'
     type(error_type), allocatable, intent(out) :: error
-    if (status /= 0) call set_error(error, EXIT_IO, 'Result file ' // path // ': cannot ' // doing // ': ' // &
-      reason_of(status) // '.')
+    select case (status)
+    case (0)
+      return
+    case (ANOTHER_WRITES)
+      call set_error(error, EXIT_IO, 'Result file ' // path // ': another job is writing it.')
+    case (WAS_CHANGED)
+      call set_error(error, EXIT_IO, 'Result file ' // path // ': it was changed by another program while the job ran.')
+    case default
+      call set_error(error, EXIT_IO, 'Result file ' // path // ': cannot ' // doing // ': ' // reason_of(status) // '.')
+    end select
   end subroutine judge_errno
 
 end module amontons_store
