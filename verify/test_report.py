@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -161,3 +162,23 @@ def test_in_a_browser(cubes: Path, run_deck: Run, tmp_path: Path, case: str) -> 
     assert re.search(r'data-drawn="[1-9]', document), "the view was not drawn: " + told[-1500:]
     assert 'data-requests="0"' in document
     assert '<p id="nogl" class="none" hidden' in document
+
+
+def test_no_room_for_the_page(cubes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A page that cannot be written is told in a sentence, and the one that was there stays."""
+    import resource
+
+    page = tmp_path / "page.html"
+    page.write_text("the old one")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limits[1]))
+    try:
+        code = main([str(cubes), "--output", str(page)])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, before)
+    assert code == 7
+    assert capsys.readouterr().err.startswith(f"*ERROR: The report {page} cannot be written: ")
+    assert page.read_text() == "the old one"
+    assert list(tmp_path.glob("*.new")) == []

@@ -4,15 +4,19 @@ SPDX-License-Identifier: GPL-3.0-or-later
 """
 
 import os
+import random
 import re
 import resource
 import shutil
+import signal
 import subprocess
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import h5py
 import pytest
-from common import block, cubes, same_results  # noqa: F401
+from common import bits, block, cubes, frames, same_results  # noqa: F401
 from conftest import Run
 
 DECK, SETUP, NOT_CONVERGED, SOLVER, IO = 3, 4, 5, 6, 7
@@ -189,3 +193,140 @@ def test_long_names(run: Run, cubes: Path, tmp_path: Path) -> None:  # noqa: F81
     """Names of 80 characters."""
     cube_deck(cubes, tmp_path, ("CUBE_SOLE", "S" * 80), ("TABLE_TOP", "T" * 80), ("RUBBING", "R" * 80))
     assert run(["job"], cwd=tmp_path).returncode == 0
+
+
+def one_cube() -> bytes:
+    """A deck of one cube, as bytes."""
+    corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    return "\n".join([
+        "*NODE", *(f"{i}, {x}., {y}., {z}." for i, (x, y, z) in enumerate(corners, 1)), "*ELEMENT, TYPE=C3D8, ELSET=BODY", "1, 1, 2, 3, 4, 5, 6, 7, 8",
+        "*MATERIAL, NAME=STEEL", "*ELASTIC", "210000., 0.3", "*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL", "*BOUNDARY", "1, 1, 3", "2, 2, 3",
+        "4, 1", "4, 3", "3, 3", "*STEP", "*STATIC", "0.5, 1.", "*CLOAD", "5, 3, 10.", "7, 3, 30.", "*END STEP", ""]).encode()  # fmt: skip
+
+
+WAYS_TO_WRITE: dict[str, Callable[[bytes], bytes]] = {
+    "a mark of UTF-8": lambda text: b"\xef\xbb\xbf" + text,
+    "UTF-16": lambda text: text.decode().encode("utf-16"),
+    "UTF-16, the other end first": lambda text: b"\xfe\xff" + text.decode().encode("utf-16-be"),
+    "lines as on Windows": lambda text: text.replace(b"\n", b"\r\n"),
+    "lines as on an old Mac": lambda text: text.replace(b"\n", b"\r"),
+    "no end of the last line": lambda text: text.rstrip(b"\n"),
+    "tabs": lambda text: text.replace(b", ", b",\t").replace(b"*", b"\t*"),
+    "a line of 100 000 characters": lambda text: text.replace(b"*MATERIAL", b"** " + 100_000 * b"x" + b"\n*MATERIAL"),
+    "many blanks": lambda text: text.replace(b"*ELASTIC", b"*ELASTIC" + 100_000 * b" "),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("way", WAYS_TO_WRITE)
+def test_decks_as_others_write_them(run: Run, tmp_path: Path, way: str) -> None:
+    """The same numbers, whatever editor or system wrote the deck; the file that it includes too."""
+    (tmp_path / "plain.inp").write_bytes(one_cube())
+    text = WAYS_TO_WRITE[way](one_cube())
+    (tmp_path / "job.inp").write_bytes(text)
+    (tmp_path / "outer.inp").write_text("*INCLUDE, INPUT=job.inp\n")
+    for job in ("plain", "job", "outer"):
+        done = run([job], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout
+    expected = frames(tmp_path / "plain.vtkhdf")[-1]
+    for job in ("job", "outer"):
+        found = frames(tmp_path / f"{job}.vtkhdf")[-1]
+        assert all(bits(found[name]) == bits(expected[name]) for name in expected)
+
+
+def test_a_deck_through_a_pipe(program: Path, tmp_path: Path) -> None:
+    """A deck that another program writes into a pipe."""
+    os.mkfifo(tmp_path / "job.inp")
+    job = subprocess.Popen([str(program), "job"], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    (tmp_path / "job.inp").write_bytes(one_cube())
+    output, _ = job.communicate(timeout=60)
+    assert job.returncode == 0, output
+
+
+def test_what_is_no_deck(run: Run, program: Path, tmp_path: Path) -> None:
+    """A folder, a link to itself, a program, bytes of no meaning, a NUL in a number, a file that includes itself through a link: each is told,
+    and nothing that comes from the file steers the terminal."""
+    (tmp_path / "folder.inp").mkdir()
+    fails(run(["folder"], cwd=tmp_path), IO, "cannot be read")
+    (tmp_path / "loop.inp").symlink_to("loop.inp")
+    fails(run(["loop"], cwd=tmp_path), IO, "There is no file")
+    (tmp_path / "program.inp").write_bytes(program.read_bytes()[:300_000])
+    (tmp_path / "bytes.inp").write_bytes(bytes(random.Random(1).randrange(256) for _ in range(100_000)))
+    (tmp_path / "nul.inp").write_bytes(one_cube().replace(b"210000.", b"21\x0000."))
+    (tmp_path / "self.inp").write_bytes(b"*INCLUDE, INPUT=link.inp\n" + one_cube())
+    (tmp_path / "link.inp").symlink_to("self.inp")
+    for name in ("program", "bytes", "nul", "self"):
+        done = subprocess.run([str(program), name], cwd=tmp_path, capture_output=True)
+        assert done.returncode == DECK, name
+        assert done.stdout.splitlines()[-1].startswith(b"*ERROR"), name
+        assert not re.search(rb"[\x00-\x08\x0b-\x1f\x7f]", done.stdout), name
+
+
+@pytest.mark.parametrize("before", ["env LC_ALL=de_DE.UTF-8 LANG=de_DE.UTF-8", "env -i", "env -u HOME TMPDIR=/nowhere", "env OMP_NUM_THREADS=some",
+                                    "ulimit -s 512;", "exec <&- >&- 2>&-;"])  # fmt: skip
+def test_strange_surroundings(program: Path, tmp_path: Path, before: str) -> None:
+    """A comma for the point, no environment at all, no home, no folder for temporary files, threads that are no number, a stack of half a
+    megabyte, no streams: the job does not mind."""
+    (tmp_path / "job.inp").write_bytes(one_cube())
+    done = subprocess.run(["/bin/sh", "-c", f"{before} {program} job"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert len((tmp_path / "job.sta").read_text().splitlines()) == 4
+
+
+def wait_for_lines(path: Path, n: int) -> None:
+    """Waits until a file has so many lines."""
+    for _ in range(4000):
+        if path.exists() and len(path.read_text().splitlines()) >= n:
+            return
+        time.sleep(0.005)
+    pytest.fail("the job does not get on")
+
+
+def test_two_jobs_in_one_place(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """The second is told and touches nothing, whether it begins or resumes; the first one's files are what they are alone."""
+    whole, place = tmp_path / "whole", tmp_path / "place"
+    whole.mkdir()
+    place.mkdir()
+    assert run(["--outdir", whole, block]).returncode == 0
+    first = subprocess.Popen([str(program), "--outdir", str(place), str(block)], stdout=subprocess.PIPE, text=True,
+                             env=os.environ | {"OMP_NUM_THREADS": "1"})  # fmt: skip
+    wait_for_lines(place / "block.sta", 6)
+    first.send_signal(signal.SIGSTOP)  # so that it is there for sure
+    for words in ([], ["--resume"]):
+        fails(run([*words, "--outdir", place, block]), IO, "another job is writing it")
+    first.send_signal(signal.SIGCONT)
+    output, _ = first.communicate(timeout=120)
+    assert first.returncode == 0, output
+    assert same_results(whole / "block.vtkhdf", place / "block.vtkhdf") == []
+
+
+@pytest.mark.parametrize("harm", ["cut", "longer", "gone"])
+def test_result_file_changed_while_the_job_runs(program: Path, block: Path, tmp_path: Path, harm: str) -> None:  # noqa: F811
+    """Cut off, made longer, taken away by someone else: the job ends with a sentence, not with a file that looks whole."""
+    job = subprocess.Popen([str(program), "--outdir", str(tmp_path), str(block)], stdout=subprocess.PIPE, text=True,
+                           env=os.environ | {"OMP_NUM_THREADS": "1"})  # fmt: skip
+    wait_for_lines(tmp_path / "block.sta", 6)
+    job.send_signal(signal.SIGSTOP)
+    path = tmp_path / "block.vtkhdf"
+    if harm == "gone":
+        path.unlink()
+    else:
+        os.truncate(path, 100 if harm == "cut" else path.stat().st_size + 4096)
+    job.send_signal(signal.SIGCONT)
+    output, _ = job.communicate(timeout=120)
+    assert job.returncode == IO, output
+    assert "it was changed by another program" in output.splitlines()[-1]
+
+
+def test_a_reader_holds_the_result_file(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """A reader that has the file open with HDF5's lock keeps no job from writing, and no job keeps a reader out."""
+    assert run(["--outdir", tmp_path, block]).returncode == 0
+    with h5py.File(tmp_path / "block.vtkhdf", "r"):
+        assert run(["--outdir", tmp_path, block]).returncode == 0
+    job = subprocess.Popen([str(program), "--outdir", str(tmp_path), str(block)], stdout=subprocess.PIPE, text=True,
+                           env=os.environ | {"OMP_NUM_THREADS": "1"})  # fmt: skip
+    wait_for_lines(tmp_path / "block.sta", 6)
+    job.send_signal(signal.SIGSTOP)
+    with h5py.File(tmp_path / "block.vtkhdf", "r") as file:
+        assert file["VTKHDF/Steps"].attrs["NSteps"] >= 1
+    job.send_signal(signal.SIGCONT)
+    assert job.wait(timeout=120) == 0

@@ -6,12 +6,15 @@ SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import random
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from common import block, data_sets, same_results  # noqa: F401
 from conftest import Run
@@ -83,32 +86,62 @@ def test_killed_jobs_go_on_bitwise(program: Path, run: Run, block: Path, whole: 
     assert_same(whole, tmp_path)
 
 
-def test_points_go_on_bitwise(program: Path, run: Run, tmp_path: Path) -> None:
-    """Points of slave faces come and go while a block slides over faces: such a job goes on bitwise too."""
+def points_deck() -> str:
+    """A block slides over faces with springs at points of its own, which come and go."""
     from test_points import deck  # in verify/verification
 
     text = deck(8, "*STATIC, DIRECT\n.25, 1.\n", ", NLGEOM", "*FRICTION\n.3, 1.E4\n") + "*BOUNDARY\nFLOOR, 1, 3\nTOP, 1, 2\nTOP, 3, 3, -.01\n*END STEP\n"
-    text += "*STEP, NLGEOM\n*STATIC, DIRECT\n.05, 1.\n*BOUNDARY\nTOP, 1, 1, .3\n*CONTACT PRINT\nCDIS, CSTR\n*END STEP\n"
-    sliding = tmp_path / "block.inp"
-    sliding.write_text(text)
-    for name in ("whole", "killed"):
-        (tmp_path / name).mkdir()
-    assert run(["--outdir", tmp_path / "whole", sliding]).returncode == 0
-    kill_often(program, run, sliding, tmp_path / "killed", 4, 7, 0.5)
-    assert_same(tmp_path / "whole", tmp_path / "killed")
+    return text + "*STEP, NLGEOM\n*STATIC, DIRECT\n.05, 1.\n*BOUNDARY\nTOP, 1, 1, .3\n*CONTACT PRINT\nCDIS, CSTR\n*END STEP\n"
+
+
+def mortar_deck() -> str:
+    """A block is pressed on faces that do not match its own and dragged over them, by the dual mortar method."""
+    import make_decks
+    import sheets
+
+    ticks = np.linspace(0.0, 3.0, 6)
+    below = make_decks.block(ticks, ticks, np.linspace(-1, 0, 3), "BELOW")
+    above = make_decks.block(np.linspace(0.7, 2.1, 4), np.linspace(0.6, 1.9, 4), np.linspace(0, 1, 3), "ABOVE")
+    steps = ("*STEP, NLGEOM\n*STATIC, DIRECT\n0.25, 1.\n*BOUNDARY\nBELOW_BOTTOM, 1, 3\nABOVE_TOP, 1, 2\nABOVE_TOP, 3, 3, -0.02\n*END STEP\n"
+             "*STEP, NLGEOM\n*STATIC, DIRECT\n0.05, 1.\n*BOUNDARY\nABOVE_TOP, 1, 1, 0.3\nABOVE_TOP, 2, 2, 0.1\n*CONTACT PRINT\nCDIS, CSTR\n"
+             "*END STEP\n")  # fmt: skip
+    pair = sheets.pair("ABOVE_BOTTOM", "BELOW_TOP", 0.3, ", TYPE=MORTAR")
+    return sheets.solid_deck([(below, (2000.0, 0.3)), (above, (1000.0, 0.3))], pair, steps)
+
+
+@pytest.mark.parametrize("deck", [points_deck, mortar_deck])
+def test_surfaces_on_surfaces_go_on_bitwise(program: Path, run: Run, tmp_path: Path, deck: Callable[[], str]) -> None:
+    """The same where faces lie on faces."""
+    kill_over_and_over(program, run, deck(), tmp_path, 4, 7)
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not os.environ.get("AMONTONS_KILLS"), reason="AMONTONS_KILLS says how many kills; 200 take some minutes")
-def test_many_kills(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path) -> None:  # noqa: F811
-    """The same many times over."""
-    kills, seed = 0, 0
-    while kills < int(os.environ["AMONTONS_KILLS"]):
-        folder = tmp_path / str(seed)
-        folder.mkdir()
-        kills += kill_often(program, run, block, folder, 12, 1000 + seed, 0.4)
-        assert_same(whole, folder)
-        seed += 1
+@pytest.mark.parametrize("deck", ["node to surface", points_deck, mortar_deck])
+def test_many_kills(program: Path, run: Run, block: Path, tmp_path: Path, deck: str | Callable[[], str]) -> None:  # noqa: F811
+    """The same many times over, a third of the kills for each job."""
+    text = block.read_text() if isinstance(deck, str) else deck()
+    kill_over_and_over(program, run, text, tmp_path, (int(os.environ["AMONTONS_KILLS"]) + 2) // 3, 1000)
+
+
+def kill_over_and_over(program: Path, run: Run, text: str, folder: Path, n_kills: int, seed: int) -> None:
+    """Runs a job alone and, until there were so many kills, killed up to twelve times; the files are the same."""
+    sliding = folder / "block.inp"
+    sliding.write_text(text)
+    (folder / "whole").mkdir()
+    begin = time.monotonic()
+    assert run(["--outdir", folder / "whole", sliding]).returncode == 0
+    longest = max(0.3, 0.5 * (time.monotonic() - begin))
+    kills = 0
+    for attempt in range(2 * n_kills):
+        if kills >= n_kills:
+            return
+        killed = folder / "killed"
+        killed.mkdir()
+        kills += kill_often(program, run, sliding, killed, min(12, n_kills - kills), seed + attempt, longest)
+        assert_same(folder / "whole", killed)
+        shutil.rmtree(killed)
+    assert kills >= n_kills
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])

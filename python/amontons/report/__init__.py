@@ -160,6 +160,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"*ERROR: {error}", file=sys.stderr)
         return 7
     output = wanted.output or path.with_suffix(".html")
-    output.write_text(make_report(job, ask_cards(wanted.program)), encoding="utf-8")
+    page = make_report(job, ask_cards(wanted.program))
+    whole = output.with_name(output.name + ".new")  # an old page stays until the new one is whole
+    try:
+        whole.write_text(page, encoding="utf-8")
+        whole.replace(output)
+    except OSError as error:
+        whole.unlink(missing_ok=True)
+        print(f"*ERROR: The report {output} cannot be written: {error.strerror}.", file=sys.stderr)
+        return 7
     print(f"The report is {output} ({output.stat().st_size / 1e6:.1f} MB).")
     return 0
