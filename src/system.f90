@@ -626,16 +626,14 @@ contains
     logical, intent(out) :: is_complete            !< .false.: contact reaches beyond the interface
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: by_imbalance, by_displacement, spread, follow
-    if (all(system%links%is_spring) .and. size(system%links) > 0 .and. system%condensed%is_invertible) then
-      if (3 * size(system%links) < system%condensed%n_contact) then
-        call spring_factors(system%links, system%whole%n_unknowns, spread, follow, error)
-        if (allocated(error)) return
-        call factorise_springs(system%condensed, system%base, system%whole, spread, follow, is_complete, error)
-        if (allocated(error) .or. is_complete .or. system%condensed%is_invertible) return
-      end if
+    if (all(system%links%is_spring) .and. size(system%links) > 0 .and. 3 * size(system%links) < system%condensed%n_contact &
+      .and. system%condensed%is_invertible) then
+      call spring_factors(system%links, system%whole%n_unknowns, spread, follow, error)
+      if (allocated(error)) return
+      call factorise_springs(system%condensed, system%base, system%whole, spread, follow, is_complete, error)
+      if (allocated(error) .or. is_complete .or. system%condensed%is_invertible) return
     end if
-    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement, error)
-    if (allocated(error)) return
+    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement)
     call factorise_interface(system%condensed, system%base, system%whole, by_imbalance, by_displacement, is_complete, error)
   end subroutine factorise_contact
 
@@ -803,8 +801,7 @@ contains
     K = with_skew(full_of(system%assembly%stiffness), system%assembly%skew)
     call condensation(system%base, E, error)
     if (allocated(error)) return
-    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement, error)
-    if (allocated(error)) return
+    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement)
     K = sum_of(K, 1.0_DP, product_of(by_imbalance, product_of(E, K)))
     K = sum_of(K, -1.0_DP, by_displacement)
     J = product_of(transpose_of(system%whole%map), product_of(K, system%whole%map))
