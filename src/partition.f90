@@ -10,7 +10,7 @@ module amontons_partition
   use amontons_sparse, only: sparse_type
   implicit none
   private
-  public :: partition_mesh, order_nodes, order_unknowns, order_of_nodes, order_by_node
+  public :: partition_mesh, order_nodes, order_unknowns, order_of_nodes, order_by_node, separator_of
 
   integer, parameter :: METIS_OK = 1             !< of metis.h
   integer, parameter :: METIS_NO_MEMORY = -3     !< of metis.h
@@ -61,6 +61,15 @@ module amontons_partition
       integer(c_int32_t), intent(out) :: order(*), place(*)
       integer(c_int) :: status
     end function metis_node_nd
+
+    function metis_separator(n, first, neighbours, weight, options, size, part) &
+      bind(C, name='METIS_ComputeVertexSeparator') result(status)
+      import :: c_int32_t, c_int, c_ptr
+      integer(c_int32_t), intent(in) :: n, first(*), neighbours(*), weight(*)
+      type(c_ptr), value :: options
+      integer(c_int32_t), intent(out) :: size, part(*)
+      integer(c_int) :: status
+    end function metis_separator
 
     function metis_free(memory) bind(C, name='METIS_Free') result(status)
       import :: c_int, c_ptr
@@ -214,6 +223,32 @@ contains
       n = n + first(g + 1) - first(g)
     end do
   end subroutine order_unknowns
+
+
+  !> How many unknowns separate those of a matrix into two halves: what comes last in the order, and decides what a factor costs. It
+  !! takes a tenth of the time of the order.
+  subroutine separator_of(matrix, group, n_groups, n_separating, error)
+    type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle
+    integer, intent(in) :: group(:)                    !< (n) group of each unknown, 1 to n_groups
+    integer, intent(in) :: n_groups                    !< groups may be empty
+    integer, intent(out) :: n_separating
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: graph
+    integer, allocatable :: members_first(:), members(:)
+    integer(c_int32_t), allocatable :: first(:), neighbours(:)
+    integer(c_int32_t) :: part(n_groups), weight(n_groups)
+    integer :: status
+    n_separating = 0
+    call gather_members(group, n_groups, members_first, members)
+    call group_graph(matrix, group, n_groups, members_first, members, graph)
+    call both_directions(graph, first, neighbours)
+    if (size(neighbours) == 0) return
+    weight = max(1, members_first(2:) - members_first(:n_groups))
+    !$omp critical (metis)
+    status = metis_separator(n_groups, first, neighbours, weight, c_null_ptr, n_separating, part)
+    !$omp end critical (metis)
+    call check_status(status, error)
+  end subroutine separator_of
 
 
   !> The members of each group, ascending.

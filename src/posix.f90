@@ -7,8 +7,8 @@ module amontons_posix
   implicit none
   private
   public :: write_whole_file, sync_file, cut_file, checksum_of_words, checksum_of_text, reason_of
-  public :: has_memory, available_megabytes, peak_megabytes, watch_signals, stop_signal, is_status_asked, watch_end, &
-    begin_again
+  public :: has_memory, available_megabytes, whole_megabytes, peak_megabytes, watch_signals, stop_signal, &
+    is_status_asked, watch_end, begin_again
 
   interface
     function write_whole_c(path, temporary, bytes, n_bytes) bind(C, name='amontons_write_whole') result(status)
@@ -75,6 +75,12 @@ module amontons_posix
       import :: c_double
       real(c_double) :: megabytes
     end function available_megabytes
+
+    !> Megabytes that the machine and the limits allow the process in all, whatever others have.
+    function whole_megabytes() bind(C, name='amontons_whole_megabytes') result(megabytes)
+      import :: c_double
+      real(c_double) :: megabytes
+    end function whole_megabytes
 
     !> The most memory that the process has had in the machine so far [megabytes].
     function peak_megabytes() bind(C, name='amontons_peak_megabytes') result(megabytes)

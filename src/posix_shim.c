@@ -168,6 +168,19 @@ double amontons_available_megabytes(void)
   return least > 0 ? least : 0;
 }
 
+/* The same without what others have taken: what the machine, the group and the limit of the process allow in all. It is the same
+   whenever it is asked. */
+double amontons_whole_megabytes(void)
+{
+  double least = 1e9, found = number_in("/proc/meminfo", "MemTotal:"), group = number_in("/sys/fs/cgroup/memory.max", "");
+  if (found >= 0 && found / 1024 < least) least = found / 1024;
+  if (group >= 0 && group / 1048576 < least) least = group / 1048576;
+  struct rlimit limit;
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && (double)limit.rlim_cur / 1048576 < least)
+    least = (double)limit.rlim_cur / 1048576;
+  return least;
+}
+
 /* Brings the entry of a file in its folder to the medium. */
 static void sync_folder(const char *path)
 {

@@ -7,12 +7,12 @@ module amontons_reduced
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_text, only: text_of
-  use amontons_posix, only: available_megabytes
+  use amontons_posix, only: available_megabytes, whole_megabytes
   use amontons_mesh, only: mesh_type
   use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix
   use amontons_factor, only: factor_type, analyse, factorise, solve, estimate_memory, FACTOR_OK
-  use amontons_partition, only: partition_mesh, order_unknowns, order_by_node, order_of_nodes
+  use amontons_partition, only: partition_mesh, order_unknowns, order_by_node, order_of_nodes, separator_of
   use amontons_iterative, only: iterative_type, prepare_parts, prepare_iterative, apply_iterative, parts_for, &
     iterative_megabytes
   use amontons_constraints, only: constraints_type
@@ -22,6 +22,7 @@ module amontons_reduced
 
   real(DP), parameter :: ORDER_GROWTH = 1.15_DP          !< a factor this much larger wants a new order of the nodes [-]
   real(DP), parameter :: SHIFT = 1.0e-4_DP               !< of the preconditioner's diagonal if A is not positive [-]
+  real(DP), parameter :: SHARE = 0.7_DP                  !< of all memory that a factor may take [-]
   real(DP), parameter :: SPARE = 0.9_DP                  !< of the memory at hand that a factor may take [-]
   real(DP), parameter :: ITERATION_WORK = 220.0_DP       !< of an iteration, an entry of A: operations of a factor in that time
   real(DP), parameter :: LIKELY = 140.0_DP               !< iterations that are thought of beforehand, the preconditioner included
@@ -29,6 +30,10 @@ module amontons_reduced
   integer, parameter :: MOST_ITERATIONS = 2000           !< where there is no room for a factor
   real(DP), parameter :: ENTRIES_LAW = 60.0_DP           !< entries of a factor over n^(4/3): more than a compact body has [-]
   integer, parameter :: MANY = 30000                     !< unknowns below which no thought is given to memory
+  integer, parameter :: VERY_MANY = 150000               !< unknowns from which the factor is guessed before it is analysed
+  real(DP), parameter :: ENTRIES_GUESS = 14.0_DP         !< entries of a factor over the square of its last separator [-]
+  real(DP), parameter :: WORK_GUESS = 6.0_DP             !< its operations over the cube [-]
+  real(DP), parameter :: SURELY = 2.0_DP                 !< a guess must be so many times too large [-]
 
   !> A, and what its inverse is applied by.
   type :: reduced_type
@@ -47,6 +52,7 @@ module amontons_reduced
     type(sparse_type) :: analysed_sprung           !< the pattern of K with springs; not made without springs
     integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while it serves
     real(DP) :: best_entries = 0                   !< entries of the factor when that order was made
+    real(DP) :: guessed_megabytes = 0              !< of a factor that was not analysed because it is much too large; else 0
     integer :: n_made = 0                          !< factorisations of the last call
     integer :: n_shifted = 0                       !< of them with a shift
   end type reduced_type
@@ -70,7 +76,7 @@ contains
     logical, intent(in) :: is_repeated             !< a factor will serve many times
     is_small = n < MANY
     if (is_repeated .and. .not. is_small) &
-      is_small = ENTRIES_LAW * real(n, DP)**(4.0_DP / 3.0_DP) * 8.0e-6_DP < SPARE * available_megabytes()
+      is_small = ENTRIES_LAW * real(n, DP)**(4.0_DP / 3.0_DP) * 8.0e-6_DP < room()
   end function is_small
 
 
@@ -158,22 +164,64 @@ contains
     self%is_iterative = self%asked == SOLVER_ITERATIVE .and. .not. self%is_given_up
     is_too_large = .false.
     self%most_iterations = MOST_ITERATIONS
+    self%guessed_megabytes = 0.0_DP
     if (.not. self%is_iterative) then
-      call analyse_factor(self, whole, error)
-      is_too_large = allocated(error)
-      if (is_too_large .and. (whole%n_free < MANY .or. self%is_given_up)) return
-      if (allocated(error)) deallocate (error)
-      if (.not. is_too_large .and. whole%n_free >= MANY) &
-        is_too_large = estimate_memory(self%factor) > SPARE * available_megabytes()
-      iterations = self%factor%n_operations / (ITERATION_WORK * real(size(self%matrix%column), DP))
-      is_much = iterations > LIKELY .and. whole%n_free >= MANY .and. .not. self%is_repeated
+      call guess_factor(self, whole, is_too_large, is_much, error)
+      if (allocated(error)) return
+      if (.not. (is_too_large .or. is_much)) then
+        call analyse_factor(self, whole, error)
+        is_too_large = allocated(error)
+        if (is_too_large .and. (whole%n_free < MANY .or. self%is_given_up)) return
+        if (allocated(error)) deallocate (error)
+        if (.not. is_too_large .and. whole%n_free >= MANY) is_too_large = estimate_memory(self%factor) > room()
+        iterations = self%factor%n_operations / (ITERATION_WORK * real(size(self%matrix%column), DP))
+        is_much = iterations > LIKELY .and. whole%n_free >= MANY .and. .not. self%is_repeated
+        if (.not. is_too_large) self%most_iterations = nint(min(PATIENCE * iterations, real(MOST_ITERATIONS, DP)))
+      end if
       self%is_iterative = (is_too_large .or. is_much) .and. .not. self%is_given_up
-      if (.not. is_too_large) self%most_iterations = nint(min(PATIENCE * iterations, real(MOST_ITERATIONS, DP)))
     end if
     if (.not. self%is_iterative) return
     call cut_parts(self, whole, mesh, error)
     if (.not. (allocated(error) .or. was_iterative)) call tell_choice(self, whole, is_too_large)
   end subroutine choose_solver
+
+
+  !> Whether a factor is so much too large, or takes so much work, that it need not be analysed. METIS finds the last separator in a
+  !! tenth of the time of the whole order; a compact body has the entries and operations of the guess, a longer one more.
+  subroutine guess_factor(self, whole, is_too_large, is_much, error)
+    type(reduced_type), intent(inout) :: self
+    type(constraints_type), intent(in) :: whole
+    logical, intent(out) :: is_too_large, is_much
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: n
+    integer :: n_separating
+    is_too_large = .false.
+    is_much = .false.
+    if (whole%n_free < VERY_MANY .or. self%is_given_up .or. allocated(self%node_order)) return
+    call separator_of(self%matrix, nodes_of(whole), whole%n_unknowns / 3, n_separating, error)
+    if (allocated(error)) return
+    n = real(n_separating, DP)
+    is_too_large = 8.0e-6_DP * ENTRIES_GUESS * n**2 > SURELY * room()
+    is_much = WORK_GUESS * n**3 > SURELY * LIKELY * ITERATION_WORK * real(size(self%matrix%column), DP) .and. .not. self%is_repeated
+    if (is_too_large .or. is_much) self%guessed_megabytes = 8.0e-6_DP * ENTRIES_GUESS * n**2
+  end subroutine guess_factor
+
+
+  !> What a factor may take [megabytes]: a share of all memory, the same whenever a job runs, and no more than is free.
+  real(DP) function room()
+    room = min(SHARE * whole_megabytes(), SPARE * available_megabytes())
+  end function room
+
+
+  !> The node of each free unknown.
+  pure function nodes_of(whole) result(node)
+    type(constraints_type), intent(in) :: whole
+    integer :: node(whole%n_free)
+    integer :: i
+    do i = 1, whole%n_unknowns
+      if (whole%free_of(i) > 0) node(whole%free_of(i)) = (i + 2) / 3
+    end do
+  end function nodes_of
 
 
   !> The sentence about an iterative solution.
@@ -182,16 +230,26 @@ contains
     type(constraints_type), intent(in) :: whole
     logical, intent(in) :: is_too_large            !< the factor does not fit
     character(:), allocatable :: reason
+    real(DP) :: megabytes, whole_memory
+    whole_memory = whole_megabytes()
+    megabytes = estimate_memory(self%factor)
+    if (self%guessed_megabytes > 0.0_DP) megabytes = self%guessed_megabytes
     if (self%asked == SOLVER_ITERATIVE) then
       reason = 'as SOLVER asks'
-    else if (is_too_large .and. estimate_memory(self%factor) <= 0.0_DP) then
+    else if (is_too_large .and. megabytes <= 0.0_DP) then
       reason = 'because the factor would have more entries than can be counted (17 gigabytes)'
+    else if (is_too_large .and. megabytes > SHARE * whole_memory) then
+      reason = 'because the factor would take ' // text_of(nint(megabytes)) // ' megabytes, too much of ' // &
+        text_of(nint(whole_memory)) // ' in all'
     else if (is_too_large) then
-      reason = 'because the factor would take ' // text_of(nint(estimate_memory(self%factor))) // ' megabytes and ' // &
-        text_of(nint(available_megabytes())) // ' are free'
+      reason = 'because the factor would take ' // text_of(nint(megabytes)) // ' megabytes and ' // &
+        text_of(nint(available_megabytes())) // &
+        ' are free at the moment (with more, another run would take a factor, and differ in the last digits)'
+    else if (self%guessed_megabytes > 0.0_DP) then
+      reason = 'which takes less time than a factor of some ' // text_of(nint(megabytes)) // ' megabytes'
     else
       reason = 'which takes less time than a factor of ' // text_of(nint(self%factor%n_operations / 1.0e9_DP)) // &
-        ' thousand million operations and ' // text_of(nint(estimate_memory(self%factor))) // ' megabytes'
+        ' thousand million operations and ' // text_of(nint(megabytes)) // ' megabytes'
     end if
     self%news = told(self) // 'The ' // text_of(whole%n_free) // ' equations are solved by iteration, ' // reason // &
       '. The preconditioner takes ' // &
@@ -253,12 +311,9 @@ contains
     type(constraints_type), intent(in) :: whole
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: node(:), order(:)
-    integer :: i, n_nodes
+    integer :: n_nodes
     n_nodes = whole%n_unknowns / 3
-    allocate (node(whole%n_free))
-    do i = 1, whole%n_unknowns
-      if (whole%free_of(i) > 0) node(whole%free_of(i)) = (i + 2) / 3
-    end do
+    node = nodes_of(whole)
     if (allocated(self%node_order)) then
       call analyse(self%factor, self%matrix, order_by_node(self%node_order, node), error)
       if (allocated(error)) return

@@ -4,7 +4,7 @@ program test_partition
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
   use amontons_sparse, only: sparse_type, symmetric_pattern, expand_pattern, from_triplets
-  use amontons_partition, only: partition_mesh, order_nodes, order_unknowns
+  use amontons_partition, only: partition_mesh, order_nodes, order_unknowns, separator_of
   use amontons_factor, only: factor_type, analyse
   use check, only: suite_type
   implicit none
@@ -19,6 +19,7 @@ program test_partition
   call test_weights()
   call test_order()
   call test_groups()
+  call test_separator()
   call suite%finish()
 
 contains
@@ -70,6 +71,20 @@ contains
     call partition_mesh(N_ELEMENTS, first, nodes, N_NODES, n_parts, again, error=error)
     call suite%that('parts: the same again', all(part == again))
   end subroutine test_parts
+
+
+  !> Three unknowns a node: nothing smaller than a layer of nodes separates a cube into halves that are nearly even, and one layer does.
+  subroutine test_separator()
+    type(sparse_type) :: of_nodes, matrix
+    type(error_type), allocatable :: error
+    integer :: n_separating, i
+    call symmetric_pattern(N_NODES, N_ELEMENTS, first, nodes, of_nodes, error)
+    call expand_pattern(of_nodes, 3, matrix, error)
+    call separator_of(matrix, [((i + 2) / 3, i=1, 3 * N_NODES)], N_NODES, n_separating, error)
+    call suite%that('separator: no error', .not. allocated(error))
+    call suite%that('separator: about a layer of nodes', n_separating >= 3 * (N + 1)**2 * 8 / 10 .and. &
+      n_separating <= 3 * (N + 1)**2 * 12 / 10)
+  end subroutine test_separator
 
 
   !> One part, and as many parts as elements or more.
