@@ -209,6 +209,7 @@ contains
     call table%option('OP', VALUE_TEXT, 'Use *MODEL CHANGE, TYPE=CONTACT PAIR.', status=STATUS_REFUSED)
 
     call table%card('CLEARANCE', IN_MODEL, 'The gap of a contact pair at the start, whatever the mesh says.')
+    call table%differ('calculix: without effect on TYPE=NODE TO SURFACE.')
     call table%option('SLAVE', VALUE_NAME, 'Slave surface of the pair.', default='required')
     call table%option('MASTER', VALUE_NAME, 'Its master surface.', default='required')
     call table%option('VALUE', VALUE_REAL, 'The gap; negative is overclosure.', default='required')

@@ -4,11 +4,12 @@ module amontons_contact_fields
   use amontons_kinds, only: DP
   use amontons_topology, only: element_kind, kind_type, MAX_FACE_NODES
   use amontons_shapes, only: facet_shapes
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_surfaces, only: BEHAVIOR_LINEAR
   use amontons_state, only: slave_type, STATUS_OPEN, STATUS_SLIP
   implicit none
   private
-  public :: nodal_slaves, n_nodal_slaves, slave_position
+  public :: nodal_slaves, n_nodal_slaves, slave_position, shown_slip, shown_energy
 
 contains
 
@@ -117,6 +118,32 @@ contains
       end associate
     end associate
   end subroutine face_of
+
+
+  !> The slip of a slave as tables and fields show it: CalculiX shows none of its springs where there is no friction.
+  pure function shown_slip(model, slave) result(slip)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slave
+    real(DP) :: slip(3)                            !< [length]
+    slip = slave%slip + slave%elastic
+    if (model%dialect /= DIALECT_CALCULIX .or. slave%row > 0 .and. slave%side == 0 .or. norm2(slave%elastic) > 0.0_DP) return
+    if (model%interactions(model%pairs(slave%pair)%interaction)%friction <= 0.0_DP) slip = 0.0_DP
+  end function shown_slip
+
+
+  !> The energy of a slave's spring as CONTACT PRINT shows it. CalculiX counts the elastic slip with all of its shear in place of
+  !! half of it, and under LINEAR half the pressure times the overclosure at slave nodes.
+  pure real(DP) function shown_energy(model, slave) result(energy)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slave
+    real(DP) :: shear_part                         ! half of it
+    energy = slave%energy
+    if (model%dialect /= DIALECT_CALCULIX .or. slave%row > 0 .and. slave%side == 0) return
+    shear_part = -0.5_DP * dot_product(slave%shear, slave%elastic)
+    energy = energy + shear_part
+    if (slave%side == 0 .and. model%interactions(model%pairs(slave%pair)%interaction)%behavior == BEHAVIOR_LINEAR) &
+      energy = 2 * shear_part - 0.5_DP * dot_product(slave%force, slave%normal) * slave%gap
+  end function shown_energy
 
 
   !> Where a slave is: its node, or its place on its face.

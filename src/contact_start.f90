@@ -3,7 +3,7 @@
 module amontons_contact_start
   use amontons_kinds, only: DP, PI
   use amontons_topology, only: MAX_FACE_NODES
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK
   use amontons_rows, only: facet_weights
@@ -38,7 +38,7 @@ contains
     if (is_nlgeom) x = x + fields%u
     allocate (here, source=model%mesh%coordinates + fields%u)
     do p = 1, size(model%pairs)
-      contact%is_small(p) = model%pairs(p)%is_small_sliding .or. .not. is_nlgeom .or. model%pairs(p)%is_pointwise
+      contact%is_small(p) = is_kept_in_step(contact, model, is_nlgeom, p)
       if (model%pairs(p)%is_pointwise) cycle
       reach = SEARCH_REACH * contact%edge(p)
       if (model%pairs(p)%is_mortar) reach = search_margin(contact%mortar(p), reach)
@@ -64,7 +64,7 @@ contains
         if (slave%side > 0) then
           call refresh_facet(contact, here, s, reach, slave)
         else if (.not. contact%is_small(p) .or. is_step_start) then
-          call refresh_facet(contact, x, s, reach, slave)
+          call refresh_facet(contact, merge(here, x, .not. contact%is_small(p)), s, reach, slave)
         end if
         if (.not. is_beyond(contact, slave)) slave%extension = 0.0_DP
         is_new = .not. slave%is_started
@@ -83,7 +83,7 @@ contains
       call lose_master(fields%slaves(s))
       fields%slaves(s)%origin_facet = 0
     end do
-    call renew_areas(contact, model, x, fields%slaves)
+    call renew_areas(contact, model, merge(here, x, model%dialect == DIALECT_CALCULIX), fields%slaves)
   end subroutine begin_contact_increment
 
 
@@ -94,6 +94,20 @@ contains
     is_beyond = slave%extension > 0.0_DP .and. slave%facet > 0 .and. slave%status /= STATUS_OPEN
     if (is_beyond) is_beyond = any(excess_over_edges(contact%facets(slave%pair)%kind(slave%facet), slave%xi) > 0.0_DP)
   end function is_beyond
+
+
+  !> Whether a pair keeps weights and normals throughout a step. Springs at slave nodes follow their master in any step under the
+  !! calculix dialect, as CalculiX's do.
+  pure logical function is_kept_in_step(contact, model, is_nlgeom, p) result(is_kept)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_nlgeom
+    integer, intent(in) :: p                       !< pair
+    associate (pair => model%pairs(p))
+      is_kept = pair%is_pointwise .or. pair%is_small_sliding .or. .not. is_nlgeom
+      if (.not. pair%is_mortar .and. model%dialect == DIALECT_CALCULIX) is_kept = is_kept .and. .not. is_compliant(contact%laws(p))
+    end associate
+  end function is_kept_in_step
 
 
   !> The start of the job: the gap of a pair with CLEARANCE is that, the gap of a tied one nothing.

@@ -151,30 +151,13 @@ contains
   end subroutine read_behavior
 
 
-  !> Whether the pairs of the deck are those of CalculiX's mortar methods, which enforce HARD exactly.
-  logical function has_mortar(reader)
-    type(reader_type), intent(inout) :: reader
-    type(parameter_type), allocatable :: parameters(:)
-    type(row_type) :: row
-    integer :: c
-    has_mortar = .false.
-    do c = 1, reader%cards%n_cards
-      if (.not. is_card(reader, c, 'CONTACTPAIR')) cycle
-      call open_card(reader, c, parameters, row)
-      has_mortar = has_mortar .or. index(parameter_word(parameters, 'TYPE', ''), 'MORTAR') > 0
-    end do
-  end function has_mortar
-
-
-  !> HARD as CalculiX takes it: LINEAR with 50 times Young's modulus of the first material; its mortar pairs are exact.
+  !> HARD as CalculiX takes it: LINEAR with 50 times Young's modulus of the first material, for its mortar pairs too.
   subroutine soften(reader, model, c, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
     type(interaction_type), intent(inout) :: law
-    logical :: is_exact
-    is_exact = has_mortar(reader)
-    if (first_modulus(model) <= 0.0_DP .or. is_exact) return
+    if (first_modulus(model) <= 0.0_DP) return
     law%behavior = BEHAVIOR_LINEAR
     law%stiffness = HARD_STIFFNESS * first_modulus(model)
     law%tension = TENSION * first_modulus(model)
@@ -495,12 +478,27 @@ contains
       p = find_pair(reader, model, parameter_text(parameters, 'SLAVE'), parameter_text(parameters, 'MASTER'), &
         reader%cards%cards(c)%line)
       if (p == 0) cycle
+      if (has_no_clearance(reader, model, model%pairs(p))) then
+        call note(reader, reader%cards%cards(c)%line, 'CLEARANCE has no effect on a pair of TYPE=NODE TO SURFACE under the ' // &
+          'calculix dialect, as in CalculiX.')
+        cycle
+      end if
       model%pairs(p)%has_clearance = .true.
       call parse_real(parameter_text(parameters, 'VALUE'), model%pairs(p)%clearance, status)
       if (status == NUMBER_OK .and. model%pairs(p)%has_adjust) call complain(reader, reader%cards%cards(c)%line, &
         'The pair has both ADJUST and CLEARANCE; give one of them.')
     end do
   end subroutine read_clearances
+
+
+  !> Whether CalculiX leaves CLEARANCE of a pair out: that of springs at slave nodes.
+  pure logical function has_no_clearance(reader, model, pair)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(in) :: model
+    type(contact_pair_type), intent(in) :: pair
+    has_no_clearance = reader%dialect == DIALECT_CALCULIX .and. .not. pair%is_mortar .and. pair%interaction > 0
+    if (has_no_clearance) has_no_clearance = is_compliant(model%interactions(pair%interaction))
+  end function has_no_clearance
 
 
   !> The pair of two surfaces; tells it if there is none.

@@ -23,7 +23,7 @@ module amontons_frd
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type
   use amontons_state, only: fields_type, history_row, slave_type, STATUS_OPEN
-  use amontons_contact_fields, only: nodal_slaves, n_nodal_slaves
+  use amontons_contact_fields, only: nodal_slaves, n_nodal_slaves, shown_slip
   use amontons_expanded, only: turn_trusses
   use amontons_mechanical, only: mechanical_strain
   use amontons_nodal, only: average_at_nodes
@@ -319,36 +319,39 @@ contains
     type(fields_type), intent(in) :: fields
     integer, intent(in) :: field                   !< FRD_...
     real(DP) :: values(HEADS(field)%n, model%mesh%n_nodes)
+    logical :: is_there                            ! as CalculiX brings values to the nodes
+    is_there = model%dialect == DIALECT_CALCULIX
     select case (field)
     case (FRD_DISP)
       values = fields%u
     case (FRD_FORC)
-      values = printed_forces(model, fields)
+      values = printed_forces(model, fields, is_field=.true.)
     case (FRD_NDTEMP)
       values(1, :) = fields%temperature
     case (FRD_STRESS)
       call average_at_nodes(model%mesh, turn_trusses(model, fields, model%steps(max(1, fields%step))%is_nlgeom, &
-        fields%stress), values)
+        fields%stress), values, is_there)
     case (FRD_TOSTRAIN)
-      call average_at_nodes(model%mesh, turn_trusses(model, fields, .false., fields%strain), values)
+      call average_at_nodes(model%mesh, turn_trusses(model, fields, .false., fields%strain), values, is_there)
     case (FRD_MESTRAIN)
-      call average_at_nodes(model%mesh, turn_trusses(model, fields, .false., mechanical_strain(model, fields)), values)
+      call average_at_nodes(model%mesh, turn_trusses(model, fields, .false., mechanical_strain(model, fields)), values, is_there)
     case (FRD_PE)
-      call average_at_nodes(model%mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, model%mesh%n_points]), values)
+      call average_at_nodes(model%mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, model%mesh%n_points]), values, &
+        is_there)
     case (FRD_ENER)
-      call average_at_nodes(model%mesh, reshape(fields%energy, [1, model%mesh%n_points]), values)
+      call average_at_nodes(model%mesh, reshape(fields%energy, [1, model%mesh%n_points]), values, is_there)
     case (FRD_CONTACT)
-      values = contact_values(nodal_slaves(model, fields%slaves), model%mesh%n_nodes)
+      values = contact_values(model, nodal_slaves(model, fields%slaves))
     end select
   end function block_values
 
 
   !> Gap, slip, pressure and shear stress of the closed slave nodes in the axes of the .dat file; 0 elsewhere. Of two
   !! pairs at a node the one with the larger pressure is shown.
-  pure function contact_values(slaves, n_nodes) result(values)
+  pure function contact_values(model, slaves) result(values)
+    type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)
-    integer, intent(in) :: n_nodes
-    real(DP) :: values(6, n_nodes)
+    real(DP) :: values(6, model%mesh%n_nodes)
     real(DP) :: axes(3, 3), row(6)
     integer :: i
     values = 0
@@ -356,7 +359,7 @@ contains
       associate (slave => slaves(i))
         if (slave%status == STATUS_OPEN) cycle
         axes = contact_axes(slave%normal)
-        row(:3) = matmul(slave%slip + slave%elastic, axes)
+        row(:3) = matmul(shown_slip(model, slave), axes)
         row(1) = slave%gap
         row(4:) = matmul(slave%force - slave%shear, axes)
         if (slave%area > 0) row(4:) = row(4:) / slave%area

@@ -2,8 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_nodal
   use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, kind_type, FAMILY_AXISYMMETRIC, FAMILY_SPRING, MAX_NODES, &
-    MAX_POINTS, N_KINDS
+  use amontons_topology, only: element_kind, kind_type, FAMILY_AXISYMMETRIC, FAMILY_SPRING, KIND_C3D6, &
+    MAX_NODES, MAX_POINTS, N_KINDS
   use amontons_mesh, only: mesh_type, element_nodes, is_out
   use amontons_shapes, only: extrapolation_matrix, quadrature, shape_functions
   use amontons_element, only: element_point_volumes
@@ -11,6 +11,8 @@ module amontons_nodal
   private
   public :: average_at_nodes, point_volumes, point_places
 
+  real(DP), parameter :: OUT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point if it were one of three [-]
+  real(DP), parameter :: IN_TURN(6) = [OUT, 1 - OUT, OUT, 1 - OUT, OUT, 1 - OUT]
   integer, parameter :: N_TENSOR = 6            !< components of a symmetric tensor
 
 contains
@@ -19,15 +21,22 @@ contains
   !!
   !! All elements at a node weigh the same, whatever their size or material (as in CalculiX); bodies in contact do not
   !! mix, since they share no node. Springs and masses have no stress and do not count. A node without elements gets 0. Cost: linear.
-  subroutine average_at_nodes(mesh, values, averages)
+  !!
+  !! As CalculiX writes them, springs and gaps of two nodes count as elements without stress, and the points of C3D6 are brought to
+  !! the nodes in turn, as far out as if they were those of a rule of three points.
+  subroutine average_at_nodes(mesh, values, averages, is_calculix)
     type(mesh_type), intent(in) :: mesh
     real(DP), intent(in) :: values(:, :)        !< (n_components, n_points)
     real(DP), intent(out) :: averages(:, :)     !< (n_components, n_nodes) same unit
+    logical, intent(in), optional :: is_calculix    !< default .false.
     real(DP) :: matrix(MAX_NODES, MAX_POINTS, N_KINDS)
     logical :: is_made(N_KINDS)
     integer :: n_elements_at(mesh%n_nodes)
     type(kind_type) :: entry
     integer :: e, a, p, n, n_points, kind, first, nodes(MAX_NODES)
+    logical :: is_as_there
+    is_as_there = .false.
+    if (present(is_calculix)) is_as_there = is_calculix
     is_made = .false.
     averages = 0
     n_elements_at = 0
@@ -35,8 +44,12 @@ contains
       if (is_out(mesh, e)) cycle
       kind = mesh%kind(e)
       entry = element_kind(kind)
-      if (entry%family >= FAMILY_SPRING) cycle
+      if (entry%family >= FAMILY_SPRING) then
+        if (is_as_there .and. entry%n_nodes == 2) call count_spring(mesh, e, n_elements_at)
+        cycle
+      end if
       if (.not. is_made(kind)) call extrapolation_matrix(kind, matrix(:, :, kind), n, n_points)
+      if (is_as_there .and. kind == KIND_C3D6) matrix(:6, :2, kind) = reshape([IN_TURN, 1 - IN_TURN], [6, 2])
       is_made(kind) = .true.
       call element_nodes(mesh, e, n, nodes)
       first = mesh%point_first(e)
@@ -56,6 +69,17 @@ contains
       averages(:, a) = averages(:, a) / real(max(1, n_elements_at(a)), DP)
     end do
   end subroutine average_at_nodes
+
+
+  !> A spring counts at its nodes.
+  pure subroutine count_spring(mesh, e, n_elements_at)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                    !< element
+    integer, intent(inout) :: n_elements_at(:)  !< (n_nodes)
+    integer :: n, nodes(MAX_NODES)
+    call element_nodes(mesh, e, n, nodes)
+    n_elements_at(nodes(:n)) = n_elements_at(nodes(:n)) + 1
+  end subroutine count_spring
 
 
   !> Extrapolates the tensors of one element and adds them at its nodes.

@@ -21,7 +21,7 @@ module amontons_printed
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
-  use amontons_contact_fields, only: slave_position
+  use amontons_contact_fields, only: slave_position, shown_slip, shown_energy
   use amontons_nodal, only: point_volumes, point_places
   use amontons_expanded, only: sector_share, take_sector, turn_trusses, bar_points
   use amontons_sections, only: section_type, measure_section
@@ -396,17 +396,22 @@ contains
 
   !> RF: the reactions of supports. CalculiX prints the internal forces at all nodes that have elements; where there are none, at
   !! reference nodes, these are supports and loads.
-  pure function printed_forces(model, fields) result(force)
+  pure function printed_forces(model, fields, is_field) result(force)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
+    logical, intent(in), optional :: is_field      !< for .frd
     real(DP) :: force(3, model%mesh%n_nodes)
+    logical :: is_contact_inside                   ! springs of contact count as elements; in tables mortar's forces do not
     integer :: i
     force = fields%reaction_force
     if (model%dialect /= DIALECT_CALCULIX) return
     force = force + fields%applied_force
+    is_contact_inside = .not. all(model%pairs%is_mortar .and. .not. model%pairs%is_pointwise)
+    if (present(is_field)) is_contact_inside = is_contact_inside .or. is_field
     do i = 1, size(model%mesh%nodes)
       associate (node => model%mesh%nodes(i))
-        force(:, node) = fields%internal_force(:, node) - fields%contact_force(:, node)
+        force(:, node) = fields%internal_force(:, node)
+        if (is_contact_inside) force(:, node) = force(:, node) - fields%contact_force(:, node)
       end associate
     end do
     call take_sector(model%mesh, fields, model%steps(max(1, fields%step))%is_nlgeom, force)
@@ -601,11 +606,11 @@ contains
     case ('CELS')
       call print_contact_head(unit, 'contact spring energy (' // label // ',energy)', fields%total_time)
       do i = 1, size(slaves)
-        if (slaves(i)%status /= STATUS_OPEN) call print_slave(unit, model, slaves(i), [slaves(i)%energy])
+        if (slaves(i)%status /= STATUS_OPEN) call print_slave(unit, model, slaves(i), [shown_energy(model, slaves(i))])
       end do
       if (.not. (request%is_totals .or. request%is_only_totals)) return
       write (unit, '(/a,e14.7/)') ' total contact spring energy for time ', fields%total_time
-      write (unit, TOTAL_FORM) sum(slaves%energy)
+      write (unit, TOTAL_FORM) sum([(shown_energy(model, slaves(i)), i=1, size(slaves))])
     case ('CNUM')
       write (unit, '(/a,e14.7/)') ' total number of contact elements for time ', fields%total_time
       write (unit, '(6x,1x,i10)') count(slaves%status /= STATUS_OPEN)
@@ -650,20 +655,16 @@ contains
     type(slave_type), intent(in) :: slaves(:)
     logical, intent(in) :: is_stress
     real(DP) :: axes(3, 3), row(3)
-    logical :: is_silent                           ! without friction CalculiX prints no slip of its springs
     integer :: i
     do i = 1, size(slaves)
       associate (slave => slaves(i))
         if (slave%status == STATUS_OPEN) cycle
-        is_silent = model%dialect == DIALECT_CALCULIX .and. (slave%side > 0 .or. slave%row == 0) .and. &
-          model%interactions(model%pairs(slave%pair)%interaction)%friction <= 0.0_DP
         axes = contact_axes(slave%normal)
         if (is_stress) then
           row = matmul(slave%force - slave%shear, axes)
           if (slave%area > 0) row = row / slave%area
         else
-          row = matmul(slave%slip + slave%elastic, axes)
-          if (is_silent .and. norm2(slave%elastic) <= 0.0_DP) row = 0.0_DP
+          row = matmul(shown_slip(model, slave), axes)
           row(1) = slave%gap
         end if
         call print_slave(unit, model, slave, row)
@@ -758,7 +759,7 @@ contains
     logical, intent(in) :: is_nlgeom
     type(section_type) :: s
     real(DP) :: tension, torque, moment(3)
-    call measure_section(model%mesh, model%surfaces(surface), fields, is_nlgeom, s)
+    call measure_section(model%mesh, model%surfaces(surface), fields, is_nlgeom, model%dialect == DIALECT_CALCULIX, s)
     write (unit, '(//3a,e14.7)') ' statistics for surface set ', upper_case(model%surfaces(surface)%name), ' and time ', &
       fields%total_time
     call print_sums(unit, 'total surface force', s)

@@ -29,15 +29,16 @@ module amontons_sections
 contains
 
   !> The sums over a surface of element faces.
-  subroutine measure_section(mesh, surface, fields, is_nlgeom, section)
+  subroutine measure_section(mesh, surface, fields, is_nlgeom, is_calculix, section)
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(in) :: surface      !< of element faces
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_nlgeom               !< the faces are where they are now
+    logical, intent(in) :: is_calculix             !< stress is brought to the nodes as CalculiX does
     type(section_type), intent(out) :: section
     real(DP) :: stress(6, mesh%n_nodes)
     integer :: i
-    call average_at_nodes(mesh, fields%stress, stress)
+    call average_at_nodes(mesh, fields%stress, stress, is_calculix)
     do i = 1, size(surface%element)
       call add_face(mesh, surface%element(i), surface%face(i), fields, stress, is_nlgeom, section)
     end do
