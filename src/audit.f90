@@ -21,6 +21,7 @@ module amontons_audit
   use amontons_audit_contact, only: check_contact, tally_pairs, pair_tally_type
   use amontons_audit_bodies, only: bodies_type, find_bodies, body_name
   use amontons_audit_motion, only: check_motions
+  use amontons_audit_pushes, only: check_pushes
   implicit none
   private
   public :: audit_model, audit_summary
@@ -73,6 +74,7 @@ contains
     call find_bodies(model, bodies)
     call check_lone_nodes(model, bodies, report)
     call check_motions(model, contact, slaves, bodies, report)
+    call check_pushes(model, contact, slaves, bodies, report)
   end subroutine check_bodies
 
 

@@ -55,7 +55,7 @@ contains
       call check_direction(model, p, tallies(p), report)
       call check_depth(model, contact, slaves, p, tallies(p), report)
     end do
-    call check_held(model, slaves, report)
+    call check_held(model, contact, slaves, report)
   end subroutine check_contact
 
 
@@ -128,7 +128,8 @@ contains
       none = 'None of the ' // plural(tally%n_slaves, 'slave node') // ' of ' // pair_name(model, p) // &
         ' projects on the master at the start'
       if (may_meet_later(model, contact, p)) then
-        call warn(report, none // '; the prescribed displacements may bring the surfaces together later.')
+        call warn(report, none // '; the prescribed displacements may bring the surfaces together later. ' // &
+          'If the master lies between nodes of the slave, swap them: the slave is the finer or smaller surface.')
       else
         call complain(report, none // ': the surfaces do not face each other, or are farther apart than ' // &
           text_of(REACH * contact%edge(p)) // ' (three edges of the master). Check the faces of both surfaces and ' // &
@@ -165,7 +166,7 @@ contains
     type(pair_tally_type), intent(in) :: tally
     type(complaints_type), intent(inout) :: report
     character(:), allocatable :: found
-    if (tally%depth <= SLIGHT) return
+    if (tally%depth <= SLIGHT .or. is_allowed(model, p, tally%depth, contact%edge(p))) return
     associate (slave => slaves(tally%deepest))
       found = 'In ' // pair_name(model, p) // ' slave node ' // text_of(model%mesh%node_label(slave%node)) // &
         ' lies ' // text_of(-slave%gap) // ' inside the master at the start, where an edge is ' // &
@@ -179,6 +180,21 @@ contains
         'increment, which strains the bodies; move the nodes onto the master if that is not wanted.')
     end if
   end subroutine check_depth
+
+
+  !> Whether *CONTACT INTERFERENCE of the first step takes a penetration over the edge for what it is: a fit.
+  pure logical function is_allowed(model, p, depth, edge)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: p                       !< pair
+    real(DP), intent(in) :: depth                  !< over the edge [-]
+    real(DP), intent(in) :: edge                   !< [length]
+    is_allowed = .false.
+    if (size(model%steps) == 0 .or. depth > DEEP) return
+    associate (step => model%steps(1))
+      if (allocated(step%is_shrink)) is_allowed = step%is_shrink(p)
+      if (allocated(step%interference)) is_allowed = is_allowed .or. abs(step%interference(p)) >= 0.5_DP * depth * edge
+    end associate
+  end function is_allowed
 
 
   !> Whether a pair that is apart at the start can be driven together: finite sliding, and a displacement long enough.
@@ -275,8 +291,9 @@ contains
 
 
   !> Slave nodes that a support or an equation holds along the contact normal: the contact cannot push them.
-  subroutine check_held(model, slaves, report)
+  subroutine check_held(model, contact, slaves, report)
     type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slaves(:)
     type(complaints_type), intent(inout) :: report
     type(integer_list_type), allocatable :: found(:)
@@ -288,7 +305,7 @@ contains
       if (allocated(found)) deallocate (found)
       allocate (found(size(model%pairs)))
       do s = 1, size(slaves)
-        if (slaves(s)%facet == 0) cycle
+        if (slaves(s)%facet == 0 .or. dot_product(contact%slave_normal(:, s), slaves(s)%normal) > SAME_WAY) cycle
         if (is_compliant(model%interactions(model%pairs(slaves(s)%pair)%interaction))) cycle
         if (norm2(merge(slaves(s)%normal, 0.0_DP, is_free(:, slaves(s)%node))) >= HELD) cycle
         call found(slaves(s)%pair)%add(model%mesh%node_label(slaves(s)%node))

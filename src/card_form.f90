@@ -3,12 +3,12 @@
 module amontons_card_form
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, remarks_type
-  use amontons_lookup, only: name_table_type
+  use amontons_lookup, only: name_table_type, letters_apart
   use amontons_text, only: squeezed, count_words, nth_word, is_one_of, joined_words, parse_integer, parse_real, &
     NUMBER_OK, NEWLINE
   implicit none
   private
-  public :: card_table_type, card_entry_type, option_type, find_entry, match_parameters, render_table
+  public :: card_table_type, card_entry_type, option_type, find_entry, match_parameters, render_table, hint_at_cards
   public :: has_parameter, parameter_text, parameter_word
   public :: IN_MODEL, IN_STEP, IN_BOTH, STATUS_USED, STATUS_NOTED, STATUS_REFUSED
   public :: VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, VALUE_OPTIONAL_REAL
@@ -351,6 +351,16 @@ contains
   end subroutine check_required
 
 
+  !> How the sentence about a card that is not known ends: with the one that was meant, if one is near.
+  function hint_at_cards(table, key) result(text)
+    type(card_table_type), intent(in) :: table
+    character(*), intent(in) :: key
+    character(:), allocatable :: text
+    text = table%names%hint(key)
+    if (text(1:1) == ';' .and. text(len(text):) /= '?') text = '.'
+  end function hint_at_cards
+
+
   !> The message for a parameter that the card does not have.
   function unknown_parameter(entry, key) result(text)
     type(card_entry_type), intent(in) :: entry
@@ -364,6 +374,10 @@ contains
       list = list // form_of(entry%options(i))
     end do
     text = 'The card *' // entry%keyword // ' has no parameter ' // key
+    do i = 1, entry%n_options
+      if (entry%options(i)%status == STATUS_USED .and. letters_apart(key, trim(entry%options(i)%name)) <= max(1, len(key) / 3)) &
+        text = text // ' (did you mean ' // trim(entry%options(i)%name) // '?)'
+    end do
     if (list == '') then
       text = text // '; it takes none.'
     else

@@ -3,7 +3,7 @@
 module amontons_deck
   use amontons_cards, only: row_type, parameter_type, open_cards, open_cards_text, publish_remarks, line_text, &
     read_parameters, start_rows, next_row
-  use amontons_card_form, only: find_entry, has_parameter, match_parameters, parameter_text, &
+  use amontons_card_form, only: find_entry, has_parameter, hint_at_cards, match_parameters, parameter_text, &
     IN_MODEL, IN_STEP, IN_BOTH, STATUS_USED, STATUS_NOTED, &
     STATUS_REFUSED
   use amontons_card_table, only: make_card_table
@@ -256,7 +256,8 @@ contains
           call note(reader, card%line, 'The card *' // card%key // ' is not known, to CalculiX neither; it is passed over ' // &
             'as CalculiX does. amontons --cards lists all cards.')
         else
-          call complain(reader, card%line, 'The card *' // card%key // ' is not known. amontons --cards lists all cards.')
+          call complain(reader, card%line, 'The card *' // card%key // ' is not known' // hint_at_cards(reader%table, card%key) // &
+            ' amontons --cards lists all cards.')
         end if
         return
       end if

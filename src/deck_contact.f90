@@ -370,7 +370,7 @@ contains
       common%interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
       if (common%interaction == 0 .and. parameter_text(parameters, 'INTERACTION') /= '') call complain(reader, &
         reader%cards%cards(c)%line, 'There is no surface interaction ''' // parameter_text(parameters, 'INTERACTION') &
-        // '''.')
+        // '''' // reader%interactions%hint(parameter_text(parameters, 'INTERACTION')))
       common%is_small_sliding = has_parameter(parameters, 'SMALL SLIDING')
       common%is_mortar = parameter_word(parameters, 'TYPE', 'NODETOSURFACE') /= 'NODETOSURFACE'
       common%is_pointwise = reader%dialect == DIALECT_CALCULIX .and. index(parameter_word(parameters, 'TYPE', ''), 'SURFACE') == 1
@@ -430,8 +430,9 @@ contains
     pair%name = slave // ' / ' // master
     pair%slave = find_slave_surface(reader, slave)
     pair%master = reader%surfaces%find(master)
-    if (pair%slave == 0) call complain(reader, row%line, 'There is no surface ''' // slave // '''.')
-    if (pair%master == 0) call complain(reader, row%line, 'There is no surface ''' // master // '''.')
+    if (pair%slave == 0) call complain(reader, row%line, 'There is no surface ''' // slave // '''' // reader%surfaces%hint(slave))
+    if (pair%master == 0) call complain(reader, row%line, 'There is no surface ''' // master // '''' // &
+      reader%surfaces%hint(master))
     if (pair%slave > 0 .and. pair%slave == pair%master) call complain(reader, row%line, &
       'A surface cannot be in contact with itself; name two surfaces.')
     if (pair%master > 0) then

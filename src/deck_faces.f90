@@ -7,7 +7,7 @@ module amontons_deck_faces
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
-  public :: faces_type, index_faces, find_free_faces, find_left_faces
+  public :: faces_type, index_faces, find_free_faces, find_left_faces, n_hidden_faces
 
   !> The elements at each node, for looking up faces.
   type :: faces_type
@@ -82,6 +82,22 @@ contains
       end associate
     end do
   end subroutine match_face
+
+
+  !> How many of some faces another element shares.
+  integer function n_hidden_faces(faces, mesh, element, face) result(n_hidden)
+    type(faces_type), intent(inout) :: faces
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: element(:), face(:)
+    integer :: i, n, e, f
+    n_hidden = 0
+    if (any(mesh%nodes < 1)) return
+    call index_faces(faces, mesh)
+    do i = 1, size(element)
+      call match_face(faces, mesh, corners_of(mesh, element(i), face(i)), n, e, f)
+      if (n > 1) n_hidden = n_hidden + 1
+    end do
+  end function n_hidden_faces
 
 
   !> The faces of some elements that no other element of the mesh shares.

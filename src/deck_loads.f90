@@ -579,8 +579,13 @@ contains
     call need_at_most(reader, row, 3)
     call need_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
     s = reader%surfaces%find(field_text(reader%cards, row, 1))
-    if (s == 0) then
-      call complain(reader, row%line, 'There is no surface ''' // field_text(reader%cards, row, 1) // '''.')
+    if (s == 0 .and. reader%element_sets%find(field_text(reader%cards, row, 1)) > 0) then
+      call complain(reader, row%line, '''' // field_text(reader%cards, row, 1) // ''' is a set of elements, no surface. ' // &
+        'Make one of its free faces, *SURFACE, NAME=name with the line ' // field_text(reader%cards, row, 1) // ', and load that.')
+      return
+    else if (s == 0) then
+      call complain(reader, row%line, 'There is no surface ''' // field_text(reader%cards, row, 1) // '''' // &
+        reader%surfaces%hint(field_text(reader%cards, row, 1)))
       return
     end if
     if (model%surfaces(s)%is_node_based) then

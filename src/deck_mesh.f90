@@ -7,7 +7,7 @@
 module amontons_deck_mesh
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, row_type, next_row, field_integer, field_text
-  use amontons_card_form, only: parameter_text, parameter_word
+  use amontons_card_form, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_labels, only: cartesian
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, &
     need_at_most, need_no_data, is_card
@@ -325,10 +325,10 @@ contains
       set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
       material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
       associate (line => reader%cards%cards(c)%line)
-        if (set == 0) call complain(reader, line, 'There is no element set ''' // parameter_text(parameters, 'ELSET') &
-          // '''.')
-        if (material == 0) call complain(reader, line, 'There is no material ''' // &
-          parameter_text(parameters, 'MATERIAL') // '''.')
+        if (set == 0 .and. has_parameter(parameters, 'ELSET')) call complain(reader, line, 'There is no element set ''' // &
+          parameter_text(parameters, 'ELSET') // '''' // reader%element_sets%hint(parameter_text(parameters, 'ELSET')))
+        if (material == 0 .and. has_parameter(parameters, 'MATERIAL')) call complain(reader, line, 'There is no material ''' // &
+          parameter_text(parameters, 'MATERIAL') // '''' // reader%materials%hint(parameter_text(parameters, 'MATERIAL')))
         thickness = 1
         if (next_row(reader%cards, row)) then
           is_thick = .true.

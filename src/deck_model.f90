@@ -7,7 +7,7 @@ module amontons_deck_model
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     need_no_data, read_constants, nodes_of_field, elements_of_field, is_card, check_name
   use amontons_deck_profiles, only: read_profile, is_profile_word
-  use amontons_deck_faces, only: faces_type, find_free_faces, find_left_faces
+  use amontons_deck_faces, only: faces_type, find_free_faces, find_left_faces, n_hidden_faces
   use amontons_loads, only: amplitude_type, equation_type, COURSE_TABLE, COURSE_SMOOTH, COURSE_PERIODIC, COURSE_MODULATED, &
     COURSE_DECAY
   use amontons_lookup, only: integer_list_type, sort_integers
@@ -428,7 +428,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     type(integer_list_type) :: elements, faces
     integer, allocatable :: found(:)
-    integer :: i, face, n_without
+    integer :: i, face, n_without, n_hidden
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     is_ok = .true.
@@ -463,6 +463,11 @@ contains
     surface%element = elements%trimmed()
     surface%face = faces%trimmed()
     call fill_surface_nodes(mesh, surface)
+    if (.not. is_ok) return
+    n_hidden = n_hidden_faces(index, mesh, surface%element, surface%face)
+    if (n_hidden > 0 .and. n_hidden < size(surface%face)) call note(reader, reader%cards%cards(c)%line, 'The surface ''' // &
+      surface%name // ''' holds faces inside the body, ' // text_of(n_hidden) // ' of ' // text_of(size(surface%face)) // &
+      ': another element shares them. The name of the set alone, without S1 to S6, takes its free faces.')
   end subroutine read_surface_faces
 
 

@@ -210,7 +210,8 @@ contains
     if (status == NUMBER_EMPTY) then
       call complain(reader, row%line, 'Field ' // text_of(i) // ' must name a node or a node set; it is empty.')
     else
-      call complain(reader, row%line, 'There is no node or node set ''' // field_text(reader%cards, row, i) // '''.')
+      call complain(reader, row%line, 'There is no node or node set ''' // field_text(reader%cards, row, i) // '''' // &
+        reader%node_sets%hint(field_text(reader%cards, row, i)))
     end if
   end subroutine nodes_of_field
 
@@ -249,7 +250,7 @@ contains
         ' is no solid; name solid elements only.')
     else
       call complain(reader, row%line, 'There is no element or element set ''' // &
-        field_text(reader%cards, row, i) // '''.')
+        field_text(reader%cards, row, i) // '''' // reader%element_sets%hint(field_text(reader%cards, row, i)))
     end if
   end subroutine elements_of_field
 

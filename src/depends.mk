@@ -132,7 +132,8 @@ uses_audit_words = errors text
 uses_audit_contact = kinds errors text lookup surfaces loads model state contact audit_words
 uses_audit_bodies = kinds text topology mesh model element
 uses_audit_motion = kinds errors text lookup tensor dense topology surfaces steps model rows state contact audit_words audit_contact audit_bodies
-uses_audit = kinds errors text lookup topology loads steps model element state constraints bonds contact audit_words audit_contact audit_bodies audit_motion
+uses_audit_pushes = kinds errors topology model rows state contact audit_words audit_bodies
+uses_audit = kinds errors text lookup topology loads steps model element state constraints bonds contact audit_words audit_contact audit_bodies audit_motion audit_pushes
 
 # 6 solution: the increment, the steps, the results
 uses_crossing = kinds tensor topology facets

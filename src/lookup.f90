@@ -5,7 +5,7 @@ module amontons_lookup
   use amontons_text, only: squeezed
   implicit none
   private
-  public :: name_table_type, label_table_type, integer_list_type, sort_integers
+  public :: name_table_type, label_table_type, integer_list_type, sort_integers, letters_apart
 
   integer, parameter :: KEY_LENGTH = 2 * NAME_LENGTH + 1   !< the name of an instance, a point, the name of a set
 
@@ -17,6 +17,7 @@ module amontons_lookup
   contains
     procedure :: add => add_name
     procedure :: find => find_name
+    procedure :: hint => hint_at_names
     procedure, private :: slot_of
     procedure, private :: enlarge
   end type name_table_type
@@ -85,6 +86,64 @@ contains
     key = squeezed(name)
     position = self%slots(self%slot_of(key))
   end function find_name
+
+
+  !> How a sentence about a name that is not known ends: with the name that was meant, all names if they are few, or a full stop.
+  function hint_at_names(self, name) result(text)
+    class(name_table_type), intent(in) :: self
+    character(*), intent(in) :: name
+    character(:), allocatable :: text
+    integer, parameter :: FEW = 5
+    character(:), allocatable :: word
+    integer :: i, best, least, apart
+    text = '.'
+    word = squeezed(name)
+    if (word == '') return
+    least = 1 + max(1, len_trim(word) / 3)
+    best = 0
+    do i = 1, self%n
+      apart = letters_apart(trim(word), trim(self%keys(i)))
+      if (apart >= least) cycle
+      least = apart
+      best = i
+    end do
+    if (best > 0) then
+      text = '; did you mean ' // trim(self%keys(best)) // '?'
+    else if (self%n == 0) then
+      text = '; there is none.'
+    else if (self%n == 1) then
+      text = '; there is only ' // trim(self%keys(1)) // '.'
+    else if (self%n <= FEW) then
+      text = '; there are ' // trim(self%keys(1))
+      do i = 2, self%n
+        if (i < self%n) text = text // ', ' // trim(self%keys(i))
+        if (i == self%n) text = text // ' and ' // trim(self%keys(i)) // '.'
+      end do
+    end if
+  end function hint_at_names
+
+
+  !> How many letters are to be changed, put in, left out or exchanged with their neighbour to make one word of another
+  !! (optimal string alignment).
+  pure integer function letters_apart(one, other) result(apart)
+    character(*), intent(in) :: one, other
+    integer :: rows(0:len(other), 0:2)             ! of the last row but one, the last one, and this one
+    integer :: i, j, change
+    rows(:, 2) = [(j, j=0, len(other))]
+    do i = 1, len(one)
+      rows(:, 0) = rows(:, 1)
+      rows(:, 1) = rows(:, 2)
+      rows(0, 2) = i
+      do j = 1, len(other)
+        change = merge(0, 1, one(i:i) == other(j:j))
+        rows(j, 2) = min(rows(j, 1) + 1, rows(j - 1, 2) + 1, rows(j - 1, 1) + change)
+        if (i == 1 .or. j == 1) cycle
+        if (one(i:i) == other(j - 1:j - 1) .and. one(i - 1:i - 1) == other(j:j)) &
+          rows(j, 2) = min(rows(j, 2), rows(max(j - 2, 0), 0) + 1)
+      end do
+    end do
+    apart = rows(len(other), 2)
+  end function letters_apart
 
 
   !> The slot that holds a key, or the free one where it belongs (FNV-1a hash, linear probing).

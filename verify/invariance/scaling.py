@@ -18,16 +18,17 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 #: Cards without numbers that have a unit.
-PLAIN = {"HEADING", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SOLID SECTION", "SURFACE INTERACTION", "FRICTION",
+PLAIN = {"HEADING", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SURFACE INTERACTION", "FRICTION",
          "CONTACT PAIR", "STEP", "STATIC", "END STEP", "CONTROLS", "NODE PRINT", "EL PRINT", "CONTACT PRINT", "NODE FILE", "EL FILE",
          "CONTACT FILE", "NODE OUTPUT", "ELEMENT OUTPUT", "CONTACT OUTPUT", "OUTPUT", "LINE SEARCH", "AMPLITUDE", "CHANGE FRICTION",
          "CHANGE SURFACE BEHAVIOR", "MODEL CHANGE", "EQUATION", "INCLUDE", "RIGID BODY", "TRANSFORM", "EXPANSION", "INITIAL CONDITIONS",
-         "TEMPERATURE", "PLASTIC DATA", "RESTART", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING"}  # fmt: skip
-#: Card to the units of the numbers of a data line; the last one repeats. L length, F force, S stress, K stress per length, 1 none.
+         "TEMPERATURE", "PLASTIC DATA", "RESTART", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING", "PRE-TENSION SECTION"}  # fmt: skip
+#: Card to the units of the numbers of a data line; the last one repeats. L length, F force, S stress, K stress per length, Z one over
+#: stress, 1 none.
 UNITS = {"NODE": "1L", "ELASTIC": "S1", "CLOAD": "11F", "DSLOAD": "11S", "SURFACE BEHAVIOR": "K", "CONTACT INTERFERENCE": "11L",
-         "DENSITY": "R", "PLASTIC": "S1", "TRACTION": "S"}  # fmt: skip
+         "DENSITY": "R", "PLASTIC": "S1", "TRACTION": "S", "SOLID SECTION": "L", "HYPERELASTIC": "SZ1"}  # fmt: skip
 #: Cards that belong to the card before them.
-FOLLOWERS = {"ELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING"}
+FOLLOWERS = {"ELASTIC", "HYPERELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING"}
 #: Cards whose data lines begin with a node, all of whose numbers are nodes, or which hold them behind a label.
 NODE_FIRST, NODES_ONLY = {"NODE", "BOUNDARY", "CLOAD", "TEMPERATURE", "INITIAL CONDITIONS"}, {"NSET"}
 MODEL_END = "*STEP"
@@ -43,7 +44,7 @@ class Units:
     def of(self, letter: str) -> float:
         """The factor of a unit."""
         stress = self.force / self.length**2
-        rest = {"K": stress / self.length, "R": stress / self.length**2}  # one unit of time: density times length^2 is a stress
+        rest = {"K": stress / self.length, "Z": 1 / stress, "Q": self.force / self.length, "R": stress / self.length**2}  # one unit of time: density times length^2 is a stress
         return {"1": 1.0, "L": self.length, "F": self.force, "S": stress, **rest}[letter]
 
 
@@ -65,27 +66,45 @@ def keyword(card: list[str]) -> str:
     return re.sub(r"\s+", " ", card[0][1:].split(",")[0].strip().upper())
 
 
-def scaled(deck: str, units: Units) -> str:
+def scaled(deck: str, units: Units, tight: float = 1e-10) -> str:
     """The deck in other units, with controls so tight that what is left is below what is compared."""
-    return "\n".join(line for card in cards(deck) for line in scaled_card(card, units)) + "\n"
+    return "\n".join(line for card in cards(deck) for line in scaled_card(card, units, tight)) + "\n"
 
 
-def scaled_card(card: list[str], units: Units) -> list[str]:
-    """One card."""
+def scaled_card(card: list[str], units: Units, tight: float) -> list[str]:
+    """One card. tight: what Newton's method may leave of forces and of corrections."""
     name = keyword(card)
     if name == "STATIC":
-        return [*card, "*CONTROLS, PARAMETERS=FIELD", "1e-10, 1e-10, , , 1e-10"]
+        return [*card, "*CONTROLS, PARAMETERS=FIELD", f"{tight:g}, {tight:g}, , , {tight:g}"]
     if name == "CONTROLS" and "FIELD" in card[0].upper():
         return []
     if name == "CLEARANCE":
         return [re.sub(r"(VALUE=)([^,]+)", lambda m: m.group(1) + times(m.group(2), units.of("L")), card[0])]
+    if name == "SURFACE" and is_analytic(card):
+        head = re.sub(r"(FILLET RADIUS=)([^,]+)", lambda m: m.group(1) + times(m.group(2), units.of("L")), card[0])
+        return [head, *(row(line, "L", units) for line in card[1:])]
+    if name == "SPRING":
+        return [card[0], card[1], *(row(line, "Q", units) for line in card[2:])]
+    if name == "HYPERELASTIC" and "NEO" not in card[0].upper():
+        return [refuse(name)]
     if name == "BOUNDARY":
-        return [card[0], *(row(line, "111L", units) for line in card[1:])]
+        return [card[0], *(row(line, "1111" if is_rotation(line) else "111L", units) for line in card[1:])]
     if name == "DLOAD":
         return [card[0], *(row(line, "11L111" if "GRAV" in line.upper() else "11S", units) for line in card[1:])]
     if name in UNITS:
         return [card[0], *(row(line, UNITS[name], units) for line in card[1:])]
     return card if name in PLAIN else [refuse(name)]
+
+
+def is_rotation(line: str) -> bool:
+    """Whether a line of *BOUNDARY is about the degrees of freedom 4 to 6."""
+    fields = line.split(",")
+    return len(fields) > 1 and fields[1].strip() in {"4", "5", "6"}
+
+
+def is_analytic(card: list[str]) -> bool:
+    """Whether a *SURFACE is a profile of lines and arcs."""
+    return bool(re.search(r"TYPE\s*=\s*(SEGMENTS|CYLINDER|REVOLUTION)", card[0].upper()))
 
 
 def refuse(name: str) -> str:
@@ -143,6 +162,8 @@ def turned(deck: str) -> str:
         if name == "NODE":
             card = [card[0], *(turned_node(line, turn) for line in card[1:])]
             places += [line.split(",")[0] for line in card[1:]]
+        elif name == "SURFACE" and is_analytic(card):
+            card = turned_profile(card, turn)
         elif name == "DLOAD":
             card = [card[0], *(turned_gravity(line, turn) if "GRAV" in line.upper() else line for line in card[1:])]
         if card[0].upper().startswith(MODEL_END) and places:
@@ -159,6 +180,26 @@ def turned_node(line: str, turn: Floats) -> str:
     place = np.zeros(3)
     place[: len(numbers)] = [float(v) for v in numbers]
     return f"{label}, " + ", ".join(f"{v:.17g}" for v in (turn @ place)[: len(numbers)])
+
+
+def turned_profile(card: list[str], turn: Floats) -> list[str]:
+    """A *SURFACE of lines and arcs: its points if it is plane, else its axes, which are written out if they were not."""
+    head, *lines = card
+    start = next(i for i, line in enumerate(lines) if line.upper().startswith("START"))
+    if "SEGMENTS" in head.upper():
+        return [head, *(turned_points(line, turn, 2) for line in lines)]
+    is_drawn = "CYLINDER" in head.upper()
+    axes = [line for line in lines[:start] if line.strip()]
+    if not axes:
+        axes = ["0., 0., 0., 1., 0., 0.", "0., 0., -1."] if is_drawn else ["0., 0., 0., 0., 1., 0."]
+    return [head, *(turned_points("," + line, turn, 3)[2:] for line in axes), *lines[start:]]
+
+
+def turned_points(line: str, turn: Floats, n: int) -> str:
+    """A word, then points of n coordinates."""
+    word, *numbers = line.rstrip().rstrip(",").split(",")
+    places = np.array([float(v) for v in numbers]).reshape(-1, n) @ turn[:n, :n].T
+    return ", ".join([word.strip(), *(f"{v:.17g}" for v in places.ravel())])
 
 
 def turned_gravity(line: str, turn: Floats) -> str:

@@ -283,6 +283,47 @@ def test_all_at_once(run_deck: Run, tmp_path: Path) -> None:
     assert len(errors) >= 4
 
 
+THREE_CUBES = (Path(__file__).resolve().parents[2] / "input" / "three_cubes.inp").read_text()
+THREE_CUBES = THREE_CUBES.replace("*INCLUDE, INPUT=three_cubes.mesh\n", (Path(__file__).resolve().parents[2] / "input" / "three_cubes.mesh").read_text())
+SLIPS = [
+    ("*BOUNDARY", "*BOUNDRY", 3, "*BOUNDRY is not known; did you mean BOUNDARY?"),
+    ("MATERIAL=STEEL", "MATERAIL=STEEL", 3, "has no parameter MATERAIL (did you mean MATERIAL?)"),
+    ("MATERIAL=STEEL", "MATERIAL=STELL", 3, "There is no material 'STELL'; did you mean STEEL?"),
+    ("MATERIAL=STEEL", "MATERIAL=GOLD", 3, "There is no material 'GOLD'; there is only STEEL."),
+    ("FLOOR, 1, 3", "FLOR, 1, 3", 3, "There is no node or node set 'FLOR'; did you mean FLOOR?"),
+    ("CUBE_SOLE, TABLE_TOP", "CUBESOLE, TABLE_TPO", 3, "There is no surface 'TABLE_TPO'; did you mean TABLE_TOP?"),
+    ("INTERACTION=RUBBING\nCUBE", "INTERACTION=RUBING\nCUBE", 3, "There is no surface interaction 'RUBING'; did you mean RUBBING?"),
+    ("*BOUNDARY\nFLOOR", "*DSLOAD\nTABLE, P, 1.\n*BOUNDARY\nFLOOR", 3, "'TABLE' is a set of elements, no surface."),
+    ("FLOOR, 1, 3\n", "", 0, "Nothing but contact holds the body of element 1"),
+    ("CUBE_SOLE, TABLE_TOP", "TABLE_TOP, CUBE_SOLE", 0, "If the master lies between nodes of the slave, swap them"),
+    ("TABLE, S2", "TABLE, S2\nTABLE, S4", 4, "'TABLE_TOP' holds faces inside the body, 1 of 4"),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong", "status", "told"), SLIPS, ids=[told[:40] for *_, told in SLIPS])
+def test_slips_of_a_beginner(run_deck: Run, right: str, wrong: str, status: int, told: str) -> None:
+    """A word that is spelt wrong is told with the one that was meant; a forgotten support and faces inside a body are remarked."""
+    done = run_deck(THREE_CUBES.replace(right, wrong, 1), "--check")
+    assert done.returncode == status, done.stdout
+    assert told in done.stdout, done.stdout
+
+
+def test_nodes_that_face_away_may_be_held(run_deck: Run) -> None:
+    """The bottom of a cube whose whole skin is the slave is held: nothing is said of that, contact is at its top."""
+    deck = THREE_CUBES.replace("CUBE, S1\n", "CUBE,\n").replace("LID, 1, 2", "LID, 1, 3")
+    assert "cannot push there" not in run_deck(deck, "--check").stdout
+
+
+def test_a_fit_is_no_mistake(run_deck: Run) -> None:
+    """What *CONTACT INTERFERENCE, SHRINK takes as a fit is not called a penetration."""
+    deck = THREE_CUBES.replace("LID, 3, 3, -0.001", "LID, 3, 3")
+    deeper = re.sub(r"^(1[3-9]|20), ([^,]+), ([^,]+), (\S+)$", lambda m: f"{m[1]}, {m[2]}, {m[3]}, {float(m[4]) - 0.02}", deck, flags=re.M)
+    assert "inside the master" in run_deck(deeper, "--check").stdout
+    fit = deeper.replace("*BOUNDARY\nFLOOR", "*CONTACT INTERFERENCE, SHRINK\nCUBE_SOLE, TABLE_TOP\n*BOUNDARY\nFLOOR", 1)
+    done = run_deck(fit, "--check")
+    assert done.returncode == 0 and "inside the master" not in done.stdout, done.stdout
+
+
 @pytest.mark.parametrize("name", ["three_cubes", "shear_block", "hertz_octant", "ironing"])
 def test_decks_of_input_are_good(run: Run, root: Path, name: str, tmp_path: Path) -> None:
     """No deck of input/ gets an error or a warning from the audit, and --check tells bodies, pairs and steps."""
