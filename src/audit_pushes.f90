@@ -101,26 +101,35 @@ contains
     real(DP), intent(inout) :: way(:, :)           !< (3, n_bodies)
     logical, intent(inout) :: is_pushed(:)
     type(contact_row_type) :: row
-    real(DP) :: along
+    real(DP) :: push(3)
     integer :: s, i, b
     do s = 1, size(slaves)
-      associate (slave => slaves(s))
-        if (slave%facet == 0 .or. .not. contact%overlaps%is_kept(s)) cycle
-        call touching_row(contact, slave, row)
-        do i = 1, size(row%nodes)
-          b = bodies%of_node(row%nodes(i))
-          if (b == 0) cycle
-          if (.not. is_judging) then
-            way(:, b) = way(:, b) + row%weights(i) * slave%normal
-          else
-            associate (law => model%interactions(model%pairs(slave%pair)%interaction))
-              along = sign(1.0_DP, row%weights(i)) * dot_product(slave%normal, way(:, b))
-              if (law%is_user_friction .or. along <= law%friction * sqrt(max(0.0_DP, 1.0_DP - along**2))) is_pushed(b) = .false.
-            end associate
-          end if
-        end do
-      end associate
+      if (slaves(s)%facet == 0 .or. .not. contact%overlaps%is_kept(s)) cycle
+      call touching_row(contact, slaves(s), row)
+      do i = 1, size(row%nodes)
+        b = bodies%of_node(row%nodes(i))
+        if (b == 0) cycle
+        push = row%weights(i) * slaves(s)%normal
+        if (.not. is_judging) way(:, b) = way(:, b) + push
+        if (is_judging .and. .not. goes_along(model, slaves(s)%pair, push, way(:, b))) is_pushed(b) = .false.
+      end do
     end do
   end subroutine look_at_pushes
+
+
+  !> Whether every force of a contact has a part along a direction, whatever its friction.
+  pure logical function goes_along(model, pair, push, way)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: pair
+    real(DP), intent(in) :: push(3)                !< along the normal, of any length
+    real(DP), intent(in) :: way(3)                 !< unit vector
+    real(DP) :: along
+    goes_along = .true.
+    if (.not. norm2(push) > 0.0_DP) return
+    along = dot_product(push, way) / norm2(push)
+    associate (law => model%interactions(model%pairs(pair)%interaction))
+      goes_along = .not. law%is_user_friction .and. along > law%friction * sqrt(max(0.0_DP, 1.0_DP - along**2))
+    end associate
+  end function goes_along
 
 end module amontons_audit_pushes
