@@ -1,0 +1,52 @@
+"""A reader finds for every measured figure of README and doc how it is made: each section with one names the command, the test or
+the page that has it. Figures that are reckoned, not measured, are marked so by a comment.
+
+The pages of the verification are written by their cases and name them.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+PAGES = [ROOT / "README.md", *sorted(path for path in (ROOT / "doc").rglob("*.md") if path.parent.name != "verification")]
+FIGURE = re.compile(
+    r"(?<![\w.*/-])(?:\d[\d .,]*\d|\d)\s?(?:%|per cent\b|(?:s|ms|MB|GB|kB|seconds?|minutes?|iterations?|attempts?|factorisations?)\b)"
+)
+COMMAND = re.compile(
+    r"`(?:make |python3? |pytest |bin/amontons |amontons |AMONTONS_|perf |fuzz\.py )[^`]*`|`(?:verify|input)/[^`]+`|`test_\w+(?:\.py)?`"
+    r"|^    (?:make|bin/amontons|\.venv|python|amontons) |\]\([^)]*(?:verification/|study/|performance\.md)[^)]*\)"
+    r"|<!-- figures: reckoned, not measured -->",
+    re.M,
+)
+
+
+def sections_with_figures(text: str) -> list[str]:
+    """The headings of the sections that tell a figure and no command."""
+    prose = re.sub(r"```.*?```", "", text, flags=re.S)
+    sections = re.split(r"^(?=#+ )", prose, flags=re.M)
+    return [section.splitlines()[0] for section in sections if FIGURE.search(section) and not COMMAND.search(section)]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_figures_name_their_command(page: Path) -> None:
+    """Section by section."""
+    assert sections_with_figures(page.read_text()) == []
+
+
+def test_the_rule_finds_what_it_should() -> None:
+    """A figure without a command is found, one with a command, a constant or code is not."""
+    assert sections_with_figures("# A\nIt takes 3.5 s.\n# B\nIt takes 3 s (`make bench`).\n# C\nmu = 0.3\n# D\n```\n12 %\n```\n") == ["# A"]
+    assert sections_with_figures("# A\nSome 12 iterations\n") == ["# A"]
+
+
+def test_scripts_that_are_named_are_there() -> None:
+    """The files that the commands name."""
+    for page in PAGES:
+        for name in re.findall(r"`(?:python3? )?(verify/[\w/]+\.py)", page.read_text()):
+            assert (ROOT / name).exists(), f"{page.name} names {name}"
