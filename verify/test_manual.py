@@ -9,6 +9,8 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from fnmatch import fnmatch
 from pathlib import Path
 
@@ -69,6 +71,20 @@ def test_every_page_is_in_the_navigation(texts: dict[Path, str]) -> None:
     apart = [pattern for block in re.findall(r"^(?:not_in_nav|exclude_docs): \|\n((?:  .*\n)+)", settings, flags=re.M) for pattern in block.split()]
     assert named - there - {"verification/index.md"} == set()
     assert {page for page in there - named if not any(fnmatch(page, pattern.lstrip("/")) for pattern in apart)} == set()
+
+
+def test_part_of_your_own(run: Run, tmp_path: Path) -> None:
+    """The bracket of the first job: meshed by gmsh as it is shown there, its reactions are pressure times area."""
+    text = (MANUAL / "first_job.md").read_text()
+    for name, kind in (("bracket.geo", "geo"), ("bracket.inp", "inp")):
+        (tmp_path / name).write_text(re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1])
+    mesh = [sys.executable, Path(sys.executable).parent / "gmsh", "-3", "bracket.geo", "-format", "inp", "-o", "bracket_mesh.inp"]
+    done = subprocess.run(mesh, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    done = run(["bracket"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    force = [float(word) for word in (tmp_path / "bracket.dat").read_text().split()[-3:]]
+    assert force == pytest.approx([0.0, 0.0, 640.0], abs=1e-5)
 
 
 EXAMPLES = sorted((MANUAL / "examples").glob("*.inp"))
