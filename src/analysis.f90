@@ -6,14 +6,13 @@
 module amontons_analysis
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, complaints_type, set_error, EXIT_NOT_CONVERGED, EXIT_SOLVER
-  use amontons_posix, only: peak_megabytes, has_memory, is_status_asked, stop_signal
-  use amontons_dense, only: symmetric_eigen
+  use amontons_posix, only: peak_megabytes, is_status_asked, stop_signal
   use amontons_text, only: text_of, plural
   use amontons_journal, only: journal_type
   use amontons_model, only: model_type, job_options_type, job_path, DIALECT_CALCULIX
   use amontons_steps, only: step_type
   use amontons_history, only: increment_record_type, iteration_record_type, PHASE_OUTPUT, PHASE_OTHER, N_PHASES
-  use amontons_factor, only: set_blas_threads, choose_blas_kernels
+  use amontons_claims, only: claim_blas, claim_deck, claim_matrices
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, slave_type, commit_state, restore_state
   use amontons_slaves, only: commit_slip
@@ -48,7 +47,6 @@ module amontons_analysis
   public :: solve_increment, enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
 
   integer, parameter :: SMALL_MODEL = 4000         !< nodes below which threads wait longer for each other than they save
-  integer, parameter :: BLAS_BUFFER = 160          !< what OpenBLAS takes at its first call, and some more [megabytes]
   real(DP), parameter :: GUARD_SHARE = 0.03_DP     !< most of the time that may go into checkpoints [-]
 
   !> One job: nothing of it lives outside.
@@ -99,6 +97,7 @@ contains
     analysis%options = options
     allocate (analysis%records(64), analysis%iterations(64))
     call claim_blas(error)
+    if (.not. allocated(error)) call claim_deck(options, error)
     if (allocated(error)) return
     call use_threads(options%n_threads)
     if (allocated(options%deck_text)) then
@@ -118,6 +117,8 @@ contains
     call adjust(analysis%model, journal, error)
     if (allocated(error)) return
     call change_model(analysis%model, 0)
+    call claim_matrices(analysis%model, error)
+    if (allocated(error)) return
     call create_system(analysis%system, analysis%model, analysis%state, error)
     if (.not. allocated(error)) call start_variables(analysis%model, analysis%state, error)
     if (allocated(error)) return
@@ -260,24 +261,6 @@ contains
       end if
     end associate
   end subroutine resume
-
-
-  !> Kernels of the BLAS, and its buffer: OpenBLAS takes it at its first call, and asks for ever if there is no room. It works with
-  !! one thread: threads share what is above it, and its own, which wait by asking, would only be in their way.
-  subroutine claim_blas(error)
-    type(error_type), allocatable, intent(out) :: error
-    character(:), allocatable :: kernels
-    real(DP) :: values(2), vectors(2, 2)
-    integer :: unused
-    call choose_blas_kernels(kernels)
-    call set_blas_threads(1)
-    if (has_memory(BLAS_BUFFER)) then
-      call symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), values, vectors, unused)
-    else
-      call set_error(error, EXIT_SOLVER, 'There is not enough memory to begin: ' // text_of(BLAS_BUFFER) // &
-        ' megabytes are wanted.')
-    end if
-  end subroutine claim_blas
 
 
   !> Threads of the element loop of this job; without OpenMP nothing happens. The number belongs to the calling thread.

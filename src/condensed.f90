@@ -15,7 +15,7 @@
 !! the exact inverse of the tangent J; with an older one it is a preconditioner that no change of status can spoil.
 module amontons_condensed
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type
+  use amontons_errors, only: error_type, set_error, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, reduction_type, from_triplets, transpose_of, analyse_reduction, reduce_matrix
   use amontons_dense, only: factorise_dense, solve_dense, triangle_times, square_of_triangle, invert_positive, &
     symmetric_times, transposed_times, DENSE_OK
@@ -179,22 +179,28 @@ contains
     integer, intent(out) :: status                 !< FACTOR_...
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: shift(:)
-    integer :: i, n
+    integer :: i, n, no_memory
     self%is_ready = .false.
     n = self%bulk%n_rows
     call reduce_matrix(self%reduction, stiffness, base%map, self%bulk, error)
     if (allocated(error)) return
-    allocate (self%matrix%value(size(self%matrix%column)), source=0.0_DP)
+    allocate (self%matrix%value(size(self%matrix%column)), shift(n), stat=no_memory)
+    call judge_memory(no_memory, error)
+    if (allocated(error)) return
+    self%matrix%value = 0
     self%matrix%value(self%target) = self%bulk%value
-    allocate (shift(n))
     shift = merge(abs(self%bulk%value(self%bulk%first(:n))), 0.0_DP, self%contact_of > 0)
     deallocate (self%bulk%value)                   ! the values are not wanted again, and the factor needs the room
     call factorise(self%factor, self%matrix, status, shift, error)
     deallocate (self%matrix%value)
     if (allocated(error) .or. status /= FACTOR_OK) return
-    if (allocated(self%triangle)) deallocate (self%triangle, self%stiffness, self%shift)
+    if (allocated(self%triangle)) deallocate (self%triangle)
+    if (allocated(self%stiffness)) deallocate (self%stiffness)
+    if (allocated(self%shift)) deallocate (self%shift)
     allocate (self%triangle(self%n_contact, self%n_contact), self%stiffness(self%n_contact, self%n_contact), &
-      self%shift(self%n_contact))
+      self%shift(self%n_contact), stat=no_memory)
+    call judge_memory(no_memory, error)
+    if (allocated(error)) return
     call trailing_block(self%factor, self%triangle)
     do i = 1, n
       if (self%contact_of(i) > 0) self%shift(self%contact_of(i)) = shift(i)
@@ -238,12 +244,21 @@ contains
     if (allocated(error)) return
     call restrict(self, base, by_displacement, d_u, error)
     if (allocated(error)) return
-    call fill_dense(self, transpose_of(self%relation), transpose_of(d_u))
+    call fill_dense(self, transpose_of(self%relation), transpose_of(d_u), error)
+    if (allocated(error)) return
     if (allocated(self%pivots)) deallocate (self%pivots)
     allocate (self%pivots(self%n_reduced))
     call factorise_dense(self%lu, self%pivots, status)
     is_complete = status == DENSE_OK
   end subroutine factorise_interface
+
+
+  !> Errors: EXIT_SOLVER if there was no room.
+  subroutine judge_memory(no_memory, error)
+    integer, intent(in) :: no_memory               !< status of an allocation
+    type(error_type), allocatable, intent(inout) :: error
+    if (no_memory /= 0) call set_error(error, EXIT_SOLVER, 'Not enough memory for the interface of contact.')
+  end subroutine judge_memory
 
 
   !> The same where all contact is by springs, dF_c = B A du, and S has an inverse:
@@ -280,7 +295,8 @@ contains
     follow_t = transpose_of(follow_t)
     spread_t = transpose_of(self%spread)
     self%by_imbalance = empty_square(self%n_contact)
-    call couple_springs(self, follow_t, spread_t)
+    call couple_springs(self, follow_t, spread_t, error)
+    if (allocated(error)) return
     call factorise_dense(self%lu, self%pivots, status)
     is_complete = status == DENSE_OK
     self%is_by_springs = .true.
@@ -289,13 +305,15 @@ contains
 
   !> R = (A inv(S))' and T = 1 - A inv(S) B. Threads share the springs; a column of R is taken once, and so many of them stand side
   !! by side for the products with B.
-  subroutine couple_springs(self, follow, spread_t)
+  subroutine couple_springs(self, follow, spread_t, error)
     type(condensed_type), intent(inout) :: self
     type(sparse_type), intent(in) :: follow        !< A on the interface (n_springs x n_contact)
     type(sparse_type), intent(in) :: spread_t      !< B' (n_springs x n_contact)
+    type(error_type), allocatable, intent(inout) :: error
     real(DP), allocatable :: lanes(:, :)
-    integer :: n, j
+    integer :: n, j, no_memory
     n = follow%n_rows
+    no_memory = 0
     if (allocated(self%lu)) then
       if (size(self%lu, 1) /= n) deallocate (self%lu)
     end if
@@ -303,8 +321,10 @@ contains
       if (size(self%response, 2) /= n) deallocate (self%response)
     end if
     if (allocated(self%pivots)) deallocate (self%pivots)
-    if (.not. allocated(self%lu)) allocate (self%lu(n, n))
-    if (.not. allocated(self%response)) allocate (self%response(self%n_contact, n))
+    if (.not. allocated(self%lu)) allocate (self%lu(n, n), stat=no_memory)
+    if (no_memory == 0 .and. .not. allocated(self%response)) allocate (self%response(self%n_contact, n), stat=no_memory)
+    call judge_memory(no_memory, error)
+    if (allocated(error)) return
     allocate (self%pivots(n))
     !$omp parallel private(lanes)
     allocate (lanes(LANES_OF_SPRINGS, self%n_contact), source=0.0_DP)
@@ -567,13 +587,16 @@ contains
 
 
   !> J_c = C_c' ((1 + D_R) S - D_u) C_c, column by column; threads share the columns.
-  subroutine fill_dense(self, relation_t, d_u_t)
+  subroutine fill_dense(self, relation_t, d_u_t, error)
     type(condensed_type), intent(inout) :: self
     type(sparse_type), intent(in) :: relation_t    !< C_c' (n_reduced x n_contact)
     type(sparse_type), intent(in) :: d_u_t         !< D_u' (n_contact x n_contact)
-    integer :: j
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: j, no_memory
     if (allocated(self%lu)) deallocate (self%lu)
-    allocate (self%lu(self%n_reduced, self%n_reduced))
+    allocate (self%lu(self%n_reduced, self%n_reduced), stat=no_memory)
+    call judge_memory(no_memory, error)
+    if (allocated(error)) return
     !$omp parallel do schedule(static)
     do j = 1, self%n_reduced
       call fill_column(self, relation_t, d_u_t, j)

@@ -10,6 +10,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -179,6 +180,32 @@ def test_no_memory(program: Path, root: Path, tmp_path: Path, megabytes: int) ->
         pytest.skip(f"{megabytes} megabytes are enough")
     assert done.returncode in (SOLVER, 8), f"exit code {done.returncode}\n{done.stdout[-600:]}{done.stderr[-600:]}"
     assert done.stdout.splitlines()[-1].startswith("*ERROR"), done.stdout[-600:]
+
+
+LIMITED = """
+import resource, sys
+import amontons
+amontons.version()
+size = next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmSize")) * 1024
+limit = size + int(sys.argv[2]) * 1024 * 1024
+resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+try:
+    with amontons.Job(sys.argv[1]) as job:
+        job.advance()
+    print("enough")
+except amontons.SolverError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("megabytes", [20, 150, 162, 166, 175, 200, 204])
+def test_no_memory_in_the_library(root: Path, tmp_path: Path, megabytes: int) -> None:
+    """With so many megabytes more than the process has, a call gives a status, and the process of the caller lives on."""
+    done = subprocess.run([sys.executable, "-c", LIMITED, str(root / "input" / "shear_block.inp"), str(megabytes)], capture_output=True, text=True,
+                          env=os.environ | {"PYTHONPATH": str(root / "python"), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+                          cwd=tmp_path)  # fmt: skip
+    assert done.returncode == 0, done.stderr[-600:]
+    assert re.search("ot enough memory|^enough", done.stdout), done.stdout
 
 
 def test_screen_that_is_gone(program: Path, cubes: Path, tmp_path: Path) -> None:  # noqa: F811
