@@ -176,6 +176,9 @@ contains
       type(integer_list_type), intent(inout) :: list
       if (bodies%of_node(node) > 0 .or. was_noted(node)) return
       was_noted(node) = .true.
+      if (allocated(model%springs)) then
+        if (any(model%springs%length_node == node)) return   ! of a rope, which CalculiX wants held
+      end if
       call list%add(model%mesh%node_label(node))
     end subroutine note
 

@@ -304,11 +304,12 @@ contains
       'three), STRAIGHT (on the line through the first two), BEAM (calculix: the distance of two nodes stays; ' // &
       'abaqus: the first is fixed rigidly to the second), LINK (their distance stays), TIE and PIN (the first moves ' // &
       'as the second), MEANROT (the ' // &
-      'mean rotation of the nodes is the first displacement of the last node, whose coordinates are the axis).', &
+      'mean rotation of the nodes is the first displacement of the last node, whose coordinates are the axis), DIST (a rope: ' // &
+      'node, node, node, other, other, other, last node, whose first coordinate is the largest distance).', &
       data='kind, nodes or node sets')
     call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck.', status=STATUS_REFUSED)
     call table%differ('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance. PLANE, ' // &
-      'STRAIGHT and BEAM turn NLGEOM on for all steps under calculix.')
+      'STRAIGHT, BEAM and DIST turn NLGEOM on for all steps under calculix.')
 
     call table%card('RIGID BODY', IN_MODEL, 'Nodes that move with a reference node as a rigid body; its degrees of ' // &
       'freedom 4 to 6 are the rotation vector.')

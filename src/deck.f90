@@ -21,6 +21,7 @@ module amontons_deck
   use amontons_explain, only: explain_cards
   use amontons_deck_spreads, only: read_spreads
   use amontons_deck_springs, only: read_springs
+  use amontons_deck_ropes, only: read_ropes
   use amontons_deck_sectors, only: read_sectors
   use amontons_deck_sets, only: read_sets
   use amontons_deck_times, only: read_time_points
@@ -121,6 +122,7 @@ contains
     call read_materials(reader, model)
     call read_sections(reader, model, draft)
     call read_springs(reader, model, draft)
+    call read_ropes(reader, model, draft)
     call keep_elements(reader, model, draft)
     call read_amplitudes(reader, model)
     call read_time_points(reader)

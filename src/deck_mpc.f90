@@ -12,47 +12,65 @@ module amontons_deck_mpc
   use amontons_ties, only: bond_type, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
   implicit none
   private
-  public :: read_mpc, make_rotation, add_equation
+  public :: read_mpc, next_mpc, each_once, make_rotation, add_equation
 
 contains
 
-  !> MPC: kind and nodes, in one row or several.
+  !> MPC: kind and nodes, in one row or several. Ropes (DIST) are read elsewhere.
   subroutine read_mpc(reader, model, c)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    integer, allocatable :: nodes(:), found(:)
+    integer, allocatable :: nodes(:)
     character(:), allocatable :: kind
-    integer :: i, label, status, first
+    integer :: line
     logical :: is_ok, has_row
     call open_card(reader, c, parameters, row)
     has_row = next_row(reader%cards, row)
     do while (has_row)
-      kind = squeezed(field_text(reader%cards, row, 1))
-      first = row%line
-      allocate (found(0))
-      is_ok = .true.
-      i = 2
-      do
-        do while (i <= row%n)
-          if (squeezed(field_text(reader%cards, row, i)) /= '') then
-            call nodes_of_field(reader, model%mesh, row, i, nodes, is_ok)
-            found = [found, nodes]
-          end if
-          i = i + 1
-        end do
-        has_row = next_row(reader%cards, row)
-        if (.not. has_row) exit
-        call field_integer(reader%cards, row, 1, label, status)
-        if (status /= NUMBER_OK .and. reader%node_sets%find(field_text(reader%cards, row, 1)) == 0) exit
-        i = 1
-      end do
-      if (is_ok) call add_mpc(reader, model, first, kind, found)
-      deallocate (found)
+      call next_mpc(reader, model, row, '', has_row, kind, nodes, line, is_ok)
+      if (is_ok .and. kind /= 'DIST') call add_mpc(reader, model, line, kind, nodes)
     end do
   end subroutine read_mpc
+
+
+  !> The next constraint of a card: its first row, and those after it that begin with a number or a set.
+  subroutine next_mpc(reader, model, row, wanted, has_row, kind, nodes, line, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(inout) :: row         !< in: its first row; out: that of the one after it
+    character(*), intent(in) :: wanted           !< only of this kind nodes are read; empty: of all but DIST
+    logical, intent(inout) :: has_row            !< out: whether there is one after it
+    character(:), allocatable, intent(out) :: kind   !< squeezed
+    integer, allocatable, intent(out) :: nodes(:)
+    integer, intent(out) :: line                 !< of its first row
+    logical, intent(out) :: is_ok                !< .false.: a node is not there, which was told
+    integer, allocatable :: found(:)
+    integer :: i, label, status
+    logical :: is_read
+    allocate (nodes(0))
+    is_ok = .true.
+    kind = squeezed(field_text(reader%cards, row, 1))
+    line = row%line
+    is_read = kind == wanted .or. (wanted == '' .and. kind /= 'DIST')
+    i = 2
+    do
+      do while (i <= row%n .and. is_read)
+        if (squeezed(field_text(reader%cards, row, i)) /= '') then
+          call nodes_of_field(reader, model%mesh, row, i, found, is_ok)
+          nodes = [nodes, found]
+        end if
+        i = i + 1
+      end do
+      has_row = next_row(reader%cards, row)
+      if (.not. has_row) exit
+      call field_integer(reader%cards, row, 1, label, status)
+      if (status /= NUMBER_OK .and. reader%node_sets%find(field_text(reader%cards, row, 1)) == 0) exit
+      i = 1
+    end do
+  end subroutine next_mpc
 
 
   !> The bonds of one MPC.
@@ -87,11 +105,9 @@ contains
       call add_pin(reader, model, line, nodes)
     case ('MEANROT')
       call add_turn(reader, model, line, nodes, bond)
-    case ('DIST')
-      call complain(reader, line, 'The MPC DIST is not supported; a rope is a SPRINGA with *SPRING, NONLINEAR.')
     case default
-      call complain(reader, line, 'The MPC ' // kind // ' is not supported; known are PLANE, STRAIGHT, BEAM, LINK, TIE, PIN ' // &
-        'and MEANROT.')
+      call complain(reader, line, 'The MPC ' // kind // ' is not supported; known are PLANE, STRAIGHT, BEAM, LINK, TIE, PIN, ' // &
+        'MEANROT and DIST.')
     end select
   end subroutine add_mpc
 

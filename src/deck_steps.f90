@@ -28,7 +28,7 @@ module amontons_deck_steps
   public :: read_steps
 
   character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
-    'CSTATUS|CFORCE|CNORMF|CSHEARF|PEEQ|CEEQ|ENER|ME|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD' !< what the result files hold
+    'CSTATUS|CFORCE|CNORMF|CSHEARF|PEEQ|CEEQ|ENER|ME|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD|ALLSD' !< what the result files hold
   character(*), parameter :: FRD_WORDS(N_FRD) = [character(9) :: 'U', 'NT', 'S', 'E', 'ME', 'RF', 'PEEQ|CEEQ', 'ENER', &
     'CDIS|CSTR']                                          !< what asks for the fields of the .frd file
   integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 2, 2, 2, 1, 2, 2, 3]   !< cards of nodes, elements, contact
@@ -93,7 +93,7 @@ contains
     logical :: has_curved
     integer :: c
     has_curved = any(model%bonds%kind == BOND_PLANE .or. model%bonds%kind == BOND_STRAIGHT .or. &
-      model%bonds%kind == BOND_DISTANCE)
+      model%bonds%kind == BOND_DISTANCE) .or. any(model%springs%is_rope)
     do c = 1, reader%cards%n_cards
       if (.not. (is_one_of(reader%cards%cards(c)%key, ALWAYS) .or. (has_curved .and. is_card(reader, c, 'MPC')))) cycle
       step%is_nlgeom = .true.

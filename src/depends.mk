@@ -58,6 +58,7 @@ uses_deck_mpc = kinds text tensor mesh loads ties model cards deck_reader
 uses_deck_bonds = kinds text tensor topology mesh ties model cards card_form deck_reader deck_profiles deck_mpc
 uses_deck_loads = kinds text topology loads model cards card_form deck_reader deck_model
 uses_deck_spreads = kinds model cards card_form deck_reader deck_mpc
+uses_deck_ropes = kinds topology springs model cards deck_reader deck_mesh deck_mpc
 uses_deck_springs = kinds text topology materials springs ties model cards card_form deck_reader deck_mesh deck_bonds
 uses_deck_sectors = kinds text tensor model cards card_form deck_reader
 uses_deck_times = kinds text cards card_form deck_reader
@@ -66,7 +67,7 @@ uses_deck_steps = kinds text topology ties steps model cards card_form card_tabl
 uses_whole_steps = materials ties model
 uses_deck_restart = kinds errors text archive model cards card_form
 uses_explain = kinds text topology materials surfaces loads steps model cards card_form deck_reader
-uses_deck = errors text model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_spreads deck_springs deck_sectors deck_times deck_steps whole_steps deck_restart explain
+uses_deck = errors text model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_bonds deck_spreads deck_ropes deck_springs deck_sectors deck_times deck_steps whole_steps deck_restart explain
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology

@@ -14,8 +14,10 @@ module amontons_springs
     type(table_type) :: constant                 !< over the temperature; not there: force, or the gap [force/length]
     type(curve_type), allocatable :: force(:)    !< (temperatures) force (stress) over the elongation (strain)
     logical :: is_gap = .false.
-    real(DP) :: clearance = 0                    !< of a gap at the start [length]
-    real(DP) :: stiffness = 0                    !< of a closed gap [force/length]
+    logical :: is_rope = .false.
+    integer :: length_node = 0                   !< of a rope: the node that tells its length; it moves nothing
+    real(DP) :: clearance = 0                    !< of a gap at the start, or of a rope: by how much it is slack [length]
+    real(DP) :: stiffness = 0                    !< of a closed gap, of a taut rope [force/length]
     real(DP) :: pull = 0                         !< of a gap that is wide open [force]
     real(DP) :: axes(3, 2) = 0                   !< directions at its nodes, in place of 1 to 3; zero: not given
   end type spring_type
@@ -38,6 +40,10 @@ contains
       eps = PI * spring%pull / spring%stiffness
       tension = -spring%stiffness * d * (0.5_DP + atan2(d, eps) / PI)
       slope = spring%stiffness * (0.5_DP + (atan2(d, eps) + d * eps / (d**2 + eps**2 + tiny(1.0_DP))) / PI)
+    else if (spring%is_rope) then
+      d = elongation - spring%clearance
+      slope = merge(spring%stiffness, 0.0_DP, d > 0.0_DP)
+      tension = slope * d
     else if (allocated(spring%force)) then
       call force_by_tables(spring%force, elongation, temperature, tension, slope)
     else

@@ -337,3 +337,20 @@ def test_constraints_that_are_not_linear(tables: Callable[..., list[Block]]) -> 
         assert (away < 1e-9) == is_turned_on, mpc
         away = max(abs(a - b) for node in range(5, 9) for a, b in zip(abaqus[(node,)], large[(node,)], strict=True))
         assert away > 1e-3, mpc
+
+
+def test_rope(tables: Callable[..., list[Block]]) -> None:
+    """MPC DIST: a spring of 100 along x and beside it a rope of 1.04 over a distance of 1: pulled with 10, with 2, and pushed with 5.
+
+    Taut, the rope holds at 0.04 and carries 6; slack, it carries nothing. It gives way by its force over 1e4 E L.
+    """
+    text = CUBE + LINEAR + "*NODE\n11, 0., 0., 5.\n12, 1., 0., 5.\n13, 0., 0., 5.\n99, 1.04, 0., 0.\n*NSET, NSET=R\n12, 13\n"
+    text += "*ELEMENT, TYPE=SPRINGA, ELSET=S\n9, 11, 12\n*SPRING, ELSET=S\n\n100.\n*BOUNDARY\n11, 1, 3\n13, 1, 3\n12, 2, 3\n"
+    text += "*MPC\nDIST, 12, 12, 12, 13, 13, 13, 99\n*BOUNDARY\n99, 1\n"
+    end = "*NODE PRINT, NSET=R\nU, RF\n*END STEP\n"
+    text += "".join(f"*STEP\n*STATIC\n*CLOAD\n12, 1, {force}\n{end}" for force in (10.0, 2.0, -5.0))
+    blocks = tables(text)
+    for i, (moved, carried) in enumerate(((0.04, 6.0), (0.02, 0.0), (-0.05, 0.0))):
+        displacements, forces = blocks[2 * i : 2 * i + 2]
+        assert displacements.rows[(12,)][0] == pytest.approx(moved, abs=2 * 6.0 / 1e7)
+        assert forces.rows[(13,)][0] == pytest.approx(-carried, abs=1e-4)
