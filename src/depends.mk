@@ -156,7 +156,6 @@ uses_mechanical = kinds tensor topology mesh model material_point element state
 uses_expanded = kinds tensor topology mesh model shapes state
 uses_printed = kinds errors text tensor history posix topology mesh materials steps model state contact_fields nodal sections mechanical expanded
 uses_frd = kinds errors version history posix digits topology mesh materials steps model state contact_fields nodal mechanical expanded printed
-uses_frd = kinds errors version history posix digits topology mesh materials steps model state contact_fields nodal mechanical expanded printed
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state reduced system newton stepper
