@@ -295,7 +295,7 @@ contains
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: s
     type(slave_type), intent(inout) :: slave
-    if (contact%is_small(slave%pair) .or. contact%is_removed(slave%pair)) return
+    if (contact%is_small(slave%pair) .or. contact%is_removed(slave%pair) .or. slave%extension < 0.0_DP) return
     if (.not. contact%overlaps%is_kept(s)) return
     call refresh_facet(contact, x, s, SEARCH_REACH * contact%edge(slave%pair), slave)
   end subroutine find_again

@@ -5,7 +5,8 @@
 !! fall over its length. Then, for the nodes that change within it:
 !!
 !! - one that runs off its master and is found on it again keeps to the edge that it ran over: for as long as it is pressed, that
-!!   facet reaches a whole length beyond itself for this node;
+!!   facet reaches half its length beyond itself for this node; one that was off it before stays beside it in this increment,
+!!   unless it ends up well within it. (Along one direction, while contact settles, the third time counts as a cycle.)
 !! - any other is held in the status that it had where the merit was least, until all else is in balance; then it is let go,
 !!   and what its trial traction says then counts. No node is held twice in an increment.
 module amontons_cycles
@@ -13,13 +14,16 @@ module amontons_cycles
   use amontons_surfaces, only: is_compliant
   use amontons_state, only: slave_type, STATUS_OPEN
   use amontons_forensics, only: forensics_type, find_cycle, cycle_nodes, least_merit, last_facet, DEPTH
-  use amontons_contact, only: contact_type, HOLD_NEVER, HOLD_NOW, HOLD_WAS
+  use amontons_gap, only: projection_type, find_projection, excess_over_edges, PROJECT_ON
+  use amontons_contact, only: contact_type, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
   implicit none
   private
   public :: act_on_cycle, release_nodes, keep_to_edges
 
   real(DP), parameter :: STAGNANT = 0.5_DP         !< a merit that is not below this part of that one cycle before does not fall [-]
   integer, parameter :: OFTEN = 3                  !< times that a node runs off its master along one direction until it keeps to the edge
+  real(DP), parameter :: BESIDE = -1.0_DP          !< of a node that stays beside its master in this increment [-]
+  real(DP), parameter :: NEAR_EDGE = 0.1_DP        !< a node that is deeper in a facet than this is not beside it, in its lengths [-]
   real(DP), parameter :: KEEPING = 0.5_DP          !< how far the facet of a node that keeps to its edge reaches beyond itself [-]
 
 contains
@@ -71,7 +75,7 @@ contains
     integer :: s
     is_kept = .false.
     do s = 1, size(now)
-      if (start(s)%status == STATUS_OPEN .or. start(s)%extension >= KEEPING .or. .not. has_edges(contact, now(s))) cycle
+      if (abs(start(s)%extension) > 0.0_DP .or. .not. has_edges(contact, now(s))) cycle
       if (now(s)%facet > 0) then
         n_lost(s) = -abs(n_lost(s))
         cycle
@@ -79,6 +83,8 @@ contains
       if (n_lost(s) <= 0) n_lost(s) = abs(n_lost(s)) + 1
       if (n_lost(s) < OFTEN) cycle
       start(s)%extension = KEEPING
+      if (start(s)%status == STATUS_OPEN) start(s)%extension = BESIDE
+      if (start(s)%status == STATUS_OPEN) start(s)%facet = 0
       is_kept = .true.
     end do
   end subroutine keep_to_edges
@@ -107,12 +113,28 @@ contains
   end function is_running_off
 
 
-  !> All else is in balance: nodes that were held are let go. After: whether there were any.
-  subroutine release_nodes(contact, is_released)
+  !> All else is in balance: nodes that were held are let go, and those beside their master that are well within it. After:
+  !! whether there were any.
+  subroutine release_nodes(contact, x, slaves, is_released)
     type(contact_type), intent(inout) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates now [length]
+    type(slave_type), intent(inout) :: slaves(:)
     logical, intent(out) :: is_released
+    type(projection_type) :: here
+    integer :: s
     is_released = any(contact%hold == HOLD_NOW)
     where (contact%hold == HOLD_NOW) contact%hold = HOLD_WAS
+    do s = 1, size(slaves)
+      if (slaves(s)%extension >= 0.0_DP) cycle
+      associate (p => slaves(s)%pair)
+        call find_projection(contact%facets(p), contact%search(p), x, x(:, slaves(s)%node), SEARCH_REACH * contact%edge(p), here, &
+          contact%slave_normal(:, s))
+        if (here%status /= PROJECT_ON .or. here%gap + slaves(s)%offset >= 0.0_DP) cycle
+        if (maxval(excess_over_edges(contact%facets(p)%kind(here%facet), here%xi)) > -NEAR_EDGE) cycle
+      end associate
+      slaves(s)%extension = 0.0_DP
+      is_released = .true.
+    end do
   end subroutine release_nodes
 
 end module amontons_cycles

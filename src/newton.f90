@@ -148,7 +148,7 @@ contains
     logical :: is_found, is_changed
     if (size(state%new%slaves) == 0) return
     if (verdict == VERDICT_CONVERGED) then
-      call release_nodes(system%contact, is_changed)
+      call release_nodes(system%contact, model%mesh%coordinates + state%new%u, state%new%slaves, is_changed)
     else
       call act_on_cycle(system%contact, newton%forensics, state%new%slaves, is_found, is_changed)
       if (is_changed) newton%n_cycles = newton%n_cycles + 1

@@ -5,9 +5,13 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
+import h5py
+import numpy as np
 import pytest
 from conftest import Run
 
@@ -15,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
 from make_decks import block  # noqa: E402
 from planes import flat_deck, flatten  # noqa: E402
-from sheets import between, fix, pair, sheet, solid_deck  # noqa: E402
+from sheets import Floats, between, fix, pair, sheet, solid_deck  # noqa: E402
 
 ELASTIC = "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n"
 STATIC = "*STEP, NLGEOM, INC=100\n*STATIC\n0.1, 1., 0.01, 0.1\n"
@@ -45,6 +49,51 @@ def dragged_off() -> str:
     return solid_deck([(body, (1000.0, 0.0)), (table, (1000.0, 0.0))], pair("BODY_BOTTOM", "TABLE_TOP", 0.1), press + drag)
 
 
+def ran_off() -> str:
+    """The same block, its top moved by supports, with one iteration allowed for the way off the table."""
+    deck = dragged_off().replace("*CLOAD\nBODY_TOP, 3, -1.\n", fix("BODY_TOP, 3, 3, -0.01"))
+    few = "*CONTROLS, PARAMETERS=TIME INCREMENTATION\n1, 1, 9, 1, 10, 4, , 5, ,\n"
+    return few.join(deck.rsplit("*END STEP", 1)[0].rsplit("*BOUNDARY", 1)).replace(few, few + "*BOUNDARY") + "*END STEP\n"
+
+
+def hinged() -> str:
+    """Two cubes that share an edge, and nothing else: the upper one turns about it."""
+    points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    points += [(2, 1, 1), (2, 0, 1), (1, 0, 2), (1, 1, 2), (2, 1, 2), (2, 0, 2)]
+    nodes = "".join(f"{i}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(points, start=1))
+    elements = "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n2, 6, 10, 9, 7, 11, 14, 13, 12\n"
+    step = "*STEP\n*STATIC, DIRECT\n1., 1.\n" + fix(*(f"{i}, 1, 3" for i in range(1, 5))) + "*CLOAD\n13, 3, -1.\n*END STEP\n"
+    return f"*NODE\n{nodes}{elements}{ELASTIC}*SOLID SECTION, ELSET=E, MATERIAL=M\n{step}"
+
+
+def overflowing() -> str:
+    """A force beyond all numbers on a cube."""
+    cube = block([0.0, 1.0], [0.0, 1.0], [0.0, 1.0], "A")
+    return solid_deck([(cube, (1000.0, 0.0))], "", "*STEP\n*STATIC, DIRECT\n1., 1.\n" + fix("A_BOTTOM, 1, 3") + "*CLOAD\nA_TOP, 3, 1e200\n*END STEP\n")
+
+
+def tilted(search: str) -> str:
+    """A tall block, tilted by 3 degrees, pressed on a table in one of five increments; full steps go to and fro for ever."""
+
+    def place(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        a = np.radians(3)
+        return np.cos(a) * s - np.sin(a) * t, np.sin(a) * s + np.cos(a) * t + 0.02
+
+    body, table = sheet("BODY", between(0, 1, 5), between(0, 3, 15), place), sheet("TABLE", between(-2, 3, 20), between(-1, 0, 4))
+    load = fix("TABLE_BOTTOM, 1, 2", "BODY_TOP, 1", "BODY_TOP, 2, 2, -0.2")
+    cards = pair("BODY_BOTTOM", "TABLE_TOP", 0.3) + f"*STEP, NLGEOM\n*STATIC, DIRECT\n0.2, 1.\n*LINE SEARCH, TYPE={search}\n{load}*END STEP\n"
+    return flat_deck([(flatten(body), (2000.0, 0.3)), (flatten(table), (210000.0, 0.3))], "CPE4", cards)
+
+
+def flipping(search: str) -> str:
+    """A cube pressed on another by a compliant law with a stick slope: full steps flip between stick and slip."""
+    cube, table = block(between(0, 1, 4), between(0, 1, 4), between(0, 1, 4), "A"), block(between(-0.5, 1.5, 5), between(-0.5, 1.5, 5), between(-1, 0, 2), "T")
+    law = "*SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1e6\n*FRICTION\n0.3, 1e6\n"
+    load = fix("T_BOTTOM, 1, 3", "A_TOP, 1, 2") + "*DLOAD\nA_E2, P2, 50.\n"
+    cards = f"{law}*CONTACT PAIR, INTERACTION=I\nA_BOTTOM, T_TOP\n*STEP, NLGEOM\n*STATIC, DIRECT\n0.2, 1.\n*LINE SEARCH, TYPE={search}\n{load}*END STEP\n"
+    return "** dialect: calculix\n" + solid_deck([(cube, (210000.0, 0.3)), (table, (210000.0, 0.3))], cards, "")
+
+
 def shot(way: float, static: str) -> str:
     """A block that starts 2 before a thin plate (0.2 thick, 3 long) and is driven `way` towards it; both faces are master."""
     body = flatten(sheet("BODY", between(1.1, 1.9, 3), between(2, 2.5, 2)))
@@ -71,11 +120,16 @@ def test_shot_is_caught(run: Run, tmp_path: Path) -> None:
         (crushed(), ("MATERIAL",), "smaller increments"),
         (dragged_off(), ("FREE BODY", "LEFT MASTER"), "hold the body"),
         (shot(4.0, ", DIRECT\n1., 1.\n"), ("PENETRATION JUMP",), "half an edge"),
+        (ran_off(), ("LEFT MASTER: node",), "master surface larger"),
+        (hinged(), ("LINEAR SOLVER: the stiffness matrix is singular",), "nothing holds"),
+        (overflowing(), ("LINEAR SOLVER: a force is not finite",), "out of scale"),
+        (tilted("NONE"), ("CYCLE of length 2 at node",), "smaller increments"),
+        (flipping("NONE"), ("STICK-SLIP FLIP of length 2 at nodes",), "smaller increments"),
     ],
-    ids=["limit point", "material", "free body", "penetration jump"],
+    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "flip"],
 )
 def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], advice: str) -> None:
-    """Exit code 5, the reason in capitals, one remedy; .cvg has the reason too."""
+    """Exit code 5, the reason in capitals, one remedy, the worst nodes with their contact; .cvg and the result file have the reason too."""
     (tmp_path / "job.inp").write_text(deck)
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 5, done.stdout + done.stderr
@@ -83,3 +137,18 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
     assert "Remedy:" in done.stdout, done.stdout
     assert advice in done.stdout, done.stdout
     assert any(reason in (tmp_path / "job.cvg").read_text() for reason in reasons)
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        told = [str(reason) for reason in file["AMONTONS/history/reason"].asstr()]
+    assert any(reason in told[-1] for reason in reasons), told
+    if any(reason.startswith(("CYCLE", "STICK", "LEFT")) for reason in reasons):
+        worst = re.findall(r"node \d+: imbalance .*, pair \S+ / \S+, gap \S+: ((?:open|stick|slip)\S*(?: \S+)*)", done.stdout)
+        assert 1 <= len(worst) <= 10, done.stdout
+
+
+@pytest.mark.parametrize("make", [tilted, flipping])
+def test_auto_finishes(run: Run, tmp_path: Path, make: Callable[[str], str]) -> None:
+    """What ends in a cycle with full steps finishes with the default."""
+    (tmp_path / "job.inp").write_text(make("AUTO"))
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "attempts that failed                   0" in done.stdout, done.stdout
