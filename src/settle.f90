@@ -94,7 +94,7 @@ contains
     end do
     du = best%du
     slaves = best%slaves
-    system%is_settled = .true.
+    system%is_settled = n_rounds < MOST_ROUNDS
     system%merit = start%merit
     system%residual = start%residual
     system%contact%view = start%view
