@@ -16,9 +16,10 @@ module amontons_audit
   use amontons_bonds, only: linear_equations
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, ROW_REDUNDANT, &
     ROW_CONFLICT
-  use amontons_contact, only: contact_type
+  use amontons_rows, only: contact_row_type
+  use amontons_contact, only: contact_type, touching_row
   use amontons_audit_words, only: complain, warn, number_of, label_list
-  use amontons_audit_contact, only: check_contact, tally_pairs, pair_tally_type
+  use amontons_audit_contact, only: check_contact, tally_pairs, pair_tally_type, is_closed
   use amontons_audit_bodies, only: bodies_type, find_bodies, body_name
   use amontons_audit_motion, only: check_motions
   use amontons_audit_pushes, only: check_pushes
@@ -281,7 +282,7 @@ contains
     character(:), allocatable, intent(out) :: text
     type(bodies_type) :: bodies
     call find_bodies(model, bodies)
-    text = mesh_table(model) // material_table(model) // body_table(model, bodies)
+    text = mesh_table(model) // material_table(model) // body_table(model, bodies, contact, slaves)
     if (size(model%pairs) > 0) text = text // pair_table(model, contact, slaves)
     text = text // step_table(model)
     text = text(:len(text) - len(NEWLINE))
@@ -329,9 +330,11 @@ contains
 
 
   !> One line for each body.
-  function body_table(model, bodies) result(text)
+  function body_table(model, bodies, contact, slaves) result(text)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
     character(:), allocatable :: text
     integer, parameter :: MOST = 50                ! lines; the other bodies are counted
     integer :: b
@@ -340,10 +343,65 @@ contains
       text = text // '    ' // body_name(model, bodies%list(b))
       if (bodies%list(b)%n_elements > 0) text = text // ', volume ' // text_of(bodies%list(b)%volume)
       if (bodies%list(b)%mass > 0.0_DP) text = text // ', mass ' // text_of(bodies%list(b)%mass)
+      if (size(model%steps) > 0) text = text // held_by(model, bodies, contact, slaves, b)
       text = text // NEWLINE
     end do
     if (bodies%n > MOST) text = text // '    and ' // text_of(bodies%n - MOST) // ' more' // NEWLINE
   end function body_table
+
+
+  !> What a body has in step 1 that may hold it: supports, equations and the like, contact.
+  function held_by(model, bodies, contact, slaves, b) result(text)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    integer, intent(in) :: b                       !< body
+    character(:), allocatable :: text
+    integer :: k, p, n, n_closed(size(model%pairs)), n_open(size(model%pairs))
+    text = ''
+    n = count(bodies%of_node(model%steps(1)%prescribed%node) == b)
+    if (n > 0) text = text // ', ' // plural(n, 'support')
+    n = count([(any(bodies%of_node(model%equations(k)%node) == b), k=1, size(model%equations))])
+    if (n > 0) text = text // ', ' // plural(n, 'equation')
+    n = count([(any(bodies%of_node(model%bonds(k)%node) == b), k=1, n_bonds(model))])
+    if (n > 0) text = text // ', ' // plural(n, 'bond')
+    call count_touching(bodies, contact, slaves, b, n_closed, n_open)
+    do p = 1, size(model%pairs)
+      if (n_closed(p) + n_open(p) == 0) cycle
+      text = text // ', contact ' // model%surfaces(model%pairs(p)%slave)%name // ' / ' // &
+        model%surfaces(model%pairs(p)%master)%name // ' (' // text_of(n_closed(p)) // ' closed, ' // text_of(n_open(p)) // ' open)'
+    end do
+    if (text == '') then
+      text = '; held by nothing'
+    else
+      text = '; held by ' // text(3:)
+    end if
+  end function held_by
+
+
+  !> The slave nodes of each pair that are on a body, or face it, closed and open.
+  subroutine count_touching(bodies, contact, slaves, b, n_closed, n_open)
+    type(bodies_type), intent(in) :: bodies
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    integer, intent(in) :: b                       !< body
+    integer, intent(out) :: n_closed(:), n_open(:) !< (n_pairs)
+    type(contact_row_type) :: row
+    integer :: s
+    n_closed = 0
+    n_open = 0
+    do s = 1, size(slaves)
+      if (slaves(s)%facet == 0 .or. .not. contact%overlaps%is_kept(s)) cycle
+      call touching_row(contact, slaves(s), row)
+      if (.not. any(bodies%of_node(row%nodes) == b)) cycle
+      if (is_closed(contact, slaves(s))) then
+        n_closed(slaves(s)%pair) = n_closed(slaves(s)%pair) + 1
+      else
+        n_open(slaves(s)%pair) = n_open(slaves(s)%pair) + 1
+      end if
+    end do
+  end subroutine count_touching
 
 
   !> One line for each contact pair.
@@ -353,17 +411,18 @@ contains
     type(slave_type), intent(in) :: slaves(:)
     character(:), allocatable :: text
     type(pair_tally_type), allocatable :: tallies(:)
-    character(90) :: line
+    character(110) :: line
     integer :: p
     call tally_pairs(model, contact, slaves, tallies)
     text = table_entry('contact pairs', size(tallies)) // NEWLINE // &
-      '      slaves projected    closed    least gap  largest gap  friction  slave / master' // NEWLINE
+      '      slaves projected    closed   flipped      held    least gap  largest gap  friction  slave / master' // NEWLINE
     do p = 1, size(tallies)
-      write (line, '(2x,3i10,2(1x,a12),a10,2x)') tallies(p)%n_slaves, tallies(p)%n_projected, tallies(p)%n_closed, &
+      write (line, '(2x,5i10,2(1x,a12),a10,2x)') tallies(p)%n_slaves, tallies(p)%n_projected, tallies(p)%n_closed, &
+        tallies(p)%n_flipped, tallies(p)%n_held, &
         gap_text(tallies(p), tallies(p)%least_gap, contact%edge(p)), &
         gap_text(tallies(p), tallies(p)%largest_gap, contact%edge(p)), &
         text_of(model%interactions(model%pairs(p)%interaction)%friction)
-      text = text // line(:70) // model%surfaces(model%pairs(p)%slave)%name // ' / ' // &
+      text = text // line(:90) // model%surfaces(model%pairs(p)%slave)%name // ' / ' // &
         model%surfaces(model%pairs(p)%master)%name // NEWLINE
     end do
   end function pair_table

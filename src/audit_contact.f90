@@ -31,6 +31,7 @@ module amontons_audit_contact
     integer :: n_closed = 0                    !< that touch or penetrate
     integer :: n_near = 0                      !< whose normal can be compared with that of the master
     integer :: n_flipped = 0                   !< of these, that face the same way as the master
+    integer :: n_held = 0                      !< whose displacement along the normal a support or an equation of step 1 holds
     real(DP) :: least_gap = huge(1.0_DP)       !< of those that project and do not face away [length]
     real(DP) :: largest_gap = -huge(1.0_DP)    !< [length]
     real(DP) :: depth = 0                      !< largest penetration over the edge of the facet [-]
@@ -65,10 +66,15 @@ contains
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slaves(:)
     type(pair_tally_type), allocatable, intent(out) :: tallies(:)   !< (n_pairs)
+    logical, allocatable :: is_free(:, :)          ! (3, n_nodes)
     integer :: s
     allocate (tallies(size(model%pairs)))
+    call find_free_unknowns(model, 1, is_free)
     do s = 1, size(slaves)
-      call tally_slave(contact, slaves(s), contact%slave_normal(:, s), s, tallies(slaves(s)%pair))
+      associate (tally => tallies(slaves(s)%pair))
+        call tally_slave(contact, slaves(s), contact%slave_normal(:, s), s, tally)
+        if (is_held_along(slaves(s), is_free(:, slaves(s)%node))) tally%n_held = tally%n_held + 1
+      end associate
     end do
   end subroutine tally_pairs
 
@@ -307,7 +313,7 @@ contains
       do s = 1, size(slaves)
         if (slaves(s)%facet == 0 .or. dot_product(contact%slave_normal(:, s), slaves(s)%normal) > SAME_WAY) cycle
         if (is_compliant(model%interactions(model%pairs(slaves(s)%pair)%interaction))) cycle
-        if (norm2(merge(slaves(s)%normal, 0.0_DP, is_free(:, slaves(s)%node))) >= HELD) cycle
+        if (.not. is_held_along(slaves(s), is_free(:, slaves(s)%node))) cycle
         call found(slaves(s)%pair)%add(model%mesh%node_label(slaves(s)%node))
       end do
       do p = 1, size(found)
@@ -319,6 +325,15 @@ contains
       end do
     end do
   end subroutine check_held
+
+
+  !> Whether a slave node cannot move along its contact normal.
+  pure logical function is_held_along(slave, is_free)
+    type(slave_type), intent(in) :: slave
+    logical, intent(in) :: is_free(3)              !< its displacements
+    is_held_along = slave%facet > 0
+    if (is_held_along) is_held_along = norm2(merge(slave%normal, 0.0_DP, is_free)) < HELD
+  end function is_held_along
 
 
   !> The unknowns that neither a support of the step nor the first term of an equation takes.

@@ -192,6 +192,7 @@ def test_flipped_normals(run_deck: Run, tmp_path: Path) -> None:
     deck.cube((0.01, 0.01, 0.9), 0.08)
     deck.pair("SOLE2", "SOLE1")
     refuse(run_deck, tmp_path, deck, "The surfaces of the contact pair SOLE2 / SOLE1 face the same way at 4 of 4 slave nodes")
+    assert re.search(r"^ +4 +4 +0 +4 +\d+ +- +- +0  SOLE2 / SOLE1$", run_deck(deck.text(), "--check").stdout, re.MULTILINE)
 
 
 def test_penetration(run_deck: Run, tmp_path: Path) -> None:
@@ -233,6 +234,10 @@ def test_slave_held_along_the_normal(run_deck: Run) -> None:
     deck.cards.append("*NSET, NSET=CORNERS\n9, 10")
     said = accept(run_deck, deck)
     assert "at 2 slave nodes of the contact pair SOLE2 / TOP1 (9 and 10): the contact cannot push there" in said
+    assert re.search(r"slaves projected +closed +flipped +held", said)
+    assert re.search(r"^ +4 +4 +4 +0 +2 +0 +0 +0\.3  SOLE2 / TOP1$", said, re.MULTILINE), said
+    assert re.search(r"volume 1; held by 12 supports, contact SOLE2 / TOP1 \(4 closed, 0 open\)$", said, re.MULTILINE), said
+    assert re.search(r"volume 0\.512; held by 6 supports, contact SOLE2 / TOP1 \(4 closed, 0 open\)$", said, re.MULTILINE), said
 
 
 def test_inverted_element(run_deck: Run, tmp_path: Path) -> None:
