@@ -26,6 +26,7 @@ module amontons_analysis
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
   use amontons_newton, only: newton_type, begin_newton, iterate
+  use amontons_dissipation, only: inelastic_work
   use amontons_stepper, only: stepper_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
     MOOD_CALM, MOOD_USUAL, MOOD_UPSET, MOOD_RESTLESS, &
     STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
@@ -204,7 +205,7 @@ contains
     associate (old => analysis%state%old)
       record = increment_record_type(reason='', step=analysis%stepper%step, step_time=old%step_time, &
         total_time=old%total_time, external_work=old%external_work, friction_work=old%friction_work, &
-        damped_work=old%damped_work, &
+        damped_work=old%damped_work, plastic_work=old%plastic_work, &
         strain_energy=sum(old%energy * old%volume))
     end associate
   end function first_record
@@ -441,7 +442,7 @@ contains
       record%is_converged = .true.
       record%n_carried = analysis%newton%n_carried
       call close_damping(analysis%system%share, step, analysis%state, damped)
-      call close_ledger(analysis%model%mesh%is_abstract, analysis%state, record, damped)
+      call close_ledger(analysis%model, analysis%state, record, damped)
       call close_record(analysis, record)
       call commit_state(analysis%state)
       call accept_increment(analysis%stepper, step, record%dt, record%n_iterations, mood_of(analysis%newton), outcome)
@@ -753,14 +754,15 @@ contains
 
 
   !> Slip, work and the sums of the forces of a converged increment.
-  subroutine close_ledger(is_abstract, state, record, damped)
-    logical, intent(in) :: is_abstract(:)          !< (n_nodes) its displacement is none: its forces are no forces
+  subroutine close_ledger(model, state, record, damped)
+    type(model_type), intent(in) :: model
     type(state_type), intent(inout) :: state
     type(increment_record_type), intent(inout) :: record
     real(DP), intent(in) :: damped                 !< work of damping forces, which are among the applied ones [energy]
     integer :: s
     call commit_slip(state%old, state%new)
-    associate (old => state%old, new => state%new)
+    associate (old => state%old, new => state%new, is_abstract => model%mesh%is_abstract)
+      new%plastic_work = old%plastic_work + inelastic_work(model, old, new)
       new%external_work = old%external_work + 0.5_DP * sum((new%u - old%u) * &
         (old%applied_force + old%reaction_force + new%applied_force + new%reaction_force)) - damped
       record%applied_force = sum(new%applied_force, dim=2, mask=spread(.not. is_abstract, 1, 3))
@@ -774,6 +776,7 @@ contains
       record%friction_work = new%friction_work
       record%carried_work = new%carried_work
       record%damped_work = new%damped_work
+      record%plastic_work = new%plastic_work
       record%carried_now = new%carried_work - old%carried_work
       record%strain_energy = sum(new%energy * new%volume)
       record%contact_energy = sum(new%slaves%energy)

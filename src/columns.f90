@@ -72,7 +72,7 @@ module amontons_columns
     column_type('stiffness', 1, '[force/length]', 'Scale of the trial traction.')]
   integer, parameter :: N_CONTACT_INTEGERS = 3, N_CONTACT_REALS = 17
 
-  type(column_type), parameter :: HISTORY_COLUMNS(28) = [ &
+  type(column_type), parameter :: HISTORY_COLUMNS(29) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1; 0 is the state before the first.', .true.), &
     column_type('increment', 1, '[-]', 'Increment in the step, counted from 1.', .true.), &
     column_type('attempt', 1, '[-]', 'Attempt at the increment, counted from 1.', .true.), &
@@ -103,8 +103,9 @@ module amontons_columns
     column_type('contact_energy', 1, '[energy]', 'Stored by compliant laws of contact.'), &
     column_type('carried_work', 1, '[energy]', &
       'Taken while bodies that nothing held were carried to where they touch, since the start of the job.'), &
-    column_type('damped_work', 1, '[energy]', 'Dissipated by the damping of STABILIZE since the start of the job.')]
-  integer, parameter :: N_HISTORY_INTEGERS = 16, N_HISTORY_REALS = 24 + N_PHASES
+    column_type('damped_work', 1, '[energy]', 'Dissipated by the damping of STABILIZE since the start of the job.'), &
+    column_type('plastic_work', 1, '[energy]', 'Taken by plastic and creep strains since the start of the job.')]
+  integer, parameter :: N_HISTORY_INTEGERS = 16, N_HISTORY_REALS = 25 + N_PHASES
 
   type(column_type), parameter :: ITERATION_COLUMNS(16) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1.', .true.), &

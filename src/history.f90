@@ -52,6 +52,7 @@ module amontons_history
     real(DP) :: slave_force(3) = 0             !< sum on the slave nodes alone [force]
     real(DP) :: external_work = 0              !< of loads and prescribed displacements since the start [energy]
     real(DP) :: friction_work = 0              !< dissipated since the start [energy]
+    real(DP) :: plastic_work = 0               !< of plastic and creep strains since the start [energy]
     integer :: n_carried = 0                   !< iterations in which bodies that nothing held were carried
     real(DP) :: carried_now = 0                !< work that this took in this increment [energy]
     real(DP) :: carried_work = 0               !< taken while bodies that nothing held were carried, since the start [energy]

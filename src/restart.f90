@@ -388,6 +388,7 @@ contains
     call parcel%carry(fields%creep_time)
     call parcel%carry(fields%external_work)
     call parcel%carry(fields%friction_work)
+    call parcel%carry(fields%plastic_work)
     call parcel%carry(fields%carried_work)
     call parcel%carry(fields%damping)
     call parcel%carry(fields%damped_work)

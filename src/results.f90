@@ -801,7 +801,8 @@ contains
     reals(:, 1) = [record%total_time, record%step_time, record%dt, record%smallest_step_length, record%residual, &
       record%correction, record%seconds, record%applied_force, record%reaction_force, record%contact_force, &
       record%slave_force, record%external_work, record%friction_work, record%strain_energy, &
-      record%contact_energy, record%carried_work, record%damped_work]
+      record%contact_energy, record%carried_work, record%damped_work, &
+      record%plastic_work]
     if (record%is_converged) call check_finite('history row', HISTORY_COLUMNS, reals, error)
     if (.not. allocated(error)) then
       reals(:, 1) = finite(reals(:, 1))

@@ -82,6 +82,7 @@ module amontons_state
     real(DP) :: friction_work = 0           !< since the start [energy]
     real(DP) :: damping(2) = 0              !< factor of STABILIZE: DAMPING_NOW, DAMPING_NEXT [force time/length^4]
     real(DP) :: damped_work = 0             !< dissipated by it since the start [energy]
+    real(DP) :: plastic_work = 0            !< of stresses on plastic and creep strains, since the start [energy]
     real(DP) :: carried_work = 0            !< of what nothing balanced while bodies were carried, since the start [energy]
   end type fields_type
 
