@@ -28,7 +28,6 @@ module amontons_analysis
   use amontons_newton, only: newton_type, begin_newton, iterate
   use amontons_dissipation, only: inelastic_work
   use amontons_stepper, only: stepper_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
-    MOOD_CALM, MOOD_USUAL, MOOD_UPSET, MOOD_RESTLESS, &
     STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
   use amontons_failure, only: failure_reason, failure_lines
   use amontons_store, only: mend_store
@@ -49,9 +48,6 @@ module amontons_analysis
   public :: solve_increment, enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
 
   integer, parameter :: SMALL_MODEL = 4000         !< nodes below which threads wait longer for each other than they save
-  real(DP), parameter :: FAR_OFF = 0.5_DP          !< an imbalance after the first iteration above this part of the largest force [-]
-  real(DP), parameter :: NEAR_BY = 0.1_DP          !< and one below this [-]
-  integer, parameter :: FEW = 3                    !< iterations
   real(DP), parameter :: GUARD_SHARE = 0.03_DP     !< most of the time that may go into checkpoints [-]
 
   !> One job: nothing of it lives outside.
@@ -445,20 +441,10 @@ contains
       call close_ledger(analysis%model, analysis%state, record, damped)
       call close_record(analysis, record)
       call commit_state(analysis%state)
-      call accept_increment(analysis%stepper, step, record%dt, record%n_iterations, mood_of(analysis%newton), outcome)
+      call accept_increment(analysis%stepper, step, record%dt, record%n_iterations, outcome)
       analysis%is_step_start = outcome == STEP_DONE
     end associate
   end subroutine accept
-
-
-  !> How contact behaved in an attempt that converged.
-  pure integer function mood_of(newton) result(mood)
-    type(newton_type), intent(in) :: newton
-    mood = MOOD_USUAL
-    if (newton%first_residual < NEAR_BY .and. newton%record%iteration <= FEW) mood = MOOD_CALM
-    if (newton%first_residual > FAR_OFF) mood = MOOD_UPSET
-    if (newton%n_cycles > 0) mood = MOOD_RESTLESS
-  end function mood_of
 
 
   !> Commits what was solved since the last commit: the increments go to the files, the fields of the last of them too.

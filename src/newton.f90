@@ -41,7 +41,6 @@ module amontons_newton
     integer :: n_carried = 0                       !< iterations in which bodies had to be carried
     logical :: may_be_cut = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
     logical :: is_carried = .false.                !< the last one was such
-    real(DP) :: first_residual = 0                 !< after the first iteration, over the largest force [-]
     integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
     type(forensics_type) :: forensics
@@ -128,7 +127,6 @@ contains
     if (newton%trouble /= TROUBLE_NONE) return
     call note_residual(newton, system, step%controls%r_n)
     call note_step(newton, system, state, search, system%n_krylov - n_krylov)
-    if (newton%progress%iteration == 1) newton%first_residual = newton%progress%residual(0)
     verdict = judge(step%controls, newton%progress)
     if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. size(state%new%slaves) > 0 .and. .not. newton%is_carried) &
       call judge_early(newton%progress, verdict)

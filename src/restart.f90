@@ -318,8 +318,6 @@ contains
     call parcel%carry(stepper%total_time)
     call parcel%carry(stepper%dt)
     call parcel%carry(stepper%n_fast)
-    call parcel%carry(stepper%dt_failed)
-    call parcel%carry(stepper%n_since)
   end subroutine carry_stepper
 
 

@@ -9,7 +9,6 @@ module amontons_stepper
   implicit none
   private
   public :: stepper_type, open_step, propose_time, accept_increment, reject_increment, may_cut
-  public :: MOOD_CALM, MOOD_USUAL, MOOD_UPSET, MOOD_RESTLESS
   public :: STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
 
   integer, parameter :: STEP_GOES_ON = 0           !< after an accepted increment: more to come in this step
@@ -18,13 +17,6 @@ module amontons_stepper
   integer, parameter :: CUT_BACK = 3               !< after a failed attempt: try again with the smaller increment
   integer, parameter :: GIVE_UP = 4                !< no smaller increment is allowed
 
-  integer, parameter :: MOOD_CALM = 1              !< contact hardly changed
-  integer, parameter :: MOOD_USUAL = 0
-  integer, parameter :: MOOD_UPSET = -1            !< it was far from what was foreseen
-  integer, parameter :: MOOD_RESTLESS = -2         !< it went in cycles
-
-  integer, parameter :: PATIENCE = 6               !< increments after which a length that failed may be tried again
-  real(DP), parameter :: BELOW_FAILED = 0.7_DP     !< of the length that failed, until then [-]
   real(DP), parameter :: SNAP = 1.0e-6_DP          !< an increment that ends this near to the end of the step ends there [-]
 
   !> Where the job is in time. Times are those committed.
@@ -36,8 +28,6 @@ module amontons_stepper
     real(DP) :: total_time = 0                     !< [time]
     real(DP) :: dt = 0                             !< wanted for the next increment [time]
     integer :: n_fast = 0                          !< increments running that converged within i_g iterations
-    real(DP) :: dt_failed = 0                      !< length of the last attempt in this step that failed; 0: none [time]
-    integer :: n_since = 0                         !< increments since
   end type stepper_type
 
 contains
@@ -53,8 +43,6 @@ contains
     if (step%is_clock_set) stepper%total_time = step%clock
     stepper%dt = min(step%dt_initial, step%period)
     stepper%n_fast = 0
-    stepper%dt_failed = 0.0_DP
-    stepper%n_since = 0
   end subroutine open_step
 
 
@@ -70,34 +58,21 @@ contains
 
 
   !> A converged increment: time goes on, and the next one may be longer or shorter.
-  !! What happened counts beside the iterations: after an increment with cycles the next one does not grow. In a step in which an
-  !! attempt failed it does not grow after an upset one either, and after a calm one it grows at once, by d_d twice where it
-  !! is far below what failed; for PATIENCE increments none is as long as that.
-  pure subroutine accept_increment(stepper, step, dt, n_iterations, mood, outcome)
+  pure subroutine accept_increment(stepper, step, dt, n_iterations, outcome)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the increment [time]
     integer, intent(in) :: n_iterations            !< of the attempt that converged
-    integer, intent(in) :: mood                    !< MOOD_... of contact in it
     integer, intent(out) :: outcome                !< STEP_...
-    real(DP) :: factor
-    logical :: is_warned                           ! an attempt failed in this step
     stepper%total_time = stepper%total_time + dt
     stepper%step_time = stepper%step_time + dt
     if (abs(step%period - stepper%step_time) <= SNAP * step%period) stepper%step_time = step%period
-    is_warned = stepper%dt_failed > 0.0_DP
-    stepper%n_fast = merge(stepper%n_fast + 1, 0, n_iterations <= step%controls%i_g .and. mood /= MOOD_RESTLESS .and. &
-      .not. (is_warned .and. mood == MOOD_UPSET))
-    stepper%n_since = stepper%n_since + 1
+    stepper%n_fast = merge(stepper%n_fast + 1, 0, n_iterations <= step%controls%i_g)
     if (.not. step%is_direct) then
       if (n_iterations > step%controls%i_l) then
         stepper%dt = max(step%dt_min, step%controls%d_b * stepper%dt)
-      else if (stepper%n_fast >= 2 .or. (stepper%n_fast == 1 .and. mood == MOOD_CALM .and. is_warned)) then
-        factor = step%controls%d_d
-        if (mood == MOOD_CALM .and. factor**2 * stepper%dt < BELOW_FAILED * stepper%dt_failed) factor = factor**2
-        if (is_warned .and. stepper%n_since < PATIENCE) &
-          factor = max(1.0_DP, min(factor, BELOW_FAILED * stepper%dt_failed / stepper%dt))
-        stepper%dt = min(step%dt_max, factor * stepper%dt)
+      else if (stepper%n_fast >= 2) then
+        stepper%dt = min(step%dt_max, step%controls%d_d * stepper%dt)
       end if
     end if
     stepper%attempt = 1
@@ -126,8 +101,6 @@ contains
     integer, intent(out) :: outcome                !< CUT_BACK or GIVE_UP
     outcome = GIVE_UP
     if (step%is_direct .or. stepper%attempt > step%controls%i_a) return
-    stepper%dt_failed = dt
-    stepper%n_since = 0
     stepper%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
     if (stepper%dt < step%dt_min) then
       if (dt <= step%dt_min * (1.0_DP + SNAP)) return
