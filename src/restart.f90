@@ -23,7 +23,7 @@ module amontons_restart
   public :: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint, pack_state, unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it tells the byte order too
-  integer(I64), parameter :: FORMAT_VERSION = 8
+  integer(I64), parameter :: FORMAT_VERSION = 9
   integer, parameter :: N_HEAD = 4                 !< words before those of carry_all
 
   !> All that the next increment depends on.
