@@ -42,7 +42,8 @@ contains
       if (model%pairs(p)%is_pointwise) cycle
       reach = SEARCH_REACH * contact%edge(p)
       if (model%pairs(p)%is_mortar) reach = search_margin(contact%mortar(p), reach)
-      if (.not. allocated(contact%facets(p)%profile)) call build_search(contact%facets(p), x, reach, contact%search(p))
+      if (.not. allocated(contact%facets(p)%profile)) call build_search(contact%facets(p), merge(x, here, contact%is_small(p)), &
+        reach, contact%search(p))
       if (.not. model%pairs(p)%is_mortar) cycle
       if (contact%is_small(p) .and. .not. is_step_start .and. contact%mortar(p)%is_made) cycle
       if (contact%is_small(p) .and. is_nlgeom) then
@@ -61,10 +62,10 @@ contains
           cycle
         end if
         reach = SEARCH_REACH * contact%edge(p)
-        if (slave%side > 0) then
+        if (slave%side > 0 .or. .not. contact%is_small(p)) then
           call refresh_facet(contact, here, s, reach, slave)
-        else if (.not. contact%is_small(p) .or. is_step_start) then
-          call refresh_facet(contact, merge(here, x, .not. contact%is_small(p)), s, reach, slave)
+        else if (is_step_start) then
+          call refresh_facet(contact, x, s, reach, slave)
         end if
         if (.not. is_beyond(contact, slave)) slave%extension = 0.0_DP
         is_new = .not. slave%is_started
@@ -83,7 +84,8 @@ contains
       call lose_master(fields%slaves(s))
       fields%slaves(s)%origin_facet = 0
     end do
-    call renew_areas(contact, model, merge(here, x, model%dialect == DIALECT_CALCULIX), fields%slaves)
+    if (model%dialect == DIALECT_CALCULIX) x = here
+    call renew_areas(contact, model, x, fields%slaves)
   end subroutine begin_contact_increment
 
 
