@@ -10,7 +10,7 @@ module amontons_element
   use amontons_kinds, only: DP
   use amontons_condition, only: tangent_at_rest, CONDITION_NONE
   use amontons_discrete, only: truss_element, truss_volumes, truss_body_force, spring_element
-  use amontons_enhanced, only: incompatible_gradients, correct_modes, condense_modes, N_MODES
+  use amontons_enhanced, only: modes_type, incompatible_gradients, improve_modes, condense_modes, N_MODES
   use amontons_hourglass, only: hourglass_type, prepare_hourglass, soften_hourglass, add_hourglass
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_material_point, only: point_type, update_point
@@ -38,10 +38,9 @@ module amontons_element
   ! they differ.
   integer, parameter :: N_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15]
   integer, parameter :: N_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9]
-  integer, parameter :: MOST_CORRECTIONS = 30      !< of the amplitudes of the incompatible modes
+  integer, parameter :: MOST_CORRECTIONS = 60      !< of the amplitudes of the incompatible modes
   real(DP), parameter :: EXACT = 1.0e-14_DP        !< their force of the stresses: converged [-]
   real(DP), parameter :: ACCEPTABLE = 1.0e-9_DP    !< where the corrections end [-]
-  real(DP), parameter :: ROUNDING = 1.0e-14_DP     !< a correction this small over the displacements is rounding [-]
   logical, parameter :: IS_MEAN(N_SOLID_KINDS) = [.false., .false., .true., .false., .false., .false., .false., .false., &
     .false., .false.]
 
@@ -325,7 +324,7 @@ contains
 
   !> C3D8I: the amplitudes of the incompatible modes are found anew each time, so that their forces are zero; then they
   !! leave force and tangent by condensation. So force and tangent are derivatives of the least energy, and nothing is
-  !! to be remembered. Cost: one correction where stress and strain are proportional, else two to five.
+  !! to be remembered. Cost: one correction where stress and strain are proportional, else two to five, more where plastic flow turns.
   pure subroutine evaluate_enhanced(material, X, u, is_nlgeom, force, points, status, stiffness)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :), u(:, :)
@@ -336,9 +335,10 @@ contains
     real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
     type(motion_type) :: at_rest
     real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), K(3 * MAX_NODES, 3 * MAX_NODES), whole(3, 8 + N_MODES), &
-      correction(3, N_MODES), imbalance, largest
-    integer :: n_rule, step, a
-    logical :: is_regular
+      imbalance
+    type(modes_type) :: search
+    integer :: n_rule, step
+    logical :: is_exact, is_regular
     call set_reference(KIND_C3D8I, X, at_rest, status)
     if (status /= ELEMENT_OK) return
     call quadrature(KIND_C3D8I, n_rule, xi, w)
@@ -349,15 +349,9 @@ contains
       call evaluate_modes(material, at_rest, whole, is_nlgeom, force, points, status, K, imbalance)
       if (status /= ELEMENT_OK) return
       if (imbalance <= EXACT) exit
-      call correct_modes(8, force, K, correction, is_regular)
-      if (.not. is_regular) exit
-      largest = maxval(abs(whole(:, 9:)))
-      do a = 2, 8
-        largest = max(largest, maxval(abs(u(:, a) - u(:, 1))))
-      end do
-      if (maxval(abs(correction)) <= ROUNDING * largest) imbalance = 0
-      if (imbalance <= EXACT) exit
-      whole(:, 9:) = whole(:, 9:) + correction
+      call improve_modes(search, 8, force, K, whole, is_exact, is_regular)
+      if (is_exact) imbalance = 0
+      if (is_exact .or. .not. is_regular) exit
     end do
     if (.not. imbalance <= ACCEPTABLE) status = ELEMENT_NOT_FINITE
     if (present(stiffness)) then

@@ -18,10 +18,20 @@ module amontons_enhanced
   use amontons_topology, only: MAX_NODES
   implicit none
   private
-  public :: incompatible_gradients, correct_modes, condense_modes
+  public :: modes_type, incompatible_gradients, improve_modes, correct_modes, condense_modes
   public :: N_MODES
 
   integer, parameter :: N_MODES = 3                !< vectors of amplitudes: nine numbers
+
+  real(DP), parameter :: SHORTEST = 0.05_DP        !< a correction that is cut shorter is taken [-]
+  real(DP), parameter :: ROUNDING = 1.0e-14_DP     !< a correction this small over the displacements is rounding [-]
+
+  !> The search for the amplitudes of an element.
+  type :: modes_type
+    real(DP) :: correction(3, N_MODES) = 0         !< the last [length]
+    real(DP) :: share = 0                          !< what was taken of it [-]
+    real(DP) :: slope = 0                          !< of the energy along it, where it began [energy]
+  end type modes_type
 
 contains
 
@@ -43,6 +53,39 @@ contains
       end do
     end do
   end subroutine incompatible_gradients
+
+
+  !> Better amplitudes: a Newton correction, or, where the last one went past the least energy, back to where the secant has it.
+  !! Without that an element that flows and unloads in turn would go to and fro.
+  pure subroutine improve_modes(search, n, force, stiffness, u, is_exact, is_regular)
+    type(modes_type), intent(inout) :: search
+    integer, intent(in) :: n                       !< nodes of the element
+    real(DP), intent(in) :: force(3, MAX_NODES)    !< of the n nodes and the N_MODES amplitudes [force]
+    real(DP), intent(in) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< likewise [force/length]
+    real(DP), intent(inout) :: u(:, :)             !< (3, n + N_MODES) displacements and amplitudes [length]
+    logical, intent(out) :: is_exact               !< the correction would be rounding: u is as it was
+    logical, intent(out) :: is_regular             !< .false.: K_mm is singular
+    real(DP) :: slope, before
+    is_exact = .false.
+    is_regular = .true.
+    associate (modes => force(:, n + 1:n + N_MODES), amplitudes => u(:, n + 1:n + N_MODES))
+      slope = sum(modes * search%correction)
+      if (search%share > SHORTEST .and. slope > abs(search%slope)) then
+        before = search%share
+        search%share = before * abs(search%slope) / (abs(search%slope) + slope)
+        amplitudes = amplitudes + (search%share - before) * search%correction
+        return
+      end if
+      call correct_modes(n, force, stiffness, search%correction, is_regular)
+      if (.not. is_regular) return
+      is_exact = maxval(abs(search%correction)) <= ROUNDING * max(maxval(abs(amplitudes)), &
+        maxval(abs(u(:, 2:n) - spread(u(:, 1), 2, n - 1))))
+      if (is_exact) return
+      search%share = 1
+      search%slope = sum(modes * search%correction)
+      amplitudes = amplitudes + search%correction
+    end associate
+  end subroutine improve_modes
 
 
   !> The Newton correction of the amplitudes, which are the last nodes of the element: -K_mm^-1 f_m.

@@ -17,17 +17,16 @@ module amontons_frd
   use amontons_posix, only: cut_file, sync_file
   use amontons_topology, only: element_kind, kind_type, FAMILY_MASS, FAMILY_SOLID
   use amontons_mesh, only: mesh_type, is_out
-  use amontons_materials, only: HISTORY_PEEQ
   use amontons_steps, only: is_output_due, step_type, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_FORC, FRD_MESTRAIN, &
     FRD_NDTEMP, FRD_PE, FRD_STRESS, FRD_TOSTRAIN, N_FRD
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type
-  use amontons_state, only: fields_type, history_row, slave_type, STATUS_OPEN
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN
   use amontons_contact_fields, only: nodal_slaves, n_nodal_slaves, shown_slip
   use amontons_expanded, only: turn_trusses
   use amontons_mechanical, only: mechanical_strain
   use amontons_nodal, only: average_at_nodes
-  use amontons_printed, only: contact_axes, printed_forces
+  use amontons_printed, only: contact_axes, printed_forces, inelastic_strain
   use amontons_version, only: VERSION
   implicit none
   private
@@ -336,8 +335,7 @@ contains
     case (FRD_MESTRAIN)
       call average_at_nodes(model%mesh, turn_trusses(model, fields, .false., mechanical_strain(model, fields)), values, is_there)
     case (FRD_PE)
-      call average_at_nodes(model%mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, model%mesh%n_points]), values, &
-        is_there)
+      call average_at_nodes(model%mesh, reshape(inelastic_strain(model, fields), [1, model%mesh%n_points]), values, is_there)
     case (FRD_ENER)
       call average_at_nodes(model%mesh, reshape(fields%energy, [1, model%mesh%n_points]), values, is_there)
     case (FRD_CONTACT)
@@ -369,6 +367,21 @@ contains
   end function contact_values
 
 
+  !> A time with as many digits as twelve letters have room for.
+  pure function time_text(time) result(text)
+    real(DP), intent(in) :: time                   !< [time]
+    character(12) :: text
+    integer :: digits
+    digits = 9
+    if (time >= 10.0_DP) digits = 9 - floor(log10(time))
+    if (time < 1.0e-3_DP .or. digits < 4) then
+      write (text, '(1p,e12.5)') time
+    else
+      write (text, '(f12.' // achar(iachar('0') + digits) // ')') time
+    end if
+  end function time_text
+
+
   !> One block: its number, time, head lines, and a row per node.
   subroutine write_block(frd, head, labels, values, time, record)
     type(frd_type), intent(inout) :: frd
@@ -382,7 +395,7 @@ contains
     frd%n_blocks = frd%n_blocks + 1
     write (line, '(a,i26,2i12)') '    1PSTEP', frd%n_blocks, record%increment, record%step
     call put(frd, line)
-    write (line, '(a,i5,1p,e12.5,i12,20x,i2,i5,10x,i2)') '  100CL', 100 + frd%n_frames, time, size(frd%present), 0, &
+    write (line, '(a,i5,a,i12,20x,i2,i5,10x,i2)') '  100CL', 100 + frd%n_frames, time_text(time), size(frd%present), 0, &
       frd%n_frames, 1
     call put(frd, line)
     write (line, '(a,a8,2i5)') ' -4  ', head%name, head%n + merge(1, 0, head%kind == KIND_VECTOR), 1

@@ -8,7 +8,7 @@
 module amontons_plastic
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, evaluate_curves, evaluate_table, CREEP_NONE, CREEP_TIME_HARDENING, &
-    HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
+    LAW_SAINT_VENANT, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
   implicit none
   private
   public :: return_type, flow_type, return_radially, is_inelastic, RETURN_OK, RETURN_FAILED, deform_ramberg_osgood, &
@@ -220,7 +220,7 @@ contains
 
 
   !> The rate of creep and its derivatives by stress and by the creep strain of the increment.
-  !! Time hardening A q^n t^m; strain hardening (A q^n ((m + 1) c)^m)^(1/(m + 1)), here in the integrated form
+  !! Time hardening A q^n t^m, integrated over the increment, under the calculix dialect with t at its end; strain hardening (A q^n ((m + 1) c)^m)^(1/(m + 1)), here in the integrated form
   !! dc/dt = (C(t_s + dt) - C(t_s))/dt with C(t) = A q^n t^(m+1)/(m + 1) and t_s such that C(t_s) = c_old.
   pure subroutine creep_rate(material, problem, q, c, rate, rate_q, rate_c)
     type(material_type), intent(in) :: material
@@ -244,6 +244,7 @@ contains
       else if (material%creep_law == CREEP_TIME_HARDENING) then
         before = max(problem%time - dt, 0.0_DP)
         rate = s * (problem%time**k - before**k) / (k * dt)
+        if (material%law == LAW_SAINT_VENANT) rate = s * problem%time**m
         rate_q = n * rate / q
       else
         virtual = (problem%c_old * k / s)**(1 / k)

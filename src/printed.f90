@@ -28,7 +28,7 @@ module amontons_printed
   implicit none
   private
   public :: printed_type, open_printed, resume_printed, sync_printed, measure_printed, check_printed, print_iteration, &
-    print_increment, print_fields, close_printed, contact_axes, printed_forces
+    print_increment, print_fields, close_printed, contact_axes, printed_forces, inelastic_strain
 
   !> The text files of a job that are being written. Units are 0 if not open.
   type :: printed_type
@@ -415,6 +415,7 @@ contains
       end associate
     end do
     call take_sector(model%mesh, fields, model%steps(max(1, fields%step))%is_nlgeom, force)
+    if (present(is_field)) force = force / sector_share(model)   ! a field has those of the whole circle
   end function printed_forces
 
 
@@ -458,6 +459,7 @@ contains
         call print_head(unit, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
         call print_point_rows(unit, model, set, in_axes(fields, request, turn_trusses(model, fields, .false., fields%strain)))
       case ('PEEQ')
+        if (model%dialect == DIALECT_CALCULIX .and. size(fields%history, 1) == 0) return   ! nothing flows
         call print_head(unit, 'equivalent plastic strain (elem, integ.pnt.,pe)', set, time)
         call print_point_rows(unit, model, set, reshape(inelastic_strain(model, fields), [1, mesh%n_points]))
       case ('CEEQ')

@@ -157,6 +157,29 @@ def reference_cases() -> Iterator[tuple[str, str]]:
             yield f"{name}-moved", model + card + step("*BOUNDARY\n" + "".join(f"{n}, {d}, {d}, {size * u}\n" for n, d, u in motions) + out, option)
 
 
+def flow_cases() -> Iterator[tuple[str, str]]:
+    """A bar of every kind bent and pulled until it flows, and back; creep that slows down with time; rings under large strain."""
+    out = PRINTS.replace("S, E", "S, E, PEEQ")
+    static = "*STATIC, DIRECT\n.25, 1.\n"
+    for kind in KINDS:
+        if kind == "C3D8R":
+            continue  # under its other hourglass forces
+        body = Part("A", kind, (0, 0, 0), (3, 1, 1), (3, 2, 2))
+        model = bodies(body) + "*MATERIAL, NAME=EL\n*ELASTIC\n210000., .3\n*PLASTIC\n300., 0.\n400., .02\n450., .1\n" + sections("A") + "*BOUNDARY\nA_X0N, 1, 3\n"
+        for name, option in options(f"flow-{kind}"):
+            there, back = "*BOUNDARY\nA_X1N, 1, 1, .03\nA_X1N, 2, 2, .02\n", "*BOUNDARY\nA_X1N, 1, 1\n"
+            yield name, model + step(there + out, option, static) + step(back + out, option, static)
+    body = Part("A", "C3D8", (0, 0, 0), (3, 1, 1), (3, 2, 2))
+    creeping = bodies(body) + "*MATERIAL, NAME=EL\n*ELASTIC\n210000., .3\n*CREEP, LAW=NORTON\n1.E-13, 4., -.3\n" + sections("A")
+    load = "*BOUNDARY\nA_X0N, 1, 3\n*DLOAD\n" + body.dload("X1", -150.0)
+    for name, option in options("creep"):
+        yield name, creeping + step(load + out, option) + step(out, option, "*VISCO, CETOL=.01\n.1, 10.\n")
+    for kind in ("CAX4", "CAX8R"):
+        ring = Part("A", kind, (1, 0), (4, 1), (3, 2))
+        model = bodies(ring) + "*MATERIAL, NAME=EL\n*HYPERELASTIC, NEO HOOKE\n5., .01\n" + sections("A") + "*BOUNDARY\nA_X0N, 1, 2\n"
+        yield f"rubber-{kind}", model + step("*BOUNDARY\nA_X1N, 1, 1, .6\nA_X1N, 2, 2, .1\n*NODE PRINT, NSET=NALL\nU, RF\n", NONLINEAR, static)
+
+
 LINEAR = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n2.E5, 1.\n"
 HARD = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n"
 EXPONENTIAL = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL\n1.E-3, 5.\n"
@@ -211,7 +234,7 @@ def contact_deck(kind: str, pair: str, law: str, loads: list[str], nlgeom: str =
     return text + extra + "*BOUNDARY\nA_Z0N, 1, 3\n" + "".join(step(load + out, nlgeom, static) for load in loads)
 
 
-FAMILIES = [tie_cases, pretension_cases, ring_cases, line_cases, reference_cases, contact_cases]
+FAMILIES = [tie_cases, pretension_cases, ring_cases, line_cases, reference_cases, flow_cases, contact_cases]
 
 
 def cases() -> dict[str, str]:

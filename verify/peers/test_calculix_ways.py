@@ -354,3 +354,15 @@ def test_rope(tables: Callable[..., list[Block]]) -> None:
         displacements, forces = blocks[2 * i : 2 * i + 2]
         assert displacements.rows[(12,)][0] == pytest.approx(moved, abs=2 * 6.0 / 1e7)
         assert forces.rows[(13,)][0] == pytest.approx(-carried, abs=1e-4)
+
+
+def test_creep_slows_down_by_the_end_of_the_increment(tables: Callable[..., list[Block]]) -> None:
+    """Time hardening under constant stress: each increment adds A s^n t^m dt, t at its end, counted from where the creep began."""
+    material = LINEAR.replace("*SOLID", "*CREEP\n1.E-6, 2., -.3\n*SOLID")
+    load = "*CLOAD\n" + "".join(f"{n}, 1, 2.5\n" for n in (2, 3, 6, 7))
+    out = "*EL PRINT, ELSET=E\nPEEQ\n*END STEP\n"
+    blocks = tables(CUBE + material + f"*STEP\n*STATIC\n1.E-9, 1.E-9\n{load}*END STEP\n*STEP\n*VISCO, CETOL=1., DIRECT\n.5, 2.\n{out}")
+    expected = 0.0
+    for i, block in enumerate([b for b in blocks if b.time > 0.1], start=1):
+        expected += 1e-6 * 10.0**2 * (0.5 * i) ** -0.3 * 0.5
+        assert list(block.rows.values())[0][0] == pytest.approx(expected, rel=1e-4)
