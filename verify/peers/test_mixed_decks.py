@@ -38,7 +38,7 @@ DIFFERENT: dict[str, str] = {
     r"element-C3D8I": "CalculiX: 2.20 leaves the ratio of the determinants out of the incompatible modes and misses the patch test; "
                       "its later reference of patch_c3d8i agrees with ours",
     r"element-CPS": "CalculiX joins the thickness at the nodes; here it is free at each point",
-    r"element-CAX": "the points of the solid sector stand in turned directions: only shears in the third direction differ",
+    r"element-CAX(4|6|8R)$|element-CAX4R": "the points of the solid sector stand in turned directions: only shears in the third direction differ",
     r"element-C3D20R-nl": "CalculiX: gives up; the corner pulled is soft without full integration",
     r"C3D10M": "CalculiX: does not know the element",
     r"output-all": "COORD of NODE PRINT is a block of our own, which CalculiX does not print",
@@ -47,11 +47,12 @@ DIFFERENT: dict[str, str] = {
     r"plastic.*-T": "CalculiX cuts all curves of a table off at the end of the shortest; here each stays at its last stress",
     r"bond-.*(distributing)": "CalculiX: moves nothing at all where directions 1 to 3 are named",
     r"kinematic-or-nl": "cylindrical directions of a coupling that turns: 4 %, not looked into",
-    r"C3D20R-.*-nl$|C3D20R-foam2": "one layer of C3D20R has modes that are all but free: up to 2 % in displacements, other increments",
+    r"element-C3D20R-nl|C3D20R-(ortho-rect|ortho-cyl|engineering|aniso-rect|rigid-elset|transform|transform-cyl)-nl$|C3D20R-foam2": "one layer of C3D20R has modes that are all but free: up to 2 % in displacements, other increments",
     r"plastic-.*-(kinematic|combined)-nl$": "at a limit point: CalculiX stops there too if its increments are small",
     r"ramberg": "CalculiX: takes inv(F) E inv(F)' for Almansi's strain, the transpose of what it should be; equal where nothing turns",
     r"stress-": "energies of initial stress: counted from it there, from no stress here",
 }
+LOOSE = "one layer of C3D20R"  # near their tolerance
 SAMPLE = re.compile(r"element-(C3D4|C3D6|C3D8|C3D10|C3D15|C3D20|CPE3|CPE8R)(-nl)?$|element-(C3D20R|CPE4|CPE6|CPE8)$|"
                     r"steps-|creep-C3D8$|output-section-C3D(4|8|10|20R)$|expansion-(zero|table|ortho)$|expansion-zero-nl|bond-C3D8-(plane|straight|equation|rigid|kinematic(?!-or-nl)|meanrot)")
 
@@ -63,7 +64,7 @@ def parameters() -> list[object]:
     result = []
     for name in CASES:
         reason = next((text for pattern, text in DIFFERENT.items() if re.search(pattern, name)), "")
-        marks = [pytest.mark.xfail(reason=reason, strict=False)] if reason else []
+        marks = [pytest.mark.xfail(reason=reason, strict=not reason.startswith(LOOSE))] if reason else []
         if reason or not SAMPLE.match(name):
             marks.append(pytest.mark.slow)
         result.append(pytest.param(name, id=name, marks=marks))
