@@ -129,6 +129,10 @@ $(B)/unit/test_%: verify/unit/test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a 
 	@echo "compiling $<" && mkdir -p $@.modules
 	$(Q)$(FC) $(FFLAGS) $(UNIT_$(BUILD)) -Wno-integer-division -I$(B) -I$(@D) $(INCLUDES) -J$@.modules -o $@ $(filter-out %.inc,$^) $(LDLIBS)
 
+$(B)/kernels: verify/benchmark/kernels.f90 $(LIB)/libamontons.a
+	@echo "compiling $<"
+	$(Q)$(FC) $(FFLAGS) -I$(B) $(INCLUDES) -o $@ $^ $(LDLIBS)
+
 debug: ready ## Build with all run-time checks into build/debug
 	@$(MAKE) BUILD=debug build
 
@@ -186,7 +190,8 @@ verify: programs $(VENV)/installed ## Run the verification cases and write their
 	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/verification verify/peers
 
 bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) and write the table of doc/performance.md
-	@$(PY) verify/benchmark/bench.py --program $(BIN)/amontons --write
+	@$(MAKE) $(B)/kernels
+	@$(PY) verify/benchmark/bench.py --program $(BIN)/amontons --kernels $(B)/kernels --write
 
 study: programs $(VENV)/installed ## Iterations of all line searches by friction, shape and size of the increments: ironing, blocks, cylinder, ball
 	@$(PY) verify/study/ironing_table.py --program $(BIN)/amontons

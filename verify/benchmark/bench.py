@@ -1,7 +1,7 @@
 """Times Amontons against CalculiX on the same decks, in turn, and writes the table of doc/performance.md.
 
     python verify/benchmark/bench.py [--cases friction-nlgeom friction linear hertz plastic ironing] [--sizes 10 15 21] [--runs 3]
-                                     [--threads 1 2] [--curved] [--surface-to-surface] [--keep FILE] [--write]
+                                     [--threads 1 2] [--curved] [--surface-to-surface] [--keep FILE] [--kernels FILE] [--write]
 
 All decks are in the calculix dialect: the same element and contact law in both programs.
 
@@ -15,7 +15,9 @@ All decks are in the calculix dialect: the same element and contact law in both 
 The size is the number of elements on an edge; friction has some 6.7 n^3 unknowns, a cube 3 (n + 1)^3. Runs alternate, medians are
 compared; processor time is the operating system's account of each process, so that other work on the machine disturbs both alike.
 Two threads are compared by the time that passes. CalculiX runs on one thread, and once for all threads of ours. --keep remembers
-its figures in a file and takes them from there the next time; without CalculiX (ccx) in the path only our own are printed.
+its figures in a file and takes them from there the next time; without CalculiX (ccx) in the path only our own are printed. A program
+that does not finish a case has no figures in its row. --kernels runs build/kernels (kernels.f90 beside this file, `make build/kernels`) on a
+cube: elements a second, and the factor against dgemm.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -202,16 +204,22 @@ def bench_case(
     theirs = run_theirs(ccx, folder, key, options.runs, kept)
     command = [str(options.program.resolve()), "--progress=plain", "--threads"]
     ours: dict[int, list[Run]] = {n: [] for n in options.threads}
-    for _ in range(options.runs):
-        for n in options.threads:
-            ours[n].append(timed([*command, str(n), "job.inp"], folder, n))
+    name = case + (", curved" if options.curved else "") + (", surface to surface" if options.surface_to_surface else "")
+    try:
+        for _ in range(options.runs):
+            for n in options.threads:
+                ours[n].append(timed([*command, str(n), "job.inp"], folder, n))
+    except RuntimeError as error:
+        print(error, file=sys.stderr)
+        cells = [f"{theirs.seconds:.1f}", f"{theirs.megabytes:.0f}"] if theirs else ["-", "-"]
+        return ["| " + " | ".join([name, str(unknowns_of(deck)), *["-"] * 7, *cells, "-", "-"]) + " |"]
     force = reaction(folder / "job.dat")
     rows = []
     for n in options.threads:
         text = ours[n][-1].text
         mine = statistics.median(run.seconds for run in ours[n])
         cells = [
-            case + (", curved" if options.curved else ""),
+            name,
             str(unknowns_of(deck)),
             str(n),
             f"{mine:.1f}",
@@ -257,6 +265,7 @@ def main() -> int:
     parser.add_argument("--surface-to-surface", action="store_true", help="the friction cases with this formulation")
     parser.add_argument("--program", type=Path, default=ROOT / "bin" / "amontons")
     parser.add_argument("--keep", type=Path, help="file in which CalculiX's figures are kept")
+    parser.add_argument("--kernels", type=Path, help="the program of kernels.f90: also run it, on a cube of 31 elements on an edge")
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
     kept: dict[str, Theirs] = {}
@@ -272,11 +281,18 @@ def main() -> int:
                 print("\n".join(found), flush=True)
                 rows += found
                 cells = found[0].split("|")
-                measured.setdefault(case, []).append((int(cells[2]), float(cells[4])))
+                if cells[4].strip() != "-":
+                    measured.setdefault(case, []).append((int(cells[2]), float(cells[4])))
                 if options.keep:
                     options.keep.write_text(json.dumps({key: vars(value) for key, value in kept.items()}))
-    rows += ["", *growth(measured)]
-    print("\n".join(rows[-len(measured) - 1 :]))
+        last = ["", *growth(measured)]
+        if options.kernels:
+            deck = Path(folder) / "cube.inp"
+            deck.write_text(linear_deck(31))
+            kernels = subprocess.run([options.kernels.resolve(), deck], capture_output=True, text=True, check=True)
+            last += ["", "```", *kernels.stdout.splitlines(), "```"]
+    print("\n".join(last))
+    rows += last
     if options.write:
         page = ROOT / "doc" / "performance.md"
         before, _, rest = page.read_text().partition("<!-- table -->")
