@@ -3,8 +3,9 @@
  *
  * Shuffle sorts the eight bytes of all doubles into eight planes. The planes of the exponents and of the first digits can be packed;
  * those of the last digits are noise, on which deflate spends nearly all of its time for nothing. Here the planes of noise go into
- * the same stream as they are ("stored" blocks of RFC 1951). Any reader of HDF5 reads the chunk. It is C because the chunk is
- * written by H5Dwrite_chunk, which the Fortran interface of HDF5 1.10 does not have, and packed by zlib. */
+ * the same stream as they are ("stored" blocks of RFC 1951), those in between are written by Huffman's codes alone, and zlib gets those with
+ * repetitions. Any reader of HDF5 reads the chunk. It is C because the chunk is written by H5Dwrite_chunk, which the Fortran interface
+ * of HDF5 1.10 does not have, and for zlib. */
 #include <hdf5.h>
 #include <math.h>
 #include <stdint.h>
@@ -13,7 +14,8 @@
 #include <zlib.h>
 
 enum { BYTES = 8, LEVEL = 1, MOST_STORED = 65535, HEAD = 2, WORTH_THREADS = 20000, SAMPLE = 2048, EVERY = 16384 };
-enum { MODULUS = 65521, SUMMED = 4096, SHUFFLED = 1024 };
+enum { MODULUS = 65521, SUMMED = 4096, SHUFFLED = 1024, SYMBOLS = 257, LONGEST = 15 };
+static const double REPEATED = 1.0; /* bits a byte: a plane with less entropy is deflated, with a view to its repetitions */
 static const double NOISE = 6.7; /* bits a byte: a plane with more entropy than this is left as it is. Deflate makes a tenth less of a
                                     plane with 7.2 bits, 1.5 % of a file, and took half of the time of packing for it. */
 
@@ -94,6 +96,117 @@ static size_t squeeze(unsigned char *plane, size_t n, unsigned char *to, size_t 
   return length;
 }
 
+/* Bits as RFC 1951 packs them: the lowest first, codes with their highest bit first, that is turned round beforehand. */
+typedef struct {
+  unsigned char *to;
+  uint64_t bits;
+  unsigned n;
+} bit_writer;
+
+static void put_bits(bit_writer *self, uint32_t value, unsigned n)
+{
+  self->bits |= (uint64_t)value << self->n;
+  self->n += n;
+}
+
+/* Whole bytes to their place; there must be room for eight. At most 57 bits can then be put before the next time. */
+static void flush_bits(bit_writer *self)
+{
+  memcpy(self->to, &self->bits, sizeof self->bits);
+  self->to += self->n >> 3;
+  self->bits >>= self->n & ~7u;
+  self->n &= 7;
+}
+
+/* Lengths of the codes that Huffman finds for counts, at most LONGEST; 0 for what does not occur. */
+static void code_lengths(const uint32_t *count, unsigned char *length)
+{
+  uint64_t weight[2 * SYMBOLS];
+  int parent[2 * SYMBOLS], symbol[SYMBOLS], n = 0;
+  for (int s = 0; s < SYMBOLS; s++) {
+    length[s] = 0;
+    if (count[s] == 0) continue;
+    int k = n++;                                /* sorted by counts, those that are equal by their number */
+    for (; k > 0 && count[symbol[k - 1]] > count[s]; k--) symbol[k] = symbol[k - 1];
+    symbol[k] = s;
+  }
+  for (unsigned shift = 0;; shift++) {          /* smaller differences between the counts make the longest code shorter */
+    for (int k = 0; k < n; k++) weight[k] = count[symbol[k]] >> shift > 0 ? count[symbol[k]] >> shift : 1;
+    int leaf = 0, branch = n, longest = 0;
+    for (int next = n; next < 2 * n - 1; next++) {
+      weight[next] = 0;
+      for (int child = 0; child < 2; child++) {
+        int least = leaf < n && (branch == next || weight[leaf] <= weight[branch]) ? leaf++ : branch++;
+        weight[next] += weight[least];
+        parent[least] = next;
+      }
+    }
+    for (int k = 0; k < n; k++) {
+      int depth = 0;
+      for (int at = k; at != 2 * n - 2; at = parent[at]) depth++;
+      length[symbol[k]] = (unsigned char)depth;
+      if (depth > longest) longest = depth;
+    }
+    if (longest <= LONGEST) return;
+  }
+}
+
+/* The codes that belong to the lengths, turned round. */
+static void number_codes(const unsigned char *length, uint16_t *code)
+{
+  uint32_t next = 0;
+  for (int bits = 1; bits <= LONGEST; bits++, next <<= 1)
+    for (int s = 0; s < SYMBOLS; s++) {
+      if (length[s] != bits) continue;
+      uint32_t turned = 0;
+      for (int k = 0; k < bits; k++) turned |= (next >> k & 1) << (bits - 1 - k);
+      code[s] = (uint16_t)turned;
+      next++;
+    }
+}
+
+/* A plane as one block of Huffman codes without repetitions, up to the border of a byte: five times as fast as deflate, which looks for
+ * repetitions that bytes of exponents do not have. Returns the length, 0 if the plane would not become shorter. */
+static size_t encode(const unsigned char *plane, size_t n, unsigned char *to)
+{
+  uint32_t count[4][SYMBOLS] = {{0}};
+  unsigned char length[SYMBOLS];
+  uint16_t code[SYMBOLS] = {0};
+  size_t bits = 0;
+  bit_writer writer = {to, 0, 0};
+  for (size_t i = 0; i < n; i++) count[i & 3][plane[i]]++;
+  for (int s = 0; s < SYMBOLS; s++) count[0][s] += count[1][s] + count[2][s] + count[3][s];
+  count[0][SYMBOLS - 1] = 1; /* the end of the block */
+  code_lengths(count[0], length);
+  for (int s = 0; s < SYMBOLS; s++) bits += (size_t)count[0][s] * length[s];
+  if (bits / 8 + 256 >= n) return 0;
+  number_codes(length, code);
+  put_bits(&writer, 2 << 1 | 15 << 13, 17);     /* dynamic codes; 257 of bytes, one of distances, all 19 of lengths: */
+  for (int k = 0; k < 19; k++) {                /* none for repetitions (16 to 18 come first), four bits for each length from 0 to 15 */
+    put_bits(&writer, k < 3 ? 0 : 4, 3);
+    flush_bits(&writer);
+  }
+  for (int s = 0; s <= SYMBOLS; s++) {          /* the last is the length of the code of distances, which there are none of */
+    unsigned v = s < SYMBOLS ? length[s] : 0;
+    put_bits(&writer, (v & 1) << 3 | (v & 2) << 1 | (v & 4) >> 1 | v >> 3, 4);
+    flush_bits(&writer);
+  }
+  size_t i = 0;
+  for (; i + 3 <= n; i += 3) {
+    for (size_t k = i; k < i + 3; k++) put_bits(&writer, code[plane[k]], length[plane[k]]);
+    flush_bits(&writer);
+  }
+  for (; i < n; i++) put_bits(&writer, code[plane[i]], length[plane[i]]);
+  flush_bits(&writer);
+  put_bits(&writer, code[SYMBOLS - 1], length[SYMBOLS - 1]);
+  put_bits(&writer, 0, 3);                      /* a stored block without bytes, which begins at the border of a byte */
+  put_bits(&writer, 0, (8 - writer.n % 8) % 8);
+  flush_bits(&writer);
+  put_bits(&writer, 0xffff0000u, 32);
+  flush_bits(&writer);
+  return (size_t)(writer.to - to);
+}
+
 /* Packs the planes, each by itself, into one zlib stream (RFC 1950): threads share them, and the bytes do not depend on who did what.
  * Each plane has `room` bytes in `packed`. Returns the length of the stream, 0 if it fails. */
 static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_t room)
@@ -103,7 +216,8 @@ static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_
 #pragma omp parallel for schedule(dynamic) if(n > WORTH_THREADS)
   for (int j = 0; j < BYTES; j++) {
     unsigned char *plane = planes + (size_t)j * n, *to = packed + HEAD + (size_t)j * room;
-    length[j] = entropy(plane, n) > NOISE ? 0 : squeeze(plane, n, to, room);
+    double bits = entropy(plane, n);
+    length[j] = bits > NOISE ? 0 : bits > REPEATED ? encode(plane, n, to) : squeeze(plane, n, to, room);
     if (length[j] == 0) length[j] = store(plane, n, to);
     sum[j] = adler_sum(plane, n);
   }

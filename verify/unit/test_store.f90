@@ -16,6 +16,7 @@ program test_store
 
   call test_data(suite)
   call test_tables(suite)
+  call test_packing(suite)
   call test_readable_while_open(suite)
   call test_errors(suite)
   call test_full_disk(suite)
@@ -138,6 +139,62 @@ contains
     call suite%that('texts are rows', all(extent_of('tables.h5', '/words') == [2, 0]))
     call suite%that('texts are cut to their length', value_size('tables.h5', '/words') == 4)
   end subroutine test_tables
+
+
+  !> Blocks that are packed here (pack_shim.c) and unpacked by HDF5: in the eight planes of the bytes noise, one value, two, sixteen alike,
+  !! and bytes each twice as frequent as the one before, of which Huffman's codes would be longer than deflate allows.
+  subroutine test_packing(suite)
+    type(suite_type), intent(inout) :: suite
+    integer, parameter :: LENGTHS(3) = [1000, 46367, 200000]
+    type(store_type) :: store
+    type(table_type) :: table
+    type(error_type), allocatable :: error
+    integer(int64), allocatable :: words(:), found(:)
+    integer :: k
+    do k = 1, size(LENGTHS)
+      words = mixed_words(LENGTHS(k))
+      call create_store(store, 'packed.h5', error)
+      call create_table(store, table, '/packed', form_type(width=1, n_rows_hint=LENGTHS(k)), '[-]', 'Bytes.', error)
+      call append_rows(store, table, reshape(transfer(words, [0.0_DP]), [1, LENGTHS(k)]), error)
+      call close_store(store, error)
+      call expect(suite, 'pack', error)
+      found = transfer(reals_of('packed.h5', '/packed', LENGTHS(k)), found)
+      call suite%that('packed and unpacked to the bit', size(found) == size(words))
+      if (size(found) == size(words)) call suite%that('the same bits', all(found == words))
+    end do
+  end subroutine test_packing
+
+
+  !> Words whose bytes are distributed in different ways; no NaN and no infinity.
+  function mixed_words(n) result(words)
+    integer, intent(in) :: n
+    integer(int64) :: words(n), bytes(8)
+    integer :: doubled(n), i, k, a, many
+    i = 1
+    a = 1
+    k = 0
+    do while (i <= n)                              ! byte k so often as 2^k
+      many = min(a, n - i + 1)
+      doubled(i:i + many - 1) = k
+      i = i + many
+      k = k + 1
+      a = 2 * a
+    end do
+    do i = 1, n
+      bytes(1) = mod(int(i, int64) * 2654435761_int64 / 65536_int64, 256_int64)
+      bytes(2) = 7
+      bytes(3) = merge(200_int64, 3_int64, mod(i, 5) < 2)
+      bytes(4) = mod(bytes(1), 16_int64)
+      bytes(5) = int(doubled(i), int64)
+      bytes(6) = int(doubled(1 + int(mod(int(i, int64) * 40503_int64, int(n, int64)))), int64)
+      bytes(7) = 15 - mod(bytes(1), 16_int64)
+      bytes(8) = merge(63_int64, 191_int64, mod(bytes(1), 3_int64) == 0_int64)
+      words(i) = 0
+      do k = 8, 1, -1
+        words(i) = ior(ishft(words(i), 8), bytes(k))
+      end do
+    end do
+  end function mixed_words
 
 
   !> After a flush another reader finds the rows although the store is open: no lock, and a whole file.
