@@ -144,9 +144,9 @@ OTHERS: dict[str, Callable[[], str]] = {
 }
 
 
-#: Attempts of these fail, and how large the increments are after that depends on a count of iterations, which may differ by one; the pin
-#: moves without any force until it touches, where the imbalance is rounding over rounding.
-CUT_BACK = {"defaults, pin_in_bush", "capstan", "defaults, gaskets", "defaults, wedge", "analytic table tilts"}
+#: Attempts of these fail, and how large the increments are after that depends on a count of iterations, which may differ by one. The pin
+#: and the pushed block move without any force until they touch, where the imbalance is rounding over rounding.
+CUT_BACK = {"defaults, pin_in_bush", "pushed to a wall", "capstan", "defaults, gaskets", "defaults, wedge", "analytic table tilts"}
 #: Where tools of a large radius or bodies carried by contact leave rounding of more than 1e-10 of the largest force.
 ROUNDED = CUT_BACK
 
@@ -230,7 +230,7 @@ SHORT = {"three cubes", "example contact", "example interference", "patch", "pat
 ALL = [pytest.param(case, marks=[] if case in SHORT else [pytest.mark.slow]) for case in CASES]
 SETTLED = [case for case in ALL if case.values[0] not in CUT_BACK]
 #: How far a body that nothing holds is carried in the first increments depends on the axes of the deck.
-CARRIED = {"fall in the plane", "pushed to a wall"}
+CARRIED = {"fall in the plane"}
 TURNED = [pytest.param(*case.values, marks=[*case.marks, pytest.mark.xfail(reason="carried bodies depend on the axes of the deck", strict=False)])
           if case.values[0] in CARRIED else case for case in SETTLED]  # fmt: skip
 IN_UNITS = [*SETTLED,
