@@ -56,7 +56,7 @@ contains
       call check_direction(model, p, tallies(p), report)
       call check_depth(model, contact, slaves, p, tallies(p), report)
     end do
-    call check_held(model, contact, slaves, report)
+    call check_held(model, slaves(those_that_face(contact, slaves)), report)
   end subroutine check_contact
 
 
@@ -188,6 +188,17 @@ contains
   end subroutine check_depth
 
 
+  !> The slaves that do not face away from their master, as those of a surface all around a body may.
+  pure function those_that_face(contact, slaves) result(list)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    integer, allocatable :: list(:)
+    integer :: s
+    list = pack([(s, s=1, size(slaves))], [(dot_product(contact%slave_normal(:, s), slaves(s)%normal) <= SAME_WAY, &
+      s=1, size(slaves))])
+  end function those_that_face
+
+
   !> Whether *CONTACT INTERFERENCE of the first step takes a penetration over the edge for what it is: a fit.
   pure logical function is_allowed(model, p, depth, edge)
     type(model_type), intent(in) :: model
@@ -297,9 +308,8 @@ contains
 
 
   !> Slave nodes that a support or an equation holds along the contact normal: the contact cannot push them.
-  subroutine check_held(model, contact, slaves, report)
+  subroutine check_held(model, slaves, report)
     type(model_type), intent(in) :: model
-    type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slaves(:)
     type(complaints_type), intent(inout) :: report
     type(integer_list_type), allocatable :: found(:)
@@ -311,7 +321,7 @@ contains
       if (allocated(found)) deallocate (found)
       allocate (found(size(model%pairs)))
       do s = 1, size(slaves)
-        if (slaves(s)%facet == 0 .or. dot_product(contact%slave_normal(:, s), slaves(s)%normal) > SAME_WAY) cycle
+        if (slaves(s)%facet == 0) cycle
         if (is_compliant(model%interactions(model%pairs(slaves(s)%pair)%interaction))) cycle
         if (.not. is_held_along(slaves(s), is_free(:, slaves(s)%node))) cycle
         call found(slaves(s)%pair)%add(model%mesh%node_label(slaves(s)%node))
