@@ -115,6 +115,27 @@ def test_surfaces_on_surfaces_go_on_bitwise(program: Path, run: Run, tmp_path: P
     kill_over_and_over(program, run, deck(), tmp_path, 4, 7)
 
 
+def test_failed_attempts_go_on_bitwise(program: Path, run: Run, tmp_path: Path) -> None:
+    """A block dragged over facets with mu = 1 fails twice and cuts back: what an attempt leaves behind is nothing to the next."""
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
+    from planes import flat_deck, flatten
+    from sheets import between, fix, pair, sheet, step
+
+    body, table = sheet("BODY", between(0, 1, 6), between(0, 1, 6)), sheet("TABLE", between(-1, 4, 20), between(-1, 0, 4))
+    press = fix("TABLE_BOTTOM, 1, 2", "BODY_TOP, 1", "BODY_TOP, 2, 2, -0.05")
+    cards = pair("BODY_BOTTOM", "TABLE_TOP", 1.0) + step(press, 5, is_nlgeom=True) + step(fix("BODY_TOP, 1, 1, 2."), 5, is_nlgeom=True)
+    cards = cards.replace("*END STEP", "*CONTACT PRINT\nCDIS, CSTR\n*END STEP", 1)
+    dragged = tmp_path / "block.inp"
+    dragged.write_text(flat_deck([(flatten(body), (210000.0, 0.3)), (flatten(table), (210000.0, 0.3))], "CPE4", cards))
+    for name in ("whole", "killed"):
+        (tmp_path / name).mkdir()
+    done = run(["--outdir", tmp_path / "whole", dragged])
+    assert done.returncode == 0
+    assert "This attempt failed" in done.stdout, "else nothing is shown"
+    kill_often(program, run, dragged, tmp_path / "killed", 5, 3, 0.5)
+    assert_same(tmp_path / "whole", tmp_path / "killed")
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not os.environ.get("AMONTONS_KILLS"), reason="AMONTONS_KILLS says how many kills; 200 take some minutes")
 @pytest.mark.parametrize("deck", ["node to surface", points_deck, mortar_deck])
