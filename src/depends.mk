@@ -135,7 +135,7 @@ uses_audit_contact = kinds errors text lookup surfaces loads model state contact
 uses_audit_bodies = kinds text topology mesh model element
 uses_audit_motion = kinds errors text lookup tensor dense topology surfaces steps model rows state contact audit_words audit_contact audit_bodies
 uses_audit_pushes = kinds errors topology model rows state contact audit_words audit_bodies
-uses_audit = kinds errors text lookup topology loads steps model element state constraints bonds contact audit_words audit_contact audit_bodies audit_motion audit_pushes
+uses_audit = kinds errors text lookup topology loads steps model element rows state constraints bonds contact audit_words audit_contact audit_bodies audit_motion audit_pushes
 
 # 6 solution: the increment, the steps, the results
 uses_crossing = kinds tensor topology facets
@@ -156,7 +156,7 @@ uses_results = kinds errors version tensor history store topology mesh materials
 uses_mechanical = kinds tensor topology mesh model material_point element state
 uses_expanded = kinds tensor topology mesh model shapes state
 uses_printed = kinds errors text tensor history posix topology mesh materials steps model state contact_fields nodal sections mechanical expanded
-uses_frd = kinds errors version history posix digits topology mesh materials steps model state contact_fields nodal mechanical expanded printed
+uses_frd = kinds errors version history posix digits topology mesh steps model state contact_fields nodal mechanical expanded printed
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state reduced system newton stepper
@@ -164,7 +164,7 @@ uses_failure = kinds text model state system converge forensics newton
 uses_user_job = kinds errors journal user materials surfaces model user_material state user_state
 uses_drive = kinds errors text loads steps model
 uses_claims = kinds errors text posix dense factor model
-uses_analysis = kinds errors text history posix journal store archive steps model deck state user_state changes damping fasten slaves contact_fields adjust system audit converge newton stepper results printed frd restart failure user_job drive claims
+uses_analysis = kinds errors text history posix journal store archive steps model deck state user_state changes damping fasten slaves dissipation contact_fields adjust system audit converge newton stepper results printed frd restart failure user_job drive claims
 uses_library = kinds errors text journal sparse topology model state skew contact_fields system converge stepper columns results user_job drive analysis
 uses_capi = kinds errors version text sparse model library
 uses_main = errors version posix journal model card_table deck analysis
