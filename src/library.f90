@@ -171,7 +171,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: end_time
     call prepare(job, .true., error)
-    if (.not. (allocated(error) .or. dt > 0.0_DP)) call set_error(error, EXIT_USAGE, 'A time step must be positive.')
+    if (.not. allocated(error)) call judge_length(job, dt, error)
     if (allocated(error)) return
     end_time = end_in_step(job, dt)
     associate (analysis => job%analysis)
@@ -195,7 +195,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: length
     call prepare(job, .true., error)
-    if (.not. (allocated(error) .or. dt > 0.0_DP)) call set_error(error, EXIT_USAGE, 'A time step must be positive.')
+    if (.not. allocated(error)) call judge_length(job, dt, error)
     if (allocated(error)) return
     length = end_in_step(job, dt) - time_in_step(job)
     call arm(job, length)
@@ -291,6 +291,16 @@ contains
     job%analysis%is_trial = is_trial
     call use_threads(job%analysis%options%n_threads)
   end subroutine prepare
+
+
+  !> A time step has to move the time: it is positive, and not lost beside the period of the step. Errors: EXIT_USAGE.
+  subroutine judge_length(job, dt, error)
+    type(job_type), intent(in) :: job
+    real(DP), intent(in) :: dt                     !< [time]
+    type(error_type), allocatable, intent(inout) :: error
+    if (.not. dt >= SNAP * job%analysis%model%steps(step_of(job))%period) call set_error(error, EXIT_USAGE, &
+      'A time step must be positive, and at least 1e-9 of the period of the step.')
+  end subroutine judge_length
 
 
   !> After an error everything is as at the last commit.

@@ -336,6 +336,18 @@ def test_what_is_set_after_a_trial_waits(cubes: Path) -> None:  # noqa: F811
         assert np.all(job.get("U", "LID")[:, 2] == -0.0002)
 
 
+@pytest.mark.parametrize("dt", [0.0, -0.1, 1e-30, 1e-10, float("nan")])
+def test_steps_that_move_no_time(cubes: Path, dt: float) -> None:  # noqa: F811
+    """A step that is none, or is lost beside the time, is refused by both verbs; the job goes on from where it stood."""
+    with amontons.Job(cubes) as job:
+        job.advance_to(0.3)
+        for verb in (job.try_step, job.begin):
+            with pytest.raises(amontons.UsageError, match="at least 1e-9"):
+                verb(dt)
+        job.advance_to(0.5)
+        assert job.time == 0.5
+
+
 def test_friction_is_set_for_all_steps(block: Path) -> None:  # noqa: F811
     """A coefficient that was set holds in later steps too, also where the deck changes it."""
     deck = block.read_text()
