@@ -3,8 +3,9 @@
 SPDX-License-Identifier: GPL-3.0-or-later
 
 The jobs are all decks of the card reference (each card is in one of them), three cubes with friction, the decks of the page on
-restarts, and a job with a UMAT: each kind of element, law, load, constraint and output once. With --preload the program is one
-built with ThreadSanitizer, and the jobs run on two threads and more elements.
+restarts, and jobs with UMAT (also unsymmetric), FRIC and UINTER; contact by springs at points, by the dual mortar method and with analytic masters; the
+iterative solver: each kind of element, law, load, constraint and output once. With --preload the program is one built with
+ThreadSanitizer: two larger blocks come along, one of them large enough for threads to share the elimination tree.
 """
 
 from __future__ import annotations
@@ -33,7 +34,35 @@ def jobs(folder: Path) -> list[list[str]]:
     page = (ROOT / "doc" / "manual" / "user_routines.md").read_text()
     (folder / "mine.f90").write_text(re.findall(r"```fortran\n(.*?)```", page, re.DOTALL)[0])
     (folder / "mine.inp").write_text(re.findall(r"```abaqus-user\n(.*?)```", page, re.DOTALL)[0])
-    return [*found, ["mine", "user=mine.f90"]]
+    return [*found, ["mine", "user=mine.f90"], *surface_jobs(folder), *routine_jobs(folder)]
+
+
+def surface_jobs(folder: Path) -> list[list[str]]:
+    """Contact by other means than at nodes, and without a factor; decks of the tests."""
+    sys.path[:0] = [str(ROOT / "verify"), str(ROOT / "verify" / "library"), str(ROOT / "verify" / "decks")]
+    import make_decks
+    import test_restart
+
+    (folder / "points.inp").write_text(test_restart.points_deck())
+    (folder / "mortar.inp").write_text(test_restart.mortar_deck())
+    iterative = make_decks.block_deck(4).replace("*STATIC", "*STATIC, SOLVER=ITERATIVE CHOLESKY")
+    (folder / "iterative.inp").write_text(iterative)
+    return [["points"], ["mortar"], ["iterative"]]
+
+
+def routine_jobs(folder: Path) -> list[list[str]]:
+    """FRIC, UINTER, and laws that are not symmetric."""
+    import test_user_contact
+    import test_user_routines
+
+    routines = test_user_contact.ROUTINES
+    (folder / "fric.inp").write_text(test_user_contact.rubbed(test_user_contact.SOFT_FRIC, nlgeom=True))
+    (folder / "uinter.inp").write_text(test_user_contact.rubbed(test_user_contact.UINTER, nlgeom=True))
+    found = [["fric", f"user={routines}"], ["uinter", f"user={routines}"]]
+    for kind in ("C3D8", "C3D20R", "CAX4R"):
+        (folder / f"sand_{kind}.inp").write_text(test_user_routines.unsymmetric_deck(kind, test_user_routines.FRICTIONAL))
+        found.append([f"sand_{kind}", f"user={test_user_routines.ROUTINES / 'unsymmetric.f90'}"])
+    return found
 
 
 def run(program: Path, words: list[str], folder: Path, preload: Path | None) -> list[str]:
@@ -64,11 +93,12 @@ def main() -> int:
         folder = Path(name)
         todo = jobs(folder)
         if options.preload:
-            sys.path.insert(0, str(ROOT / "verify" / "decks"))
             import make_decks
 
             (folder / "block.inp").write_text(make_decks.block_deck(6))
-            todo.append(["block"])
+            first, _, _ = make_decks.block_deck(14).partition("Drag")  # the first step of a larger one
+            (folder / "tree.inp").write_text(first[: first.rindex("*STEP")].replace("0.1, 1., , 0.1", "0.5, 1."))
+            todo += [["block"], ["tree"]]
         for words in todo:
             found = run(options.program.resolve(), words, folder, options.preload and options.preload.resolve())
             print(f"{Path(words[-1] if words[0] == '--outdir' else words[0]).stem:20s} {'clean' if not found else 'FOUND'}", flush=True)
