@@ -361,15 +361,17 @@ contains
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(contact_pair_type) :: common
-    integer :: c, n
+    integer :: c, n, line
     allocate (model%pairs(0))
+    line = 0
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'CONTACTPAIR')) cycle
+      line = reader%cards%cards(c)%line
       call open_card(reader, c, parameters, row)
       common = contact_pair_type()
       common%interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
       if (common%interaction == 0 .and. parameter_text(parameters, 'INTERACTION') /= '') call complain(reader, &
-        reader%cards%cards(c)%line, 'There is no surface interaction ''' // parameter_text(parameters, 'INTERACTION') &
+        line, 'There is no surface interaction ''' // parameter_text(parameters, 'INTERACTION') &
         // '''' // reader%interactions%hint(parameter_text(parameters, 'INTERACTION')))
       common%is_small_sliding = has_parameter(parameters, 'SMALL SLIDING')
       common%is_mortar = parameter_word(parameters, 'TYPE', 'NODETOSURFACE') /= 'NODETOSURFACE'
@@ -385,8 +387,10 @@ contains
     end do
     if (any(model%pairs%interaction == 0)) return
     if (.not. all(is_compliant(model%interactions(model%pairs%interaction)))) model%pairs%is_pointwise = .false.
-    if (any(model%interactions%is_user_friction .or. model%interactions%behavior == BEHAVIOR_USER)) &
-      model%pairs%is_pointwise = .false.           ! STATEV belong to slave nodes
+    if (.not. any(model%interactions%is_user_friction .or. model%interactions%behavior == BEHAVIOR_USER)) return
+    if (any(model%pairs%is_pointwise)) call note(reader, line, 'The values STATEV of a routine of the user belong to slave ' // &
+      'nodes: surface to surface contact is by the dual mortar method here, and not by points of the faces.')
+    model%pairs%is_pointwise = .false.
   end subroutine read_pairs
 
 

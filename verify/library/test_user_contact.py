@@ -98,6 +98,15 @@ def test_fric_with_exact_contact(run: Run, tmp_path: Path, is_plane: bool) -> No
     compare(run, tmp_path, ours, theirs, 1e-5, work_tolerance=0.01)
 
 
+def test_surfaces_are_by_mortar(run: Run, tmp_path: Path) -> None:
+    """Surface to surface under calculix is at points, for which there is no STATEV: that another method takes their place is told."""
+    deck = rubbed(SOFT_FRIC).replace("*CONTACT PAIR, INTERACTION=I", "*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE")
+    (tmp_path / "job.inp").write_text(deck)
+    assert "by the dual mortar method here" in run(["--explain", "job"], cwd=tmp_path).stdout
+    (tmp_path / "job.inp").write_text(rubbed(SOFT_FRIC))
+    assert "by the dual mortar method here" not in run(["--explain", "job"], cwd=tmp_path).stdout
+
+
 def test_state_is_kept_with_the_increment(tmp_path: Path) -> None:
     """A rollback brings STATEV of FRIC back: the same increment again gives the same bits."""
     with amontons.Job(text=rubbed(SOFT_FRIC), user=ROUTINES) as job:

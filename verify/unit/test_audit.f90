@@ -6,7 +6,8 @@ program test_audit
   use amontons_topology, only: KIND_C3D8
   use amontons_mesh, only: finish_mesh
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
-  use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, equation_type, DISTRIBUTED_GRAVITY
+  use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, equation_type, &
+    DISTRIBUTED_GRAVITY
   use amontons_steps, only: step_type
   use amontons_model, only: model_type
   use amontons_state, only: state_type, slave_type, create_state
@@ -151,6 +152,18 @@ contains
       end do
     end do
   end subroutine hold
+
+
+  !> Presses a node down in the first step.
+  subroutine press(model, node)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: node
+    type(concentrated_type) :: load
+    load%end = -1.0_DP
+    load%node = node
+    load%dof = 3
+    model%steps(1)%concentrated = [model%steps(1)%concentrated, load]
+  end subroutine press
 
 
   !> u(node(1), dof(1)) c(1) + ... = 0.
@@ -304,6 +317,9 @@ contains
       'body of element 1010 (4 elements) can move along x, move along y and turn about z through its centre: no')
     call two_blocks(model, 0.0_DP, 2)
     call expect(suite, 'on a rough block', model, 0, 0, '')
+    deallocate (model%steps(1)%concentrated)
+    allocate (model%steps(1)%concentrated(0))
+    call expect(suite, 'not pressed on it', model, 0, 1, 'Nothing but contact holds the body of element 1010 (4 elements)')
     call two_blocks(model, 0.1_DP, 2)
     call expect(suite, 'above a rough block', model, 0, 1, '(4 elements) can move and turn freely until its ' // &
       'contact closes')
@@ -313,7 +329,7 @@ contains
 
 
   !> A held block of 9 cubes with surface A (top), a gap above its middle a block of 4 smaller cubes: nodes 33 to 50,
-  !! surface B (bottom).
+  !! surface B (bottom), pressed on it.
   subroutine two_blocks(model, gap, interaction)
     type(model_type), intent(out) :: model
     real(DP), intent(in) :: gap
@@ -326,6 +342,7 @@ contains
     call add_surface(model, [(i, i=10, 13)], BOTTOM)
     call add_pair(model, 2, 1, interaction)
     call hold(model, 1, [(i, i=1, 16)], [1, 2, 3])
+    call press(model, 50)
   end subroutine two_blocks
 
 
@@ -336,6 +353,7 @@ contains
     integer :: i
     call two_blocks(model, 0.0_DP, 1)
     call add_block(model, [1.0_DP, 1.0_DP, 1.6_DP], [1, 1, 1], 0.8_DP)
+    call press(model, 58)
     call add_surface(model, [(i, i=10, 13)], TOP)
     call add_surface(model, [14], BOTTOM)
     call add_pair(model, 4, 3, 2)
@@ -412,6 +430,7 @@ contains
       call add_surface(model, [i + 1], BOTTOM)
       call add_pair(model, 2 * i, 2 * i - 1, 2)
     end do
+    call press(model, 8 * N)
     call system_clock(clock(1), rate)
     call expect(suite, 'a tower', model, 1, 0, &
       'body of element 1001 (1 element) and with it the body of element 1002 (1 element) and 198 more can move ' // &
@@ -559,7 +578,7 @@ contains
     call says(suite, text, '13   C3D8 13')
     call says(suite, text, '150   48 prescribed in step 1')
     call says(suite, text, 'body of element 1001 (9 elements), volume 9, mass 18')
-    call says(suite, text, '9         9         9            0            0       0.3  B / A')
+    call says(suite, text, '9         9         9         0         0            0            0       0.3  B / A')
     call says(suite, text, '1: small displacements, period 1, first increment 1, at most 100 increments')
 
   end subroutine check_summary
