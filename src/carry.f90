@@ -17,7 +17,7 @@ module amontons_carry
   use amontons_rows, only: contact_row_type, relative_position
   use amontons_contact, only: touching_row
   use amontons_settle, only: settle_contact
-  use amontons_system, only: system_type, find_direction, carry_bodies, TROUBLE_NONE, TROUBLE_SOLVER
+  use amontons_system, only: system_type, evaluate, find_direction, carry_bodies, TROUBLE_NONE, TROUBLE_SOLVER
   implicit none
   private
   public :: is_carried_off, find_carried_direction, model_extent
@@ -67,6 +67,8 @@ contains
     part = LEAST
     n_rounds = 0
     do attempt = 1, MOST_TRIES
+      call evaluate(system, model, step, .true., state, trouble)   ! contact had settled elsewhere: all is as it is at u again
+      if (trouble /= TROUBLE_NONE) return
       call carry_bodies(system, model, state%new, part)
       call find_direction(system, model, step, state, du, trouble, error)
       if (allocated(error)) return
