@@ -1,7 +1,8 @@
 !> Claims: memory that a job needs for sure is asked for at once, before it begins to take it piece by piece.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! An allocation that fails without a word of what to do ends the process, that of a caller of the library too. The large and foreseeable
+!! An allocation that fails without a word of what to do ends the process, that of a caller of the library too. The large
+!! and foreseeable
 !! ones (factor, vectors of GMRES, dense blocks) look at their own status; for the many others their sum is asked for here.
 module amontons_claims
   use amontons_kinds, only: DP, I64

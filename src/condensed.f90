@@ -184,7 +184,8 @@ contains
     n = self%bulk%n_rows
     call reduce_matrix(self%reduction, stiffness, base%map, self%bulk, error)
     if (allocated(error)) return
-    allocate (self%matrix%value(size(self%matrix%column)), shift(n), stat=no_memory)
+    allocate (self%matrix%value(size(self%matrix%column)), stat=no_memory)
+    if (no_memory == 0) allocate (shift(n), stat=no_memory)
     call judge_memory(no_memory, error)
     if (allocated(error)) return
     self%matrix%value = 0
@@ -197,8 +198,9 @@ contains
     if (allocated(self%triangle)) deallocate (self%triangle)
     if (allocated(self%stiffness)) deallocate (self%stiffness)
     if (allocated(self%shift)) deallocate (self%shift)
-    allocate (self%triangle(self%n_contact, self%n_contact), self%stiffness(self%n_contact, self%n_contact), &
-      self%shift(self%n_contact), stat=no_memory)
+    allocate (self%triangle(self%n_contact, self%n_contact), stat=no_memory)
+    if (no_memory == 0) allocate (self%stiffness(self%n_contact, self%n_contact), stat=no_memory)
+    if (no_memory == 0) allocate (self%shift(self%n_contact), stat=no_memory)
     call judge_memory(no_memory, error)
     if (allocated(error)) return
     call trailing_block(self%factor, self%triangle)

@@ -617,7 +617,8 @@ contains
   end subroutine rows_of_links
 
 
-  !> D_R or D_u: for each node the blocks of its links are summed in the links' order. (Integration points of surface-to-surface contact
+  !> D_R or D_u: for each node the blocks of its links are summed in the links' order. (Integration points of
+  !! surface-to-surface contact
   !! are many, and most of their blocks fall together: sorting triplets took ten times as long, and as much memory.)
   subroutine sum_blocks(links, first, members, is_imbalance, matrix)
     type(link_type), intent(in) :: links(:)

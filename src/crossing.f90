@@ -9,7 +9,7 @@ module amontons_crossing
   private
   public :: has_crossed
 
-  real(DP), parameter :: IN_FRONT = 1.0e-3_DP      !< nearer to the facet than this times its edge a point did not stand before it [-]
+  real(DP), parameter :: IN_FRONT = 1.0e-3_DP      !< nearer than this times its edge a point did not stand before it [-]
 
 contains
 

@@ -1,7 +1,8 @@
 !> Cycles: what is done for slave nodes whose statuses come round and round, and for those alone.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Cycles". A cycle is found by the hash of all slave nodes (amontons_forensics) while the merit does not
+!! Theory: doc/theory/newton.md, "Cycles". A cycle is found by the hash of all slave nodes (amontons_forensics) while the
+!! merit does not
 !! fall over its length. Then, for the nodes that change within it:
 !!
 !! - one that runs off its master and is found on it again keeps to the edge that it ran over: for as long as it is pressed, that
@@ -21,9 +22,9 @@ module amontons_cycles
   public :: act_on_cycle, release_nodes, keep_to_edges
 
   real(DP), parameter :: STAGNANT = 0.5_DP         !< a merit that is not below this part of that one cycle before does not fall [-]
-  integer, parameter :: OFTEN = 3                  !< times that a node runs off its master along one direction until it keeps to the edge
+  integer, parameter :: OFTEN = 3                  !< times that a node runs off its master until it keeps to the edge
   real(DP), parameter :: BESIDE = -1.0_DP          !< of a node that stays beside its master in this increment [-]
-  real(DP), parameter :: NEAR_EDGE = 0.1_DP        !< a node that is deeper in a facet than this is not beside it, in its lengths [-]
+  real(DP), parameter :: NEAR_EDGE = 0.1_DP        !< a node deeper in a facet than this is not beside it, in its lengths [-]
   real(DP), parameter :: KEEPING = 0.5_DP          !< how far the facet of a node that keeps to its edge reaches beyond itself [-]
 
 contains
@@ -70,7 +71,7 @@ contains
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(inout) :: start(:)    !< (n_slaves) where the direction starts
     type(slave_type), intent(in) :: now(:)         !< (n_slaves) as they were foreseen
-    integer, intent(inout) :: n_lost(:)            !< (n_slaves) negative: it is on its master now; else how often it ran off, counted up
+    integer, intent(inout) :: n_lost(:)            !< (n_slaves) how often it ran off; negative: it is on its master now
     logical, intent(out) :: is_kept
     integer :: s
     is_kept = .false.

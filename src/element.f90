@@ -324,7 +324,8 @@ contains
 
   !> C3D8I: the amplitudes of the incompatible modes are found anew each time, so that their forces are zero; then they
   !! leave force and tangent by condensation. So force and tangent are derivatives of the least energy, and nothing is
-  !! to be remembered. Cost: one correction where stress and strain are proportional, else two to five, more where plastic flow turns.
+  !! to be remembered. Cost: one correction where stress and strain are proportional, else two to five, more where plastic
+  !! flow turns.
   pure subroutine evaluate_enhanced(material, X, u, is_nlgeom, force, points, status, stiffness)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :), u(:, :)

@@ -38,7 +38,8 @@ contains
   end function sector_share
 
 
-  !> The points of the solid that a truss becomes, 0 of other elements: its tables have so many rows, all with the mean of its points.
+  !> The points of the solid that a truss becomes, 0 of other elements: its tables have so many rows, all with the mean of
+  !! its points.
   pure integer function bar_points(model, e) result(n)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                       !< element

@@ -29,7 +29,7 @@ module amontons_newton
   real(DP), parameter :: CARRIED_OFF = 2.0_DP       !< so many sizes of the model are enough for a body that had to be carried [-]
 
   real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times force_scale [-]
-  real(DP), parameter :: ROUNDING = 1.0e-13_DP      !< of the largest force of the attempt, iterates far off included: no residual is less [-]
+  real(DP), parameter :: ROUNDING = 1.0e-13_DP      !< of the largest force of the attempt: no residual is less [-]
   real(DP), parameter :: FAR_TRAVEL = 0.6_DP        !< facets: a slave node that goes farther may meet or leave its master [-]
 
   !> An increment on its way.

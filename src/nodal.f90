@@ -20,7 +20,8 @@ contains
   !> Extrapolates values from the integration points of each element to its nodes and takes the mean at each node.
   !!
   !! All elements at a node weigh the same, whatever their size or material (as in CalculiX); bodies in contact do not
-  !! mix, since they share no node. Springs and masses have no stress and do not count. A node without elements gets 0. Cost: linear.
+  !! mix, since they share no node. Springs and masses have no stress and do not count. A node without elements gets 0.
+  !! Cost: linear.
   !!
   !! As CalculiX writes them, springs and gaps of two nodes count as elements without stress, and the points of C3D6 are brought to
   !! the nodes in turn, as far out as if they were those of a rule of three points.

@@ -220,7 +220,8 @@ contains
 
 
   !> The rate of creep and its derivatives by stress and by the creep strain of the increment.
-  !! Time hardening A q^n t^m, integrated over the increment, under the calculix dialect with t at its end; strain hardening (A q^n ((m + 1) c)^m)^(1/(m + 1)), here in the integrated form
+  !! Time hardening A q^n t^m, integrated over the increment, under the calculix dialect with t at its end; strain hardening
+  !! (A q^n ((m + 1) c)^m)^(1/(m + 1)), here in the integrated form
   !! dc/dt = (C(t_s + dt) - C(t_s))/dt with C(t) = A q^n t^(m+1)/(m + 1) and t_s such that C(t_s) = c_old.
   pure subroutine creep_rate(material, problem, q, c, rate, rate_q, rate_c)
     type(material_type), intent(in) :: material

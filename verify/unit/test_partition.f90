@@ -73,7 +73,8 @@ contains
   end subroutine test_parts
 
 
-  !> Three unknowns a node: nothing smaller than a layer of nodes separates a cube into halves that are nearly even, and one layer does.
+  !> Three unknowns a node: nothing smaller than a layer of nodes separates a cube into halves that are nearly even, and one
+  !! layer does.
   subroutine test_separator()
     type(sparse_type) :: of_nodes, matrix
     type(error_type), allocatable :: error

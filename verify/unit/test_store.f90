@@ -141,7 +141,8 @@ contains
   end subroutine test_tables
 
 
-  !> Blocks that are packed here (pack_shim.c) and unpacked by HDF5: in the eight planes of the bytes noise, one value, two, sixteen alike,
+  !> Blocks that are packed here (pack_shim.c) and unpacked by HDF5: in the eight planes of the bytes noise, one value, two,
+  !! sixteen alike,
   !! and bytes each twice as frequent as the one before, of which Huffman's codes would be longer than deflate allows.
   subroutine test_packing(suite)
     type(suite_type), intent(inout) :: suite
