@@ -17,7 +17,7 @@ module amontons_analysis
   use amontons_state, only: state_type, slave_type, commit_state, restore_state
   use amontons_slaves, only: commit_slip
   use amontons_changes, only: change_model, bear_elements
-  use amontons_adjust, only: adjust_slaves
+  use amontons_contact_start, only: adjust_slaves
   use amontons_user_job, only: start_routines, heed_routines, ask_amplitudes, recall_amplitudes
   use amontons_user_state, only: start_variables
   use amontons_fasten, only: fasten_model
@@ -26,12 +26,11 @@ module amontons_analysis
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
   use amontons_newton, only: newton_type, begin_newton, iterate
-  use amontons_dissipation, only: inelastic_work
+  use amontons_derived, only: inelastic_work, n_nodal_slaves
   use amontons_stepper, only: stepper_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
     STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
   use amontons_failure, only: failure_reason, failure_lines
   use amontons_store, only: mend_store
-  use amontons_contact_fields, only: n_nodal_slaves
   use amontons_results, only: results_type, open_results, resume_results, write_increment, write_attempt, &
     write_iteration, close_results, take_result_pages, apply_result_pages, drop_results, &
     is_writing

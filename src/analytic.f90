@@ -10,19 +10,52 @@
 !!     n = A N/l,  g = l G,  x_s = x_m + g n,   dX = inv(A) (dx_s - sum w_i(X) dx_i),   dG = N . dX
 !!     d(A N) = sum (grad w_i . N) dx_i + A Q dX,   dn = (1 - n n') d(A N)/l,   dg = l dG + G n . d(A N),
 !!     dw_i = grad w_i . P dX,   P = sum c_a t_a t_a',  Q = sum q_a t_a t_a'   (`profiles`)
+!!
+!! What is found of a point, projection_type and gap_derivative_type, is said alike by profiles and by facets (`gap`).
 module amontons_analytic
   use amontons_kinds, only: DP
   use amontons_tensor, only: invert, IDENTITY
   use amontons_topology, only: FACET_LINE2, FACET_QUAD4, MAX_FACE_NODES
   use amontons_facets, only: facets_type
   use amontons_profiles, only: profile_type, place_type, find_place, place_at, point_of, PROFILE_FLAT
-  use amontons_places, only: projection_type, gap_derivative_type, PROJECT_ON, PROJECT_OFF
   implicit none
   private
   public :: build_profile_facets, project_on_profile, find_on_profile, profile_derivative, profile_weights, &
     carrier_weights, bending_at
+  public :: projection_type, gap_derivative_type
+  public :: PROJECT_ON, PROJECT_OFF, PROJECT_FAILED
 
   real(DP), parameter :: EXTENSION = 0.1_DP    !< a node this far beyond an end or a corner is on, over the slave's edge [-]
+
+  integer, parameter :: PROJECT_ON = 0       !< the point is on a facet (or in its extension zone)
+  integer, parameter :: PROJECT_OFF = 1      !< the point is beyond a free edge or a crease that sticks out
+  integer, parameter :: PROJECT_FAILED = 2   !< no projection found: too far from the facet, or too strongly bent
+
+  !> Where a point is on a surface.
+  type :: projection_type
+    integer :: status = PROJECT_FAILED       !< PROJECT_...
+    integer :: facet = 0                     !< 0: none
+    real(DP) :: xi(2) = 0                    !< natural coordinates [-]
+    real(DP) :: gap = 0                      !< signed distance along the normal, negative is penetration [length]
+    real(DP) :: normal(3) = 0                !< unit normal out of the master [-]
+  end type projection_type
+
+  !> Exact first derivatives of projection, gap and normal by the slave node and by all nodes of the facet's stencil.
+  !! The nodes that carry weight, those of the facet, come first.
+  type :: gap_derivative_type
+    integer :: n_nodes = 0                       !< nodes of the stencil
+    integer :: n_weights = 0                     !< of them, those of the facet
+    integer, allocatable :: nodes(:)             !< (n_nodes) mesh nodes
+    real(DP), allocatable :: weights(:)          !< (n_weights) N_i(xi) [-]
+    real(DP), allocatable :: d_weights(:, :)     !< (2, n_weights) dN_i/dxi [-]
+    real(DP) :: n(3) = 0                         !< unit normal [-]
+    real(DP) :: d_gap_slave(3) = 0               !< dg/dx_s [-]
+    real(DP), allocatable :: d_gap(:, :)         !< (3, n_nodes) dg/dx_j [-]
+    real(DP) :: d_xi_slave(2, 3) = 0             !< dxi/dx_s [1/length]
+    real(DP), allocatable :: d_xi(:, :, :)       !< (2, 3, n_nodes) dxi/dx_j [1/length]
+    real(DP) :: d_n_slave(3, 3) = 0              !< dn/dx_s [1/length]
+    real(DP), allocatable :: d_n(:, :, :)        !< (3, 3, n_nodes) dn/dx_j; first index: component of n [1/length]
+  end type gap_derivative_type
 
 contains
 

@@ -14,11 +14,10 @@ module amontons_assembly
   use amontons_model, only: model_type
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
-  use amontons_skew, only: skew_type, begin_elements
+  use amontons_skew, only: skew_type, begin_elements, element_skew
   use amontons_partition, only: partition_mesh
   use amontons_batch, only: batch_type, rule_type, make_rule, is_batched, load_lane, batch_forces, batch_tangent, WIDTH, N_PAIRS
   use amontons_element, only: element_forces, element_tangent, points_type, ELEMENT_OK
-  use amontons_unsymmetric, only: element_skew
   use amontons_user_state, only: bring_user, keep_user
   implicit none
   private

@@ -10,7 +10,7 @@ module amontons_audit_contact
   use amontons_surfaces, only: is_compliant
   use amontons_state, only: slave_type, STATUS_OPEN
   use amontons_contact, only: contact_type
-  use amontons_audit_words, only: complain, warn, label_list, number_of
+  use amontons_audit_bodies, only: complain, warn, label_list, number_of
   implicit none
   private
   public :: pair_tally_type, check_contact, tally_pairs, is_closed, may_meet_later

@@ -20,9 +20,8 @@ module amontons_audit_motion
   use amontons_state, only: slave_type
   use amontons_rows, only: contact_row_type
   use amontons_contact, only: contact_type, touching_row
-  use amontons_audit_words, only: complain, warn, step_list, joined
+  use amontons_audit_bodies, only: complain, warn, step_list, joined, body_type, bodies_type, body_name, find_root, unite
   use amontons_audit_contact, only: is_closed, may_meet_later
-  use amontons_audit_bodies, only: body_type, bodies_type, body_name, find_root, unite
   implicit none
   private
   public :: check_motions

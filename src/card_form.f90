@@ -4,8 +4,8 @@ module amontons_card_form
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, remarks_type
   use amontons_lookup, only: name_table_type, letters_apart
-  use amontons_text, only: squeezed, count_words, nth_word, is_one_of, joined_words, parse_integer, parse_real, &
-    NUMBER_OK, NEWLINE
+  use amontons_text, only: squeezed, count_words, nth_word, is_one_of, joined_words, parse_integer, parse_real, NUMBER_OK, &
+    NEWLINE
   implicit none
   private
   public :: card_table_type, card_entry_type, option_type, find_entry, match_parameters, render_table, hint_at_cards

@@ -6,8 +6,8 @@ module amontons_cards
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: complaints_type, error_type, set_error, EXIT_IO
   use amontons_lookup, only: sort_integers
-  use amontons_plain, only: read_plain, read_beside
-  use amontons_text, only: squeezed, text_of, is_blank, BLANK_CHARACTERS, NEWLINE, parse_integer, parse_real
+  use amontons_text, only: read_plain, read_beside, squeezed, text_of, is_blank, BLANK_CHARACTERS, NEWLINE, parse_integer, &
+    parse_real
   implicit none
   private
   public :: cards_type, card_type, parameter_type, row_type, remarks_type

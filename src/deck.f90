@@ -1,11 +1,13 @@
 !> Deck: reads a deck into the model; the order of the work, where cards may stand, and the dialect.
 !! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Whole steps: where nothing in a model is nonlinear, neither motion nor material nor contact nor constraint, CalculiX solves
+!! once, for the loads at the end of the step, and prints once; a list of TIME POINTS is not met either. Under its dialect so do we.
 module amontons_deck
-  use amontons_cards, only: row_type, parameter_type, open_cards, open_cards_text, publish_remarks, line_text, &
-    read_parameters, start_rows, next_row
-  use amontons_card_form, only: find_entry, has_parameter, hint_at_cards, match_parameters, parameter_text, &
-    IN_MODEL, IN_STEP, IN_BOTH, STATUS_USED, STATUS_NOTED, &
-    STATUS_REFUSED
+  use amontons_cards, only: row_type, parameter_type, open_cards, open_cards_text, publish_remarks, line_text, read_parameters, &
+    start_rows, next_row
+  use amontons_card_form, only: find_entry, has_parameter, hint_at_cards, match_parameters, parameter_text, IN_MODEL, IN_STEP, &
+    IN_BOTH, STATUS_USED, STATUS_NOTED, STATUS_REFUSED
   use amontons_card_table, only: make_card_table
   use amontons_deck_mesh, only: draft_type, read_nodes, read_elements, read_sections, keep_elements
   use amontons_deck_conditions, only: read_orientations, read_initial_conditions
@@ -17,21 +19,21 @@ module amontons_deck
   use amontons_deck_generate, only: generate_mesh
   use amontons_deck_restart, only: join_decks
   use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
-  use amontons_whole_steps, only: take_whole_steps
   use amontons_explain, only: explain_cards
-  use amontons_deck_spreads, only: read_spreads
-  use amontons_deck_springs, only: read_springs
-  use amontons_deck_ropes, only: read_ropes
-  use amontons_deck_sectors, only: read_sectors
+  use amontons_deck_mpc, only: read_spreads, read_sectors
+  use amontons_deck_springs, only: read_springs, read_ropes
   use amontons_deck_sets, only: read_sets
   use amontons_deck_times, only: read_time_points
   use amontons_deck_steps, only: read_steps
   use amontons_errors, only: complaints_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
   use amontons_text, only: squeezed, plural, parse_integer, NUMBER_OK
+  use amontons_materials, only: material_type, ELASTIC_HYPER, ELASTIC_FOAM, CREEP_NONE
+  use amontons_ties, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
   implicit none
   private
   public :: read_deck, read_deck_text, explain_deck
+  public :: take_whole_steps
 
 contains
 
@@ -329,5 +331,46 @@ contains
       if (next_row(reader%cards, row)) call need_no_data(reader, row)
     end associate
   end subroutine check_parameters
+
+
+  !> Makes each linear step of a linear model one increment.
+  pure subroutine take_whole_steps(model)
+    type(model_type), intent(inout) :: model
+    integer :: i
+    if (model%dialect /= DIALECT_CALCULIX .or. .not. is_linear(model)) return
+    do i = 1, size(model%steps)
+      associate (step => model%steps(i))
+        if (step%is_nlgeom .or. step%is_creeping .or. allocated(step%is_absent)) cycle
+        step%dt_initial = step%period
+        step%dt_max = step%period
+        if (allocated(step%print_times)) deallocate (step%print_times)
+        if (allocated(step%file_times)) deallocate (step%file_times)
+      end associate
+    end do
+  end subroutine take_whole_steps
+
+
+  !> Whether contact, materials and constraints are linear at small displacements.
+  pure logical function is_linear(model)
+    type(model_type), intent(in) :: model
+    integer :: i
+    is_linear = size(model%pairs) == 0
+    do i = 1, size(model%materials)
+      is_linear = is_linear .and. has_linear_law(model%materials(i))
+    end do
+    if (.not. allocated(model%bonds)) return
+    do i = 1, size(model%bonds)
+      is_linear = is_linear .and. all(model%bonds(i)%kind /= [BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE])
+    end do
+  end function is_linear
+
+
+  !> Whether the stress is linear in the strain.
+  pure logical function has_linear_law(material)
+    type(material_type), intent(in) :: material
+    has_linear_law = .not. (allocated(material%isotropic) .or. allocated(material%kinematic) .or. material%is_user .or. &
+      material%has_deformation_plasticity .or. material%creep_law /= CREEP_NONE .or. &
+      material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM)
+  end function has_linear_law
 
 end module amontons_deck

@@ -1,18 +1,22 @@
-!> Deck MPC: the kinds of *MPC to bonds and equations, and what all such cards share: equations and rotation nodes.
+!> Deck MPC: *MPC, DISTRIBUTING COUPLING and CYCLIC SYMMETRY MODEL to bonds and equations, and what such cards share.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_mpc
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer
-  use amontons_deck_reader, only: reader_type, open_card, complain, nodes_of_field
+  use amontons_deck_reader, only: reader_type, open_card, complain, nodes_of_field, need_real, need_at_most, is_card, &
+    need_no_data
   use amontons_loads, only: equation_type
   use amontons_mesh, only: append_node
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_tensor, only: cross_product
-  use amontons_text, only: squeezed, NUMBER_OK
+  use amontons_text, only: squeezed, NUMBER_OK, parse_integer
   use amontons_ties, only: bond_type, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
+  use amontons_card_form, only: parameter_text
   implicit none
   private
   public :: read_mpc, next_mpc, each_once, make_rotation, add_equation
+  public :: read_spreads
+  public :: read_sectors
 
 contains
 
@@ -251,5 +255,161 @@ contains
     equation%line = line
     model%equations = [model%equations, equation]
   end subroutine add_equation
+
+
+  !> All DISTRIBUTING COUPLING cards.
+  subroutine read_spreads(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer :: c
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'DISTRIBUTINGCOUPLING')) cycle
+      if (reader%dialect == DIALECT_CALCULIX) then
+        call read_spread(reader, model, c)
+      else
+        call complain(reader, reader%cards%cards(c)%line, 'The card *DISTRIBUTING COUPLING is that of CalculiX, which ' // &
+          'binds no rotation; under the abaqus dialect use *COUPLING with *DISTRIBUTING below it, on a surface.')
+      end if
+    end do
+  end subroutine read_spreads
+
+
+  !> One card: sum w_i u_i = (sum w_i) u of the node of the DCOUP3D element, in three directions. The first node of the list
+  !! is the one eliminated, as in CalculiX.
+  subroutine read_spread(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: nodes(:), list(:)
+    real(DP), allocatable :: weights(:)
+    real(DP) :: weight
+    integer :: reference, k
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    call find_reference(reader, c, parameter_text(parameters, 'ELSET'), reference)
+    if (reference == 0) return
+    allocate (list(0), weights(0))
+    do while (next_row(reader%cards, row))
+      is_ok = .true.
+      call need_at_most(reader, row, 2)
+      call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
+      call need_real(reader, row, 2, 'weight', weight, is_ok, 0.0_DP)
+      if (.not. is_ok) return
+      if (weight <= 0) then
+        call complain(reader, row%line, 'The weight of a node must be positive.')
+        return
+      end if
+      list = [list, nodes]
+      weights = [weights, spread(weight, 1, size(nodes))]
+    end do
+    if (size(list) == 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'The data are missing: nodes and their weights.')
+      return
+    end if
+    do k = 1, 3
+      call add_equation(model, [list, reference], spread(k, 1, size(list) + 1), [weights, -sum(weights)], &
+        'DISTRIBUTING COUPLING', reader%cards%line_number(reader%cards%cards(c)%line))
+    end do
+  end subroutine read_spread
+
+
+  !> The node of the one DCOUP3D element of a set; 0 on trouble, which is told.
+  subroutine find_reference(reader, c, name, reference)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: name
+    integer, intent(out) :: reference
+    integer :: set, e
+    reference = 0
+    set = reader%element_sets%find(name)
+    if (set > 0) then
+      if (reader%left_of_set(set)%n == 1) then
+        e = reader%left_of_set(set)%items(1)
+        if (reader%left_first(e + 1) - reader%left_first(e) == 1) reference = reader%left_nodes(reader%left_first(e))
+      end if
+    end if
+    if (reference == 0) call complain(reader, reader%cards%cards(c)%line, 'The set ''' // name // ''' must hold one element ' // &
+      'of type DCOUP3D, whose node is the reference node.')
+  end subroutine find_reference
+
+
+  !> Gives the ties with CYCLIC SYMMETRY their turn. Before: ties are read.
+  subroutine read_sectors(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    logical :: has_turn(size(model%ties))
+    integer :: c, i
+    has_turn = .false.
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'CYCLICSYMMETRYMODEL')) call read_sector(reader, c, model, has_turn)
+    end do
+    do i = 1, size(model%ties)
+      if (model%ties(i)%is_cyclic .and. .not. has_turn(i)) call complain(reader, 0, 'The tie ''' // model%ties(i)%name // &
+        ''' has CYCLIC SYMMETRY, but no *CYCLIC SYMMETRY MODEL, TIE=' // model%ties(i)%name // ' tells its axis and N.')
+    end do
+  end subroutine read_sectors
+
+
+  !> One card: N sectors in the circle; two points of the axis.
+  subroutine read_sector(reader, c, model, has_turn)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(model_type), intent(inout) :: model
+    logical, intent(inout) :: has_turn(:)
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: name
+    real(DP) :: x(6)
+    integer :: i, n, status
+    logical :: is_ok, is_found
+    call open_card(reader, c, parameters, row)
+    associate (line => reader%cards%cards(c)%line)
+      call parse_integer(parameter_text(parameters, 'N'), n, status)
+      if (status /= NUMBER_OK) return            ! told when the card was checked
+      if (n < 2) call complain(reader, line, 'N, the number of sectors in the circle, must be at least 2.')
+      if (.not. next_row(reader%cards, row)) then
+        call complain(reader, line, '*CYCLIC SYMMETRY MODEL needs a data line: two points of the axis.')
+        return
+      end if
+      is_ok = n >= 2
+      call need_at_most(reader, row, 6)
+      do i = 1, 6
+        call need_real(reader, row, i, 'coordinate of a point of the axis', x(i), is_ok, 0.0_DP)
+      end do
+      if (is_ok .and. .not. norm2(x(4:) - x(:3)) > 0) then
+        call complain(reader, row%line, 'The two points of the axis must differ.')
+        is_ok = .false.
+      end if
+      if (next_row(reader%cards, row)) call need_no_data(reader, row)
+      name = parameter_text(parameters, 'TIE')
+      is_found = .false.
+      do i = 1, size(model%ties)
+        if (squeezed(model%ties(i)%name) /= squeezed(name) .or. .not. model%ties(i)%is_cyclic) cycle
+        is_found = .true.
+        has_turn(i) = .true.
+        if (.not. is_ok) cycle
+        model%ties(i)%centre = x(:3)
+        model%ties(i)%turn = turn_about((x(4:) - x(:3)) / norm2(x(4:) - x(:3)), 2 * PI / real(n, DP))
+      end do
+      if (.not. is_found) call complain(reader, line, 'There is no *TIE, NAME=' // name // ', CYCLIC SYMMETRY.')
+    end associate
+  end subroutine read_sector
+
+
+  !> The matrix that turns by an angle about an axis through the origin (Rodrigues).
+  pure function turn_about(axis, angle) result(turn)
+    real(DP), intent(in) :: axis(3)              !< unit vector
+    real(DP), intent(in) :: angle                !< [rad]
+    real(DP) :: turn(3, 3), e(3)
+    integer :: k
+    do k = 1, 3
+      e = 0
+      e(k) = 1
+      turn(:, k) = e + sin(angle) * cross_product(axis, e) + (1 - cos(angle)) * &
+        cross_product(axis, cross_product(axis, e))
+    end do
+  end function turn_about
 
 end module amontons_deck_mpc

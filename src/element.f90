@@ -17,7 +17,7 @@ module amontons_element
   use amontons_plane, only: plane_element, plane_volumes, plane_body_force, plane_temperature_weights, edge_pressure
   use amontons_points, only: points_type, begin_point, keep_history, split_tangent, ELEMENT_OK, &
     ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
-  use amontons_principal, only: logarithm_1p
+  use amontons_log_strain, only: logarithm_1p
   use amontons_shapes, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, STRESS_OK, STRESS_INVERTED, &
     LARGEST_GRADIENT

@@ -13,7 +13,7 @@
 module amontons_frd
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use amontons_digits, only: rows_as_text
+  use amontons_text, only: rows_as_text
   use amontons_posix, only: cut_file, sync_file
   use amontons_topology, only: element_kind, kind_type, FAMILY_MASS, FAMILY_SOLID
   use amontons_mesh, only: mesh_type, is_out
@@ -22,10 +22,7 @@ module amontons_frd
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN
-  use amontons_contact_fields, only: nodal_slaves, n_nodal_slaves, shown_slip
-  use amontons_expanded, only: turn_trusses
-  use amontons_mechanical, only: mechanical_strain
-  use amontons_nodal, only: average_at_nodes
+  use amontons_derived, only: nodal_slaves, n_nodal_slaves, shown_slip, turn_trusses, mechanical_strain, average_at_nodes
   use amontons_printed, only: contact_axes, printed_forces, inelastic_strain
   use amontons_version, only: VERSION
   implicit none

@@ -16,8 +16,8 @@ module amontons_gap
   use amontons_shapes, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
   use amontons_search, only: search_type, near_facets
-  use amontons_places, only: projection_type, gap_derivative_type, PROJECT_ON, PROJECT_OFF, PROJECT_FAILED
-  use amontons_analytic, only: project_on_profile, find_on_profile, profile_derivative
+  use amontons_analytic, only: projection_type, gap_derivative_type, PROJECT_ON, PROJECT_OFF, PROJECT_FAILED, &
+    project_on_profile, find_on_profile, profile_derivative
   implicit none
   private
   public :: projection_type, gap_derivative_type

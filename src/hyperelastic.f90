@@ -15,7 +15,7 @@
 module amontons_hyperelastic
   use amontons_kinds, only: DP
   use amontons_materials, only: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE
-  use amontons_principal, only: exponential_m1, NEXT_AXIS
+  use amontons_log_strain, only: exponential_m1, NEXT_AXIS
   implicit none
   private
   public :: hyper_type, respond_rubber, respond_foam

@@ -21,7 +21,7 @@ module amontons_library
   use amontons_user_job, only: end_routines
   use amontons_system, only: evaluate, linearise, tangent_matrix, TROUBLE_NONE
   use amontons_columns, only: column_type, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
-  use amontons_contact_fields, only: nodal_slaves
+  use amontons_derived, only: nodal_slaves
   use amontons_results, only: point_fields, model_size
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
     enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads

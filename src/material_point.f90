@@ -17,14 +17,14 @@
 module amontons_material_point
   use amontons_kinds, only: DP
   use amontons_hyperelastic, only: hyper_type, respond_rubber, respond_foam
-  use amontons_log_strain, only: log_axes_type, find_log_axes, push_log_law, transform_matrix, tensor_log, tensor_exp
+  use amontons_log_strain, only: log_axes_type, find_log_axes, push_log_law, transform_matrix, tensor_log, tensor_exp, &
+    principal_type, find_principal, left_cauchy_green, principal_stress, principal_tangent, exponential_m1, logarithm_1p, &
+    divided_coth, NEXT_AXIS
   use amontons_materials, only: material_type, orientation_type, evaluate_table, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
     HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL
   use amontons_plastic, only: return_type, flow_type, return_radially, return_anisotropic, is_inelastic, &
     deform_ramberg_osgood, RETURN_OK
-  use amontons_principal, only: principal_type, find_principal, left_cauchy_green, principal_stress, &
-    principal_tangent, exponential_m1, logarithm_1p, divided_coth, NEXT_AXIS
   use amontons_stress, only: hooke, isotropic_tangent, green_strain, gradient_status, STRESS_OK, STRESS_INVERTED, &
     STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, determinant_minus_one, double_dot, invert, &

@@ -13,7 +13,8 @@ module amontons_printed
   use amontons_text, only: upper_case
   use amontons_tensor, only: cross_product, pack_voigt, unpack_voigt
   use amontons_topology, only: MAX_POINTS, N_SOLID_KINDS
-  use amontons_mechanical, only: mechanical_strain
+  use amontons_derived, only: mechanical_strain, slave_position, shown_slip, shown_energy, point_volumes, point_places, &
+    sector_share, take_sector, turn_trusses, bar_points, section_type, measure_section
   use amontons_mesh, only: mesh_type, set_type, is_out
   use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, &
     PRINT_SECTION
@@ -21,10 +22,6 @@ module amontons_printed
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
-  use amontons_contact_fields, only: slave_position, shown_slip, shown_energy
-  use amontons_nodal, only: point_volumes, point_places
-  use amontons_expanded, only: sector_share, take_sector, turn_trusses, bar_points
-  use amontons_sections, only: section_type, measure_section
   implicit none
   private
   public :: printed_type, open_printed, resume_printed, sync_printed, measure_printed, check_printed, print_iteration, &

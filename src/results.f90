@@ -44,8 +44,7 @@ module amontons_results
     CONTACT_COLUMNS, CONTROL_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, &
     N_CONTACT_REALS, N_HISTORY_INTEGERS, N_HISTORY_REALS, N_INTEGRATION_REALS, N_ITERATION_INTEGERS, &
     N_ITERATION_REALS, N_POINT_INTEGERS, N_POINT_REALS, POINT_COLUMNS, STEP_COLUMNS, STRAIN_COLUMN
-  use amontons_contact_fields, only: nodal_slaves
-  use amontons_nodal, only: average_at_nodes
+  use amontons_derived, only: nodal_slaves, average_at_nodes
   implicit none
   private
   public :: results_type, open_results, resume_results, write_increment, write_attempt, write_iteration, close_results

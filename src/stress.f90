@@ -9,7 +9,7 @@ module amontons_stress
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
     pack_voigt, unpack_voigt
-  use amontons_principal, only: principal_type, find_principal, left_cauchy_green, principal_stress, divided_coth, &
+  use amontons_log_strain, only: principal_type, find_principal, left_cauchy_green, principal_stress, divided_coth, &
     logarithm_1p, NEXT_AXIS
   implicit none
   private

@@ -6,7 +6,7 @@ program test_stress
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, lame_constants, &
     STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
-  use amontons_principal, only: logarithm_1p
+  use amontons_log_strain, only: logarithm_1p
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, pack_voigt, unpack_voigt, double_dot
   use check, only: suite_type
   implicit none

@@ -3,8 +3,8 @@
 program test_text
   use amontons_kinds, only: DP
   use amontons_lookup, only: name_table_type, label_table_type, integer_list_type, sort_integers
-  use amontons_text, only: upper_case, squeezed, is_one_of, nth_word, count_words, text_of, joined_words, plural, &
-    parse_integer, parse_real, NUMBER_OK, NUMBER_EMPTY, NUMBER_BAD, NUMBER_NOT_FINITE
+  use amontons_text, only: upper_case, squeezed, is_one_of, nth_word, count_words, text_of, joined_words, plural, parse_integer, &
+    parse_real, rows_as_text, NUMBER_OK, NUMBER_EMPTY, NUMBER_BAD, NUMBER_NOT_FINITE
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -16,6 +16,8 @@ program test_text
   call test_names(suite)
   call test_labels(suite)
   call test_sorting(suite)
+  call test_rows(suite)
+  call test_known_rows(suite)
   call suite%finish()
 
 contains
@@ -225,5 +227,46 @@ contains
     call sort_integers(keys)
     call suite%that('a list of 1000 sorted', size(keys) == 1000 .and. all(keys == [(i, i=1, 1000)]))
   end subroutine test_sorting
+
+
+  !> Rows of numbers have the characters of Fortran's own formatted write: random numbers of all sizes that two digits of an exponent
+  !! hold, and sums of powers of two, half of which are ties.
+  subroutine test_rows(suite)
+    type(suite_type), intent(inout) :: suite
+    integer, parameter :: N = 20000
+    real(DP), allocatable :: values(:, :), r(:, :)
+    integer, allocatable :: labels(:)
+    integer :: i, k, n_bad
+    character(50) :: line
+    character(:), allocatable :: text
+    call random_seed(put=[(19 * k, k=1, 64)])
+    allocate (values(3, N), r(3, N), labels(N))
+    call random_number(values)
+    call random_number(r)
+    values = (values - 0.5_DP) * 10.0_DP**(180 * (r - 0.5_DP))
+    do i = 1, N
+      labels(i) = 37 * i
+      if (mod(i, 2) == 0) values(3, i) = (real(nint(1.0e6_DP * r(3, i)), DP) + 0.5_DP) / real(2**mod(i, 7), DP)
+    end do
+    text = rows_as_text(labels, values)
+    n_bad = 0
+    do i = 1, N
+      write (line, '(a,i10,1p,3e12.5)') ' -1', labels(i), values(:, i)
+      if (text(50 * (i - 1) + 1:50 * i - 1) /= line(:49)) n_bad = n_bad + 1
+    end do
+    call suite%that('the same characters', n_bad == 0)
+    call suite%that('one line a row', len(text) == 50 * N - 1)
+  end subroutine test_rows
+
+
+  !> What a reader of the columns knows.
+  subroutine test_known_rows(suite)
+    type(suite_type), intent(inout) :: suite
+    real(DP) :: values(6, 1)
+    values(:, 1) = [0.0_DP, -1.0_DP, 999999.5_DP, 1.0e-120_DP, -1.0e120_DP, 123456.0_DP]
+    call suite%that('known', rows_as_text([7], values) == ' -1         7 0.00000E+00-1.00000E+00 1.00000E+06 0.00000E+00' // &
+      '-9.90000E+99 1.23456E+05')
+    call suite%that('nothing', len(rows_as_text([integer ::], values(:, :0))) == 0)
+  end subroutine test_known_rows
 
 end program test_text

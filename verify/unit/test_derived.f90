@@ -1,12 +1,12 @@
-!> Tests of nodal: averages of elements at shared nodes, linear fields kept, volumes.
+!> Tests of derived: averages of elements at shared nodes, linear fields kept, volumes.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_nodal
+program test_derived
   use amontons_kinds, only: DP
   use amontons_topology, only: element_kind, kind_type, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_C3D8, &
     KIND_C3D8_FULL, MAX_NODES, MAX_POINTS, N_SOLID_KINDS
   use amontons_mesh, only: element_nodes, finish_mesh, mesh_type
   use amontons_shapes, only: node_coordinates, quadrature, shape_functions
-  use amontons_nodal, only: average_at_nodes, point_volumes
+  use amontons_derived, only: average_at_nodes, point_volumes
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -116,4 +116,4 @@ contains
     call finish_mesh(mesh)
   end subroutine make_mesh
 
-end program test_nodal
+end program test_derived
