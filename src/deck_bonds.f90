@@ -7,12 +7,12 @@ module amontons_deck_bonds
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, row_type, next_row, field_text
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word
-  use amontons_deck_mpc, only: read_mpc, make_rotation, add_equation
+  use amontons_deck_mpc, only: read_mpc, make_rotation
   use amontons_deck_profiles, only: carry_profile
   use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_integer, need_at_most, &
     nodes_of_field, is_card
   use amontons_mesh, only: append_node
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, append_equation
   use amontons_tensor, only: cross_product
   use amontons_text, only: parse_real, parse_integer, squeezed, NUMBER_OK
   use amontons_ties, only: bond_type, tie_type, spread_type, frame_rule_type, frame_at, BOND_BODY
@@ -606,7 +606,7 @@ contains
       if (partner(i) == 0) cycle
       model%twins = reshape([model%twins, i, partner(i)], [2, size(model%twins, 2) + 1])
       do k = 1, 3
-        call add_equation(model, [partner(i), i, pilot], [k, k, 1], [1.0_DP, -1.0_DP, -normal(k)], &
+        call append_equation(model, [partner(i), i, pilot], [k, k, 1], [1.0_DP, -1.0_DP, -normal(k)], &
           'PRE-TENSION SECT', line)
       end do
     end do

@@ -5,16 +5,15 @@ module amontons_deck_mpc
   use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer
   use amontons_deck_reader, only: reader_type, open_card, complain, nodes_of_field, need_real, need_at_most, is_card, &
     need_no_data
-  use amontons_loads, only: equation_type
   use amontons_mesh, only: append_node
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_tensor, only: cross_product
   use amontons_text, only: squeezed, NUMBER_OK, parse_integer
   use amontons_ties, only: bond_type, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
   use amontons_card_form, only: parameter_text
   implicit none
   private
-  public :: read_mpc, next_mpc, each_once, make_rotation, add_equation
+  public :: read_mpc, next_mpc, each_once, make_rotation
   public :: read_spreads
   public :: read_sectors
 
@@ -193,7 +192,7 @@ contains
       return
     end if
     do k = 1, 3
-      call add_equation(model, nodes, [k, k], [1.0_DP, -1.0_DP], 'MPC', reader%cards%line_number(line))
+      call append_equation(model, nodes, [k, k], [1.0_DP, -1.0_DP], 'MPC', reader%cards%line_number(line))
     end do
   end subroutine add_pin
 
@@ -236,25 +235,6 @@ contains
     model%rotation_of = [model%rotation_of, 0]
     model%rotation_of(reference) = rotation
   end subroutine make_rotation
-
-
-  !> Appends an equation.
-  subroutine add_equation(model, node, dof, coefficient, card, line)
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: node(:), dof(:)
-    real(DP), intent(in) :: coefficient(:)
-    character(*), intent(in) :: card
-    integer, intent(in) :: line                  !< of the deck
-    type(equation_type) :: equation
-    logical :: is_kept(size(node))
-    is_kept = abs(coefficient) > 0.0_DP
-    equation%node = pack(node, is_kept)
-    equation%dof = pack(dof, is_kept)
-    equation%coefficient = pack(coefficient, is_kept)
-    equation%card = card
-    equation%line = line
-    model%equations = [model%equations, equation]
-  end subroutine add_equation
 
 
   !> All DISTRIBUTING COUPLING cards.
@@ -309,7 +289,7 @@ contains
       return
     end if
     do k = 1, 3
-      call add_equation(model, [list, reference], spread(k, 1, size(list) + 1), [weights, -sum(weights)], &
+      call append_equation(model, [list, reference], spread(k, 1, size(list) + 1), [weights, -sum(weights)], &
         'DISTRIBUTING COUPLING', reader%cards%line_number(reader%cards%cards(c)%line))
     end do
   end subroutine read_spread

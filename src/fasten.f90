@@ -5,9 +5,8 @@ module amontons_fasten
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_tensor, only: cross_product, invert
   use amontons_topology, only: kind_type, element_kind, MAX_FACE_NODES
-  use amontons_loads, only: equation_type
   use amontons_ties, only: tie_type, spread_type
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, append_equation
   use amontons_sectors, only: join_sectors
   use amontons_shapes, only: facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_facets, only: facets_type, build_facets, facet_nodes
@@ -90,28 +89,9 @@ contains
     call facet_nodes(facets, place%facet, n, nodes)
     call facet_shapes(facets%kind(place%facet), place%xi, N_i, dN, ddN)
     do k = 1, 3
-      call add_equation(model, [slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)
+      call append_equation(model, [slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)
     end do
   end subroutine tie_node
-
-
-  !> Appends an equation without its zero terms.
-  subroutine add_equation(model, node, dof, coefficient, card, line)
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: node(:), dof(:)
-    real(DP), intent(in) :: coefficient(:)
-    character(*), intent(in) :: card
-    integer, intent(in) :: line                    !< of the deck
-    type(equation_type) :: equation
-    logical :: is_kept(size(node))
-    is_kept = abs(coefficient) > 1.0e-14_DP
-    equation%node = pack(node, is_kept)
-    equation%dof = pack(dof, is_kept)
-    equation%coefficient = pack(coefficient, is_kept)
-    equation%card = card
-    equation%line = line
-    model%equations = [model%equations, equation]
-  end subroutine add_equation
 
 
   !> The reference node moves with the mean rigid motion of the surface, weighted by area.
@@ -150,7 +130,7 @@ contains
         if (k <= 3) mean = weight(i) * identity() + turned_cross(arm, turn(:, :, i))
         coefficient(3 * i - 1:3 * i + 1) = -matmul(spread_out%axes(:, dof(1)), mean)
       end do
-      call add_equation(model, node, dof, coefficient, 'COUPLING', spread_out%line)
+      call append_equation(model, node, dof, coefficient, 'COUPLING', spread_out%line)
     end do
   end subroutine fasten_spread
 

@@ -13,9 +13,10 @@ module amontons_model
   use amontons_user, only: routines_type
   implicit none
   private
-  public :: model_type, origin_type, job_options_type, job_path, direction_of, n_bonds, with_twins, DIALECT_ABAQUS, &
-    DIALECT_CALCULIX, DIALECT_FROM_DECK
+  public :: model_type, origin_type, job_options_type, job_path, direction_of, n_bonds, with_twins, append_equation, &
+    DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
+  real(DP), parameter :: NOTHING = 1.0e-14_DP   !< a coefficient is nothing beside one that is so much larger [-]
   integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
   integer, parameter :: DIALECT_ABAQUS = 1
   integer, parameter :: DIALECT_CALCULIX = 2
@@ -130,5 +131,24 @@ contains
     if (.not. allocated(options%outdir)) return
     if (len(options%outdir) > 0) path = options%outdir // '/' // path
   end function job_path
+
+
+  !> Appends an equation, coefficients times displacements sum up to zero, without the terms that are nothing beside the largest.
+  subroutine append_equation(model, node, dof, coefficient, card, line)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: node(:), dof(:)
+    real(DP), intent(in) :: coefficient(:)
+    character(*), intent(in) :: card
+    integer, intent(in) :: line                    !< of the deck
+    type(equation_type) :: equation
+    logical :: is_kept(size(node))
+    is_kept = abs(coefficient) > NOTHING * maxval(abs(coefficient))
+    equation%node = pack(node, is_kept)
+    equation%dof = pack(dof, is_kept)
+    equation%coefficient = pack(coefficient, is_kept)
+    equation%card = card
+    equation%line = line
+    model%equations = [model%equations, equation]
+  end subroutine append_equation
 
 end module amontons_model

@@ -40,7 +40,7 @@ module amontons_newton
     integer :: farthest = 0                        !< the node that moved farthest, where that was too far
     integer :: n_carried = 0                       !< iterations in which bodies had to be carried
     logical :: may_be_cut = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
-    logical :: is_carried = .false.                !< the last one was such
+    logical :: is_carried = .false.                !< bodies were carried in the last iteration
     integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
     type(forensics_type) :: forensics
