@@ -8,7 +8,7 @@ module amontons_travel
   use amontons_analytic, only: bending_at
   use amontons_contact, only: contact_type, touching_row
   use amontons_tensor, only: cross_product
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line
+  use amontons_facets, only: facets_type, facet_nodes, is_line
   use amontons_topology, only: MAX_FACE_NODES, FACET_TRI3, FACET_TRI6
   implicit none
   private
@@ -114,29 +114,46 @@ contains
   end function has_crossed
 
 
-  !> The same of one facet.
+  !> The same of one facet: through the mean plane of its corners, and behind it by more than the facet is bent or warped.
   pure logical function crosses_facet(facets, x_old, x_new, node, f) result(does)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)
     integer, intent(in) :: node, f
-    real(DP) :: start(3), way(3), normal(3), tangents(3, 2), before, behind, corner(3, 4)
+    real(DP) :: start(3), way(3), normal(3), centre(3), before, behind, corner(3, 4)
     integer :: n, m, nodes(MAX_FACE_NODES)
     does = .false.
     call facet_nodes(facets, f, n, nodes)
     m = n_corners(facets%kind(f))
     corner(:, :m) = x_new(:, nodes(:m))
-    start = x_old(:, node) + (sum(corner(:, :m), dim=2) - sum(x_old(:, nodes(:m)), dim=2)) / real(m, DP)
+    centre = sum(corner(:, :m), dim=2) / real(m, DP)
+    start = x_old(:, node) + centre - sum(x_old(:, nodes(:m)), dim=2) / real(m, DP)
     way = x_new(:, node) - start
-    if (norm2(start - corner(:, 1)) > norm2(way) + 2.0_DP * facets%edge_length(f)) return   ! out of reach
-    call facet_tangents(facets, x_new, f, [0.0_DP, 0.0_DP] + merge(1.0_DP / 3.0_DP, 0.0_DP, m == 3), tangents)
-    normal = cross_product(tangents(:, 1), tangents(:, 2))
+    if (norm2(start - centre) > norm2(way) + 2.0_DP * facets%edge_length(f)) return   ! out of reach
+    normal = plane_normal(corner(:, :m), is_line(facets%kind(f)))
     if (norm2(normal) <= 0.0_DP) return
-    normal = normal / norm2(normal)
-    before = dot_product(normal, start - corner(:, 1))
-    behind = -dot_product(normal, x_new(:, node) - corner(:, 1))
-    if (before <= IN_FRONT * facets%edge_length(f) .or. behind <= 0.0_DP) return
+    before = dot_product(normal, start - centre)
+    behind = -dot_product(normal, x_new(:, node) - centre)
+    if (before <= IN_FRONT * facets%edge_length(f)) return
+    if (behind <= maxval(abs(matmul(normal, x_new(:, nodes(:n)) - spread(centre, 2, n))))) return
     does = is_inside(start + before / (before + behind) * way, corner(:, :m), normal, is_line(facets%kind(f)))
   end function crosses_facet
+
+
+  !> Unit normal of the mean plane of the corners, outward; 0 where they have no area [-].
+  pure function plane_normal(corner, is_edge) result(normal)
+    real(DP), intent(in) :: corner(:, :)           !< (3, n) [length]
+    logical, intent(in) :: is_edge                 !< the facet is a line with two ends
+    real(DP) :: normal(3)
+    integer :: n
+    n = size(corner, 2)
+    if (is_edge) then
+      normal = cross_product(corner(:, 2) - corner(:, 1), [0.0_DP, 0.0_DP, 1.0_DP])
+    else
+      normal = cross_product(corner(:, 3) - corner(:, 1), corner(:, n) - corner(:, 2))
+      if (n == 3) normal = cross_product(corner(:, 2) - corner(:, 1), corner(:, 3) - corner(:, 1))
+    end if
+    normal = normal / max(norm2(normal), tiny(1.0_DP))
+  end function plane_normal
 
 
   !> Corners of a facet.

@@ -113,6 +113,45 @@ def test_shot_is_caught(run: Run, tmp_path: Path) -> None:
     assert "slave nodes at the end:  open 0" in done.stdout, done.stdout
 
 
+def turned_in_a_bore(turn: float) -> str:
+    """A pin of radius 9.9 in a bore of radius 10, whose twelve faces with middle nodes bulge by 0.34: turned by `turn` [degrees] at once."""
+    circle = np.deg2rad(np.arange(0.0, 360.0, 15.0))
+    rounds = [(10.0, circle), (14.0, circle), (12.0, circle[::2]), (9.9, circle), (6.0, circle)]
+    first = np.cumsum([1] + [len(angles) for _, angles in rounds])
+    places = np.concatenate([np.column_stack([r * np.cos(angles), r * np.sin(angles)]) for r, angles in rounds])
+    nodes = "".join(f"{n}, {x!r}, {y!r}\n" for n, (x, y) in enumerate(places.tolist(), 1))
+
+    def at(ring: int, k: int) -> int:
+        return int(first[ring]) + k % len(rounds[ring][1])
+
+    bore = [[at(0, k), at(1, k), at(1, k + 2), at(0, k + 2), at(2, k // 2), at(1, k + 1), at(2, k // 2 + 1), at(0, k + 1)] for k in range(0, 24, 2)]
+    pin = [[at(4, k), at(3, k), at(3, k + 1), at(4, k + 1)] for k in range(24)]
+    spin = np.deg2rad(turn)
+    matrix = np.array([[np.cos(spin), -np.sin(spin)], [np.sin(spin), np.cos(spin)]])
+    ways = places @ (matrix - np.eye(2)).T
+    drive = "".join(f"{n}, {k + 1}, {k + 1}, {float(ways[n - 1, k])!r}\n" for n in range(first[3], first[5]) for k in range(2))
+    return (
+        f"*NODE\n{nodes}*ELEMENT, TYPE=CPE8, ELSET=BORE\n{rows(bore, 1)}*ELEMENT, TYPE=CPE4, ELSET=PIN\n{rows(pin, 101)}"
+        f"*NSET, NSET=RIM, GENERATE\n{first[1]}, {first[2] - 1}\n{ELASTIC}*SOLID SECTION, ELSET=BORE, MATERIAL=M\n1.\n"
+        "*SOLID SECTION, ELSET=PIN, MATERIAL=M\n1.\n*SURFACE, NAME=INSIDE\nBORE, S4\n*SURFACE, NAME=SHANK\nPIN, S2\n"
+        "*SURFACE INTERACTION, NAME=DRY\n*CONTACT PAIR, INTERACTION=DRY\nSHANK, INSIDE\n*STEP, NLGEOM\n*STATIC, DIRECT\n1., 1.\n"
+        f"*BOUNDARY\nRIM, 1, 2\n{drive}*END STEP\n"
+    )
+
+
+def rows(elements: list[list[int]], first: int) -> str:
+    """The lines of an ELEMENT card."""
+    return "".join(", ".join(map(str, [number, *nodes])) + "\n" for number, nodes in enumerate(elements, first))
+
+
+def test_turning_in_a_bore_is_no_fall(run: Run, tmp_path: Path) -> None:
+    """Nodes that go along a hollow face with middle nodes come behind the chord of its corners, but not through it."""
+    (tmp_path / "job.inp").write_text(turned_in_a_bore(20.0))
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "slave nodes at the end:  open 24," in done.stdout, done.stdout
+
+
 @pytest.mark.parametrize(
     ("deck", "reasons", "advice"),
     [
