@@ -31,6 +31,7 @@ module amontons_condensed
   real(DP), parameter :: WELL_HELD = 1.0e-9_DP     !< least pivot of S over its diagonal of which an inverse is made [-]
   integer, parameter :: LANES_OF_SPRINGS = 24      !< rows of T that are made side by side
   integer, parameter :: TILE = 64                  !< unknowns of the interface that are taken over to them at a time
+  real(DP), parameter :: WORTH = 4.0_DP            !< an interface may cost so many factors of the bulk [-]
   real(DP), parameter :: SMALL = 3.0e7_DP          !< operations that are not worth a thought [-]
 
   !> The bulk's factor and the interface's.
@@ -64,13 +65,13 @@ module amontons_condensed
 
 contains
 
-  !> Whether the dense interface is cheaper than a new factor of the bulk.
+  !> Whether the dense interface is not much dearer than a new factor of the bulk: contact settles on it within an iteration.
   pure logical function is_interface_worth(n_contact, bulk_operations)
     integer, intent(in) :: n_contact
     real(DP), intent(in) :: bulk_operations        !< of a sparse factorisation [-]
     real(DP) :: n
     n = real(n_contact, DP)
-    is_interface_worth = n_contact > 0 .and. n**3 <= max(bulk_operations, SMALL)
+    is_interface_worth = n_contact > 0 .and. n**3 <= max(WORTH * bulk_operations, SMALL)
   end function is_interface_worth
 
 

@@ -15,6 +15,7 @@ module amontons_settle
   use amontons_steps, only: step_type, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type
   use amontons_slaves, only: slip_view_type
+  use amontons_forensics, only: forensics_type, note_slaves, find_cycle, DEPTH
   use amontons_cycles, only: keep_to_edges
   use amontons_system, only: system_type, foresee, correct_direction, return_to, TROUBLE_NONE
   implicit none
@@ -24,7 +25,9 @@ module amontons_settle
   integer, parameter :: MOST_ROUNDS = 30           !< corrections of one direction
   integer, parameter :: MOST_HALVINGS = 4
   real(DP), parameter :: SETTLED = 1.0e-2_DP       !< part of the merit at u that may be left at u + du [-]
+  real(DP), parameter :: NO_BETTER = 0.99_DP       !< of the merit before: not less [-]
   real(DP), parameter :: NEGLIGIBLE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any case [-]
+  real(DP), parameter :: ROUNDING = 1.0e-10_DP     !< part of the largest merit of the rounds: no less is left where u had none [-]
 
   !> Where the direction starts, to come back to.
   type :: start_type
@@ -59,11 +62,15 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(start_type) :: start
     type(best_type) :: best
+    type(forensics_type) :: rounds
     real(DP), allocatable :: correction(:, :), first(:, :)
     integer, allocatable :: n_lost(:)              ! (n_slaves) times that a slave node ran off its master
-    logical :: is_kept
+    real(DP) :: largest
+    logical :: is_kept, is_round
     integer :: trouble
     n_rounds = 0
+    is_round = .false.
+    largest = 0.0_DP
     slaves = state%new%slaves
     if (step%line_search /= SEARCH_AUTO .or. .not. system%is_condensed) return
     start = start_type(state%new%u, state%new%internal_force, slaves, system%merit, system%residual, system%contact%view)
@@ -83,9 +90,12 @@ contains
         call foresee(system, model, state, start%u, start%force, du)
       end if
       call note_best(system, state, du, best)
-      if (system%contact%n_changed == 0 .and. system%merit <= max(SETTLED * start%merit, &
+      call note_slaves(rounds, state%new%slaves, system%merit)
+      largest = max(largest, system%merit)
+      if (system%contact%n_changed == 0 .and. system%merit <= max(SETTLED * start%merit, ROUNDING * largest, &
         NEGLIGIBLE * step%controls%r_n * system%largest_force, system%rounding * sqrt(real(size(du), DP)))) exit
-      if (n_rounds == MOST_ROUNDS) exit
+      is_round = comes_round(rounds)
+      if (n_rounds == MOST_ROUNDS .or. is_round) exit
       n_rounds = n_rounds + 1
       call correct_direction(system, model, step, state, correction, trouble, error)
       if (allocated(error)) return
@@ -94,12 +104,23 @@ contains
     end do
     du = best%du
     slaves = best%slaves
-    system%is_settled = n_rounds < MOST_ROUNDS
+    system%is_settled = n_rounds < MOST_ROUNDS .and. .not. is_round
     system%merit = start%merit
     system%residual = start%residual
     system%contact%view = start%view
     call return_to(system, model, step, start%u, start%slaves, state, error)
   end subroutine settle_contact
+
+
+  !> Whether the rounds have gone twice through the same statuses and stand no better than before: they would go on so.
+  pure logical function comes_round(rounds)
+    type(forensics_type), intent(in) :: rounds
+    integer :: k
+    k = find_cycle(rounds)
+    comes_round = k > 0 .and. 2 * k < min(rounds%n, DEPTH)
+    if (comes_round) comes_round = rounds%hash(1 + 2 * k) == rounds%hash(1) .and. &
+      rounds%merit(1) >= NO_BETTER * rounds%merit(1 + 2 * k)
+  end function comes_round
 
 
   !> Keeps the place if its merit is the least so far.
