@@ -118,6 +118,8 @@ $(B)/%.o: src/%.c
 
 $(B)/suitesparse_shim.o $(B)/supernodes_shim.o: src/supernodes_shim.h
 
+$(B)/dense.o $(B)/sprung.o: src/dense.inc
+
 unit: $(UNITS) ## Build the unit test programs
 	@:
 

@@ -17,8 +17,8 @@ module amontons_condensed
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, reduction_type, from_triplets, transpose_of, analyse_reduction, reduce_matrix
-  use amontons_dense, only: factorise_dense, solve_dense, triangle_times, square_of_triangle, invert_positive, &
-    symmetric_times, transposed_times, DENSE_OK
+  use amontons_dense, only: factorise_dense, solve_dense, triangle_times, square_of_triangle, DENSE_OK
+  use amontons_sprung, only: sprung_type, springs_type, invert_stiffness, couple_springs, solve_springs
   use amontons_partition, only: order_unknowns
   use amontons_factor, only: factor_type, analyse, factorise, elimination_order, trailing_block, solve_forward, &
     solve_backward, FACTOR_OK
@@ -28,11 +28,10 @@ module amontons_condensed
   public :: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, apply_condensed, &
     is_interface_worth
 
-  real(DP), parameter :: WELL_HELD = 1.0e-9_DP     !< least pivot of S over its diagonal of which an inverse is made [-]
-  integer, parameter :: LANES_OF_SPRINGS = 24      !< rows of T that are made side by side
-  integer, parameter :: TILE = 64                  !< unknowns of the interface that are taken over to them at a time
   real(DP), parameter :: WORTH = 4.0_DP            !< an interface may cost so many factors of the bulk [-]
   real(DP), parameter :: SMALL = 3.0e7_DP          !< operations that are not worth a thought [-]
+  real(DP), parameter :: INSIDE = 0.5_DP           !< of what is allowed: what the interface may leave [-]
+  real(DP), parameter :: NEGLIGIBLE = 0.3_DP       !< of what is allowed: what the bulk may be out of balance [-]
 
   !> The bulk's factor and the interface's.
   type :: condensed_type
@@ -48,12 +47,11 @@ module amontons_condensed
     integer, allocatable, private :: target(:)     !< entry of matrix for each entry of bulk
     real(DP), allocatable, private :: triangle(:, :)   !< L_cc
     real(DP), allocatable, private :: shift(:)     !< (n_contact) D [force/length]
-    real(DP), allocatable, private :: stiffness(:, :)  !< S, or its inverse
-    logical, private :: is_inverse = .false.       !< stiffness holds the inverse of S
-    logical :: is_invertible = .true.              !< S has one
+    real(DP), allocatable, private :: stiffness(:, :)  !< S; not there: not wanted yet
+    logical :: is_invertible = .true.              !< S has an inverse in single precision
     logical, private :: is_by_springs = .false.    !< factorise_springs came last
-    type(sparse_type), private :: spread           !< B on the interface (n_contact x n_springs)
-    real(DP), allocatable, private :: response(:, :)   !< (A inv(S))' (n_contact x n_springs)
+    type(sprung_type), private :: sprung           !< what that made
+    real(DP) :: allowed = 0                        !< what apply_condensed may leave of a right-hand side [-]
     type(sparse_type), private :: relation         !< C_c (n_contact x n_reduced)
     type(sparse_type), private :: by_imbalance     !< D_R on the interface (n_contact x n_contact)
     integer, allocatable, private :: base_of(:)    !< (n free) base unknown of each free unknown
@@ -200,7 +198,6 @@ contains
     if (allocated(self%stiffness)) deallocate (self%stiffness)
     if (allocated(self%shift)) deallocate (self%shift)
     allocate (self%triangle(self%n_contact, self%n_contact), stat=no_memory)
-    if (no_memory == 0) allocate (self%stiffness(self%n_contact, self%n_contact), stat=no_memory)
     if (no_memory == 0) allocate (self%shift(self%n_contact), stat=no_memory)
     call judge_memory(no_memory, error)
     if (allocated(error)) return
@@ -208,21 +205,25 @@ contains
     do i = 1, n
       if (self%contact_of(i) > 0) self%shift(self%contact_of(i)) = shift(i)
     end do
-    call restore_stiffness(self)
+    self%sprung%is_inverse = .false.
     self%is_invertible = .true.
     self%is_ready = .true.
   end subroutine factorise_bulk
 
 
   !> S = L_cc L_cc' - D.
-  subroutine restore_stiffness(self)
+  subroutine restore_stiffness(self, error)
     type(condensed_type), intent(inout) :: self
-    integer :: k
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: k, no_memory
+    if (allocated(self%stiffness)) return
+    allocate (self%stiffness(self%n_contact, self%n_contact), stat=no_memory)
+    call judge_memory(no_memory, error)
+    if (allocated(error)) return
     call square_of_triangle(self%triangle, self%stiffness)
     do k = 1, self%n_contact
       self%stiffness(k, k) = self%stiffness(k, k) - self%shift(k)
     end do
-    self%is_inverse = .false.
   end subroutine restore_stiffness
 
 
@@ -241,7 +242,8 @@ contains
     integer :: status
     call relate(self, base, whole, is_complete, error)
     if (allocated(error) .or. .not. is_complete) return
-    if (self%is_inverse) call restore_stiffness(self)
+    call restore_stiffness(self, error)
+    if (allocated(error)) return
     self%is_by_springs = .false.
     call restrict(self, base, by_imbalance, self%by_imbalance, error)
     if (allocated(error)) return
@@ -264,179 +266,52 @@ contains
   end subroutine judge_memory
 
 
-  !> The same where all contact is by springs, dF_c = B A du, and S has an inverse:
-  !!
-  !!     inv(S - B A) = inv(S) + inv(S) B inv(T) A inv(S),   T = 1 - A inv(S) B
-  !!
-  !! T has three unknowns a spring, and is factorised by LU in place of J_c. (Sherman, Morrison, Woodbury: Golub and Van Loan,
-  !! Matrix Computations, 4th ed., section 2.1.4.) After: is_complete is .false. too, with is_invertible, if S has no inverse.
-  subroutine factorise_springs(self, base, whole, spread, follow, is_complete, error)
+  !> The same where all contact is by springs (`sprung`). After: is_fit is .false. where S has no inverse, or the springs are too stiff.
+  subroutine factorise_springs(self, base, whole, springs, is_complete, is_fit, error)
     type(condensed_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base     !< without contact rows
     type(constraints_type), intent(in) :: whole    !< the same
-    type(sparse_type), intent(in) :: spread        !< B (n_unknowns x n_springs) [-]
-    type(sparse_type), intent(in) :: follow        !< A (n_springs x n_unknowns) [force/length]
-    logical, intent(out) :: is_complete
+    type(springs_type), intent(in) :: springs      !< on all unknowns in place of those of the interface
+    logical, intent(out) :: is_complete, is_fit
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: spread_t, follow_t
-    integer :: status
+    type(springs_type) :: taken
+    is_fit = .false.
     call relate(self, base, whole, is_complete, error)
     if (allocated(error) .or. .not. is_complete) return
-    is_complete = self%n_reduced == self%n_contact
-    if (.not. is_complete) return
-    if (.not. self%is_inverse) then
-      call invert_positive(self%stiffness, WELL_HELD, status)
-      self%is_inverse = .true.
-      self%is_invertible = status == DENSE_OK
-      is_complete = self%is_invertible
-      if (.not. is_complete) return
+    if (self%n_reduced < self%n_contact) return
+    if (.not. self%sprung%is_inverse) then
+      if (allocated(self%stiffness)) deallocate (self%stiffness)
+      call invert_stiffness(self%sprung, self%triangle, self%shift, error)
+      if (allocated(error)) return
+      self%is_invertible = self%sprung%is_inverse
+      if (.not. self%is_invertible) return
     end if
-    call take_to_interface(self, base, spread, self%spread, error)
+    call take_springs(self, base, springs, taken, error)
     if (allocated(error)) return
-    call take_to_interface(self, base, transpose_of(follow), follow_t, error)
-    if (allocated(error)) return
-    follow_t = transpose_of(follow_t)
-    spread_t = transpose_of(self%spread)
     self%by_imbalance = empty_square(self%n_contact)
-    call couple_springs(self, follow_t, spread_t, error)
-    if (allocated(error)) return
-    call factorise_dense(self%lu, self%pivots, status)
-    is_complete = status == DENSE_OK
-    self%is_by_springs = .true.
+    call couple_springs(self%sprung, taken, is_fit, error)
+    self%is_by_springs = is_fit
   end subroutine factorise_springs
 
 
-  !> R = (A inv(S))' and T = 1 - A inv(S) B. Threads share the springs; a column of R is taken once, and so many of them stand side
-  !! by side for the products with B.
-  subroutine couple_springs(self, follow, spread_t, error)
-    type(condensed_type), intent(inout) :: self
-    type(sparse_type), intent(in) :: follow        !< A on the interface (n_springs x n_contact)
-    type(sparse_type), intent(in) :: spread_t      !< B' (n_springs x n_contact)
-    type(error_type), allocatable, intent(inout) :: error
-    real(DP), allocatable :: lanes(:, :)
-    integer :: n, j, no_memory
-    n = follow%n_rows
-    no_memory = 0
-    if (allocated(self%lu)) then
-      if (size(self%lu, 1) /= n) deallocate (self%lu)
-    end if
-    if (allocated(self%response)) then
-      if (size(self%response, 2) /= n) deallocate (self%response)
-    end if
-    if (allocated(self%pivots)) deallocate (self%pivots)
-    if (.not. allocated(self%lu)) allocate (self%lu(n, n), stat=no_memory)
-    if (no_memory == 0 .and. .not. allocated(self%response)) allocate (self%response(self%n_contact, n), stat=no_memory)
-    call judge_memory(no_memory, error)
+  !> The springs on the interface.
+  subroutine take_springs(self, base, springs, taken, error)
+    type(condensed_type), intent(in) :: self
+    type(constraints_type), intent(in) :: base
+    type(springs_type), intent(in) :: springs
+    type(springs_type), intent(out) :: taken
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: turned
+    call take_to_interface(self, base, springs%spread, taken%spread, error)
     if (allocated(error)) return
-    allocate (self%pivots(n))
-    !$omp parallel private(lanes)
-    allocate (lanes(LANES_OF_SPRINGS, self%n_contact), source=0.0_DP)
-    !$omp do schedule(static)
-    do j = 1, n, LANES_OF_SPRINGS
-      call respond(follow, self%stiffness, j, min(j + LANES_OF_SPRINGS - 1, n), self%response, lanes)
-      call couple_lanes(spread_t, j, min(j + LANES_OF_SPRINGS - 1, n), lanes, self%lu)
-    end do
-    !$omp end do
-    deallocate (lanes)
-    !$omp end parallel
-  end subroutine couple_springs
-
-
-  !> The columns from j to last of R, and the same as rows of lanes.
-  subroutine respond(follow, compliance, j, last, response, lanes)
-    type(sparse_type), intent(in) :: follow        !< A (n_springs x n_contact)
-    real(DP), contiguous, intent(in) :: compliance(:, :)   !< inv(S)
-    integer, intent(in) :: j, last
-    real(DP), contiguous, intent(inout) :: response(:, :)   !< R (n_contact x n_springs)
-    real(DP), contiguous, intent(inout) :: lanes(:, :)
-    integer :: i, k, p
-    logical :: is_node
-    i = j
-    do while (i <= last)
-      is_node = i + 2 <= last
-      if (is_node) is_node = has_same_columns(follow, i)
-      if (is_node) then
-        call respond_to_node(follow, compliance, i, response(:, i), response(:, i + 1), response(:, i + 2))
-        i = i + 3
-        cycle
-      end if
-      response(:, i) = 0.0_DP
-      do p = follow%first(i), follow%first(i + 1) - 1
-        response(:, i) = response(:, i) + follow%value(p) * compliance(:, follow%column(p))
-      end do
-      i = i + 1
-    end do
-    do k = 1, size(response, 1), TILE              ! so many that they are still in the cache when the next column comes
-      do p = j, last
-        do i = k, min(k + TILE - 1, size(response, 1))
-          lanes(p - j + 1, i) = response(i, p)
-        end do
-      end do
-    end do
-  end subroutine respond
-
-
-  !> Whether three rows, those of the springs of one node, have their entries in the same columns.
-  pure logical function has_same_columns(matrix, i) result(is_same)
-    type(sparse_type), intent(in) :: matrix
-    integer, intent(in) :: i
-    integer :: n
-    associate (first => matrix%first, column => matrix%column)
-      n = first(i + 1) - first(i)
-      is_same = first(i + 2) - first(i + 1) == n .and. first(i + 3) - first(i + 2) == n
-      if (is_same) is_same = all(column(first(i):first(i) + n - 1) == column(first(i + 1):first(i + 1) + n - 1)) .and. &
-        all(column(first(i):first(i) + n - 1) == column(first(i + 2):first(i + 2) + n - 1))
-    end associate
-  end function has_same_columns
-
-
-  !> Three columns of R, of springs that follow the same unknowns: four columns of inv(S) at a time, each read once.
-  pure subroutine respond_to_node(follow, compliance, i, x, y, z)
-    type(sparse_type), intent(in) :: follow
-    real(DP), contiguous, intent(in) :: compliance(:, :)
-    integer, intent(in) :: i                       !< first of the three
-    real(DP), contiguous, intent(out) :: x(:), y(:), z(:)
-    real(DP) :: w(4, 3)
-    integer :: c(4), n, p, k
-    x = 0.0_DP
-    y = 0.0_DP
-    z = 0.0_DP
-    n = follow%first(i + 1) - follow%first(i)
-    do p = 0, n - 1, 4
-      w = 0.0_DP
-      c = follow%column(follow%first(i))           ! a column with weight zero where less than four are left
-      do k = 1, min(4, n - p)
-        c(k) = follow%column(follow%first(i) + p + k - 1)
-        w(k, :) = follow%value(follow%first(i:i + 2) + p + k - 1)
-      end do
-      associate (a => compliance(:, c(1)), b => compliance(:, c(2)), d => compliance(:, c(3)), e => compliance(:, c(4)))
-        do k = 1, size(x)
-          x(k) = x(k) + (w(1, 1) * a(k) + w(2, 1) * b(k)) + (w(3, 1) * d(k) + w(4, 1) * e(k))
-          y(k) = y(k) + (w(1, 2) * a(k) + w(2, 2) * b(k)) + (w(3, 2) * d(k) + w(4, 2) * e(k))
-          z(k) = z(k) + (w(1, 3) * a(k) + w(2, 3) * b(k)) + (w(3, 3) * d(k) + w(4, 3) * e(k))
-        end do
-      end associate
-    end do
-  end subroutine respond_to_node
-
-
-  !> The rows from j to last of T = 1 - R' B.
-  subroutine couple_lanes(spread_t, j, last, lanes, t)
-    type(sparse_type), intent(in) :: spread_t      !< B' (n_springs x n_contact)
-    integer, intent(in) :: j, last
-    real(DP), contiguous, intent(in) :: lanes(:, :)
-    real(DP), contiguous, intent(inout) :: t(:, :)   !< (n_springs, n_springs)
-    real(DP) :: row(LANES_OF_SPRINGS)
-    integer :: k, p
-    do k = 1, spread_t%n_rows
-      row = 0.0_DP
-      do p = spread_t%first(k), spread_t%first(k + 1) - 1
-        row = row - spread_t%value(p) * lanes(:, spread_t%column(p))
-      end do
-      if (k >= j .and. k <= last) row(k - j + 1) = row(k - j + 1) + 1.0_DP
-      t(j:last, k) = row(:last - j + 1)
-    end do
-  end subroutine couple_lanes
+    call take_to_interface(self, base, transpose_of(springs%follow), turned, error)
+    if (allocated(error)) return
+    taken%follow = transpose_of(turned)
+    call take_to_interface(self, base, springs%moved, taken%moved, error)
+    if (allocated(error)) return
+    call take_to_interface(self, base, transpose_of(springs%moving), turned, error)
+    if (.not. allocated(error)) taken%moving = transpose_of(turned)
+  end subroutine take_springs
 
 
   !> A matrix without entries.
@@ -482,27 +357,21 @@ contains
   end subroutine take_to_interface
 
 
-  !> r = inv(S - B A) r for a right-hand side on the free unknowns of the interface.
-  subroutine solve_springs(self, r)
-    type(condensed_type), intent(in) :: self
+  !> The springs' solution for a right-hand side on the free unknowns of the interface: C_c only sorts here.
+  subroutine solve_sorted(self, r)
+    type(condensed_type), intent(inout), target :: self
     real(DP), intent(inout) :: r(:)                !< (n_contact) in the order of the free unknowns
-    real(DP) :: t(self%n_contact), y(size(self%lu, 1))
-    integer :: k, p
-    do k = 1, self%n_contact                       ! C_c only sorts here
-      t(k) = r(self%relation%column(self%relation%first(k)))
-    end do
-    call transposed_times(self%response, t, y)
-    call solve_dense(self%lu, self%pivots, y)
-    do k = 1, self%n_contact
-      do p = self%spread%first(k), self%spread%first(k + 1) - 1
-        t(k) = t(k) + self%spread%value(p) * y(self%spread%column(p))
+    type(error_type), allocatable :: error         ! no memory: what comes out is not the solution, and GMRES finds that
+    real(DP) :: t(self%n_contact)
+    integer :: k
+    associate (place => self%relation%column, first => self%relation%first)
+      t = [(r(place(first(k))), k=1, self%n_contact)]
+      call solve_springs(self%sprung, self%triangle, self%shift, INSIDE * self%allowed, t, error)
+      do k = 1, self%n_contact
+        r(place(first(k))) = t(k)
       end do
-    end do
-    call symmetric_times(self%stiffness, t)
-    do k = 1, self%n_contact
-      r(self%relation%column(self%relation%first(k))) = t(k)
-    end do
-  end subroutine solve_springs
+    end associate
+  end subroutine solve_sorted
 
 
   !> C_c, and the places of the free unknowns in bulk and interface.
@@ -641,9 +510,10 @@ contains
   end subroutine fill_column
 
 
-  !> x = inv(J) r with the bulk as it was factorised: forward through the bulk, the interface, backward through the bulk.
+  !> x = inv(J) r with the bulk as it was factorised: forward through the bulk, the interface, backward through the bulk. Forward there
+  !! is nothing to do where only the interface is out of balance.
   subroutine apply_condensed(self, r, x)
-    type(condensed_type), intent(inout) :: self
+    type(condensed_type), intent(inout), target :: self
     real(DP), intent(in) :: r(:)                   !< (n free) [force]
     real(DP), intent(out) :: x(:)                  !< (n free) [length]
     real(DP), allocatable :: b(:), y(:), h(:), g(:), r_c(:)
@@ -656,9 +526,13 @@ contains
       if (self%reduced_of(j) == 0) b(self%base_of(j)) = r(j)
       if (self%reduced_of(j) > 0) r_c(self%reduced_of(j)) = r(j)
     end do
-    call solve_forward(self%factor, b(self%order), y)
-    h = y(m + 1:)
-    call triangle_times(self%triangle, .false., h)   ! - K_ci inv(K_ii) r_i
+    y = 0.0_DP
+    h = 0.0_DP
+    if (norm2(b) > NEGLIGIBLE * self%allowed) then
+      call solve_forward(self%factor, b(self%order), y)
+      h = y(m + 1:)
+      call triangle_times(self%triangle, .false., h)   ! - K_ci inv(K_ii) r_i
+    end if
     g = h
     do k = 1, self%n_contact
       do p = self%by_imbalance%first(k), self%by_imbalance%first(k + 1) - 1
@@ -671,7 +545,7 @@ contains
       end do
     end do
     if (self%is_by_springs) then
-      call solve_springs(self, r_c)
+      call solve_sorted(self, r_c)
     else
       call solve_dense(self%lu, self%pivots, r_c)
     end if

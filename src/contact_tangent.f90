@@ -12,6 +12,7 @@ module amontons_contact_tangent
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, row_type, add_row, ROW_CONFLICT
   use amontons_errors, only: error_type
+  use amontons_sprung, only: springs_type
   use amontons_sparse, only: sparse_type, from_triplets, multiply, product_of, sum_of, transpose_of
   use amontons_gap, only: gap_derivative, gap_derivative_type, vertex_derivative
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER
@@ -718,32 +719,53 @@ contains
   end subroutine add_link
 
 
-  !> The change of the forces of springs as a product, dF_c = B A du, where no weight moves: B spreads a change of lambda over the
-  !! nodes of its row, A du is that change.
-  subroutine spring_factors(links, n_unknowns, spread, follow, error)
+  !> The change of the forces of springs as products, dF_c = (B A + M X) du: B spreads a change of lambda over the nodes of its row,
+  !! A du is that change; M is how lambda moves over them with xi, X du the change of xi.
+  subroutine spring_factors(links, n_unknowns, springs, error)
     type(link_type), intent(in) :: links(:)
     integer, intent(in) :: n_unknowns
-    type(sparse_type), intent(out) :: spread       !< B (n_unknowns x 3 links) [-]
-    type(sparse_type), intent(out) :: follow       !< A (3 links x n_unknowns) [force/length]
+    type(springs_type), intent(out) :: springs
     type(error_type), allocatable, intent(out) :: error
-    type(triplets_type) :: b, a
-    integer :: i, j
-    call reserve(b, 9 * sum([(links(i)%n_weights, i=1, size(links))]))
-    call reserve(a, 9 * sum([(size(links(i)%nodes), i=1, size(links))]))
+    type(triplets_type) :: b, a, m, x
+    logical :: is_moving
+    integer :: i, j, n_spread, n_follow
+    n_spread = sum([(links(i)%n_weights, i=1, size(links))])
+    n_follow = sum([(size(links(i)%nodes), i=1, size(links))])
+    call reserve(b, 9 * n_spread)
+    call reserve(a, 9 * n_follow)
+    call reserve(m, 6 * n_spread)
+    call reserve(x, 6 * n_follow)
     do i = 1, size(links)
       associate (link => links(i))
+        is_moving = any(abs(link%d_weights) > 0.0_DP)
         do j = 1, link%n_weights
-          call put_block(link%nodes(j), i, link%weights(j) * unit_matrix(), b)
+          call put_block(3 * (link%nodes(j) - 1), 3 * (i - 1), link%weights(j) * unit_matrix(), b)
+          if (is_moving) call put_block(3 * (link%nodes(j) - 1), 2 * (i - 1), &
+            reshape([link%d_weights(1, j) * link%force, link%d_weights(2, j) * link%force], [3, 2]), m)
         end do
         do j = 1, size(link%nodes)
-          call put_block(i, link%nodes(j), link%force_nodes(:, :, j), a)
+          call put_block(3 * (i - 1), 3 * (link%nodes(j) - 1), link%force_nodes(:, :, j), a)
+          if (is_moving) call put_block(2 * (i - 1), 3 * (link%nodes(j) - 1), link%xi_nodes(:, :, j), x)
         end do
       end associate
     end do
-    call from_triplets(n_unknowns, 3 * size(links), b%row(:b%n), b%column(:b%n), b%value(:b%n), spread, error)
-    if (allocated(error)) return
-    call from_triplets(3 * size(links), n_unknowns, a%row(:a%n), a%column(:a%n), a%value(:a%n), follow, error)
+    call matrix_of(b, n_unknowns, 3 * size(links), springs%spread, error)
+    if (.not. allocated(error)) call matrix_of(a, 3 * size(links), n_unknowns, springs%follow, error)
+    if (.not. allocated(error)) call matrix_of(m, n_unknowns, 2 * size(links), springs%moved, error)
+    if (.not. allocated(error)) call matrix_of(x, 2 * size(links), n_unknowns, springs%moving, error)
   end subroutine spring_factors
+
+
+  !> Triplets as a matrix.
+  subroutine matrix_of(triplets, n_rows, n_columns, matrix, error)
+    type(triplets_type), intent(in) :: triplets
+    integer, intent(in) :: n_rows, n_columns
+    type(sparse_type), intent(out) :: matrix
+    type(error_type), allocatable, intent(out) :: error
+    associate (t => triplets)
+      call from_triplets(n_rows, n_columns, t%row(:t%n), t%column(:t%n), t%value(:t%n), matrix, error)
+    end associate
+  end subroutine matrix_of
 
 
   !> The upper triangle of the springs of the compliant laws, for the preconditioner: symmetric and positive.
@@ -761,7 +783,8 @@ contains
       associate (link => links(i))
         do j = 1, link%n_weights
           do k = 1, link%n_weights
-            call put_block(link%nodes(j), link%nodes(k), link%weights(j) * link%weights(k) * link%spring, triplets)
+            call put_block(3 * (link%nodes(j) - 1), 3 * (link%nodes(k) - 1), link%weights(j) * link%weights(k) * link%spring, &
+              triplets)
           end do
         end do
       end associate
@@ -774,17 +797,17 @@ contains
   end subroutine contact_springs
 
 
-  !> A 3 x 3 block as triplets.
-  pure subroutine put_block(row_node, column_node, block, triplets)
-    integer, intent(in) :: row_node, column_node
-    real(DP), intent(in) :: block(3, 3)
+  !> A block as triplets.
+  pure subroutine put_block(row, column, block, triplets)
+    integer, intent(in) :: row, column             !< before its first
+    real(DP), intent(in) :: block(:, :)
     type(triplets_type), intent(inout) :: triplets
     integer :: r, c
-    do c = 1, 3
-      do r = 1, 3
+    do c = 1, size(block, 2)
+      do r = 1, size(block, 1)
         triplets%n = triplets%n + 1
-        triplets%row(triplets%n) = 3 * (row_node - 1) + r
-        triplets%column(triplets%n) = 3 * (column_node - 1) + c
+        triplets%row(triplets%n) = row + r
+        triplets%column(triplets%n) = column + c
         triplets%value(triplets%n) = block(r, c)
       end do
     end do

@@ -6,12 +6,14 @@
 module amontons_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_all, ieee_get_status, ieee_is_finite, ieee_set_halting_mode, &
     ieee_set_status, ieee_status_type
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, WP => DP
+  use amontons_blas, only: getrf => dgetrf, laswp => dlaswp, trsm => dtrsm, gemm => dgemm, getrs => dgetrs, syrk => dsyrk, &
+    potrf => dpotrf, potri => dpotri, gemv => dgemv, dgesv, dsymv, dgecon, dsyev, dgesdd, dgelsd
   implicit none
   private
   public :: solve_small, symmetric_eigen, singular_values, rank_of, null_space, least_squares
   public :: factorise_dense, solve_dense, triangle_times, square_of_triangle, invert_positive, symmetric_times, transposed_times
-  public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
+  public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED, WORTH_THREADS, BLOCK
 
   integer, parameter :: DENSE_OK = 0
   integer, parameter :: DENSE_SINGULAR = 1     !< no unique solution
@@ -24,129 +26,6 @@ module amontons_dense
   interface solve_small
     module procedure solve_vector, solve_matrix
   end interface solve_small
-
-  interface
-    subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
-      import :: DP
-      integer, intent(in) :: n, nrhs, lda, ldb
-      real(DP), intent(inout) :: a(lda, *), b(ldb, *)
-      integer, intent(out) :: ipiv(*), info
-    end subroutine dgesv
-
-    subroutine dgetrf(m, n, a, lda, ipiv, info)
-      import :: DP
-      integer, intent(in) :: m, n, lda
-      real(DP), intent(inout) :: a(lda, *)
-      integer, intent(out) :: ipiv(*), info
-    end subroutine dgetrf
-
-    subroutine dlaswp(n, a, lda, k1, k2, ipiv, incx)
-      import :: DP
-      integer, intent(in) :: n, lda, k1, k2, ipiv(*), incx
-      real(DP), intent(inout) :: a(lda, *)
-    end subroutine dlaswp
-
-    subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb)
-      import :: DP
-      character(1), intent(in) :: side, uplo, transa, diag
-      integer, intent(in) :: m, n, lda, ldb
-      real(DP), intent(in) :: alpha, a(lda, *)
-      real(DP), intent(inout) :: b(ldb, *)
-    end subroutine dtrsm
-
-    subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
-      import :: DP
-      character(1), intent(in) :: transa, transb
-      integer, intent(in) :: m, n, k, lda, ldb, ldc
-      real(DP), intent(in) :: alpha, a(lda, *), b(ldb, *), beta
-      real(DP), intent(inout) :: c(ldc, *)
-    end subroutine dgemm
-
-    subroutine dgetrs(trans, n, nrhs, a, lda, ipiv, b, ldb, info)
-      import :: DP
-      character(1), intent(in) :: trans
-      integer, intent(in) :: n, nrhs, lda, ldb, ipiv(*)
-      real(DP), intent(in) :: a(lda, *)
-      real(DP), intent(inout) :: b(ldb, *)
-      integer, intent(out) :: info
-    end subroutine dgetrs
-
-    subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
-      import :: DP
-      character(1), intent(in) :: uplo, trans
-      integer, intent(in) :: n, k, lda, ldc
-      real(DP), intent(in) :: alpha, beta, a(lda, *)
-      real(DP), intent(inout) :: c(ldc, *)
-    end subroutine dsyrk
-
-    subroutine dpotrf(uplo, n, a, lda, info)
-      import :: DP
-      character(1), intent(in) :: uplo
-      integer, intent(in) :: n, lda
-      real(DP), intent(inout) :: a(lda, *)
-      integer, intent(out) :: info
-    end subroutine dpotrf
-
-    subroutine dpotri(uplo, n, a, lda, info)
-      import :: DP
-      character(1), intent(in) :: uplo
-      integer, intent(in) :: n, lda
-      real(DP), intent(inout) :: a(lda, *)
-      integer, intent(out) :: info
-    end subroutine dpotri
-
-    subroutine dsymv(uplo, n, alpha, a, lda, x, incx, beta, y, incy)
-      import :: DP
-      character(1), intent(in) :: uplo
-      integer, intent(in) :: n, lda, incx, incy
-      real(DP), intent(in) :: alpha, beta, a(lda, *), x(*)
-      real(DP), intent(inout) :: y(*)
-    end subroutine dsymv
-
-    subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
-      import :: DP
-      character(1), intent(in) :: trans
-      integer, intent(in) :: m, n, lda, incx, incy
-      real(DP), intent(in) :: alpha, beta, a(lda, *), x(*)
-      real(DP), intent(inout) :: y(*)
-    end subroutine dgemv
-
-    subroutine dgecon(norm, n, a, lda, anorm, rcond, work, iwork, info)
-      import :: DP
-      character(1), intent(in) :: norm
-      integer, intent(in) :: n, lda
-      real(DP), intent(in) :: a(lda, *), anorm
-      real(DP), intent(out) :: rcond, work(*)
-      integer, intent(out) :: iwork(*), info
-    end subroutine dgecon
-
-    subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
-      import :: DP
-      character(1), intent(in) :: jobz, uplo
-      integer, intent(in) :: n, lda, lwork
-      real(DP), intent(inout) :: a(lda, *)
-      real(DP), intent(out) :: w(*), work(*)
-      integer, intent(out) :: info
-    end subroutine dsyev
-
-    subroutine dgesdd(jobz, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, iwork, info)
-      import :: DP
-      character(1), intent(in) :: jobz
-      integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
-      real(DP), intent(inout) :: a(lda, *)
-      real(DP), intent(out) :: s(*), u(ldu, *), vt(ldvt, *), work(*)
-      integer, intent(out) :: iwork(*), info
-    end subroutine dgesdd
-
-    subroutine dgelsd(m, n, nrhs, a, lda, b, ldb, s, rcond, rank, work, lwork, iwork, info)
-      import :: DP
-      integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
-      real(DP), intent(inout) :: a(lda, *), b(ldb, *)
-      real(DP), intent(in) :: rcond
-      real(DP), intent(out) :: s(*), work(*)
-      integer, intent(out) :: rank, iwork(*), info
-    end subroutine dgelsd
-  end interface
 
 contains
 
@@ -339,109 +218,6 @@ contains
   end function all_finite
 
 
-  !> P A = L U in place, for a matrix with many right-hand sides to come. Cost: 2/3 n^3.
-  subroutine factorise_dense(a, pivots, status)
-    real(DP), contiguous, intent(inout) :: a(:, :)   !< (n, n) in: A; out: L and U
-    integer, contiguous, intent(out) :: pivots(:)    !< (n)
-    integer, intent(out) :: status             !< DENSE_OK or DENSE_SINGULAR
-    integer :: n, info
-    n = size(a, 1)
-    status = DENSE_OK
-    if (n == 0) return
-    if (is_shared(n)) then
-      call factorise_shared(a, pivots, info)
-    else
-      call dgetrf(n, n, a, n, pivots, info)
-    end if
-    if (info /= 0) status = DENSE_SINGULAR
-  end subroutine factorise_dense
-
-
-  !> The same by threads: columns in blocks, a block is a task, and a panel is factorised as soon as its columns are up to date.
-  !! What is done to a block does not depend on who does it: the bits are the same for any number of threads.
-  !! Reference: A. Buttari, J. Langou, J. Kurzak, J. Dongarra, Parallel Computing 35 (2009) 38.
-  subroutine factorise_shared(a, pivots, info)
-    real(DP), contiguous, intent(inout) :: a(:, :)
-    integer, contiguous, intent(out) :: pivots(:)
-    integer, intent(out) :: info
-    integer :: first((size(a, 1) - 1) / BLOCK + 2), failed((size(a, 1) - 1) / BLOCK + 1), n, n_blocks, j, k
-    n = size(a, 1)
-    n_blocks = size(failed)
-    first = [(min((k - 1) * BLOCK + 1, n + 1), k=1, n_blocks + 1)]
-    failed = 0
-    !$omp parallel
-    !$omp single
-    do k = 1, n_blocks
-      !$omp task depend(inout: failed(k)) firstprivate(k)
-      call factorise_panel(n, a, first(k), first(k + 1) - first(k), pivots, failed(k))
-      !$omp end task
-      do j = k + 1, n_blocks
-        !$omp task depend(in: failed(k)) depend(inout: failed(j)) firstprivate(j, k)
-        call update_block(n, a, first(k), first(k + 1) - first(k), pivots, first(j), first(j + 1) - first(j))
-        !$omp end task
-      end do
-    end do
-    !$omp end single
-    !$omp do schedule(dynamic)
-    do j = 1, n_blocks - 1                     ! the rows that were exchanged later, in the blocks on the left
-      call dlaswp(first(j + 1) - first(j), a(:, first(j):), n, first(j + 1), n, pivots, 1)
-    end do
-    !$omp end do
-    !$omp end parallel
-    info = maxval(failed)
-  end subroutine factorise_shared
-
-
-  !> A panel of columns from its diagonal down. Rows are exchanged in it alone; pivots are rows of the whole.
-  subroutine factorise_panel(n, a, k, width, pivots, info)
-    integer, intent(in) :: n
-    real(DP), intent(inout) :: a(n, n)
-    integer, intent(in) :: k, width            !< first column and how many
-    integer, intent(inout) :: pivots(n)
-    integer, intent(out) :: info
-    call dgetrf(n - k + 1, width, a(k, k), n, pivots(k), info)
-    pivots(k:k + width - 1) = pivots(k:k + width - 1) + k - 1
-  end subroutine factorise_panel
-
-
-  !> What a panel does to a block of columns right of it.
-  subroutine update_block(n, a, k, width, pivots, j, columns)
-    integer, intent(in) :: n
-    real(DP), intent(inout) :: a(n, n)
-    integer, intent(in) :: k, width            !< of the panel
-    integer, intent(in) :: pivots(n)
-    integer, intent(in) :: j, columns          !< of the block
-    integer :: below
-    below = n - k - width + 1
-    call dlaswp(columns, a(1, j), n, k, k + width - 1, pivots, 1)
-    call dtrsm('L', 'L', 'N', 'U', width, columns, 1.0_DP, a(k, k), n, a(k, j), n)
-    if (below > 0) call dgemm('N', 'N', below, columns, width, -1.0_DP, a(k + width, k), n, a(k, j), n, 1.0_DP, &
-      a(k + width, j), n)
-  end subroutine update_block
-
-
-  !> Whether threads share the work on a matrix.
-  logical function is_shared(n)
-!$  use omp_lib, only: omp_get_max_threads, omp_get_level
-    integer, intent(in) :: n                   !< unknowns
-    is_shared = .false.
-    if (n < WORTH_THREADS) return
-!$  is_shared = omp_get_level() == 0
-!$  if (is_shared) is_shared = omp_get_max_threads() > 1
-  end function is_shared
-
-
-  !> Solves with what factorise_dense made.
-  subroutine solve_dense(a, pivots, b)
-    real(DP), intent(in) :: a(:, :)            !< (n, n) L and U
-    integer, intent(in) :: pivots(:)           !< (n)
-    real(DP), intent(inout) :: b(:)            !< (n) in: right-hand side; out: solution
-    integer :: n, info
-    n = size(a, 1)
-    if (n > 0) call dgetrs('N', n, 1, a, n, pivots, b, n, info)
-  end subroutine solve_dense
-
-
   !> x = L x, or L' x, for a lower triangle. Threads share blocks of its rows, or columns.
   subroutine triangle_times(l, is_transposed, x)
     real(DP), contiguous, intent(in) :: l(:, :)   !< (n, n) lower triangle, zero above
@@ -471,51 +247,11 @@ contains
     real(DP), intent(in) :: x(n)
     real(DP), intent(inout) :: y(n)
     if (is_transposed) then
-      call dgemv('T', n - k + 1, last - k + 1, 1.0_DP, l(k, k), n, x(k), 1, 0.0_DP, y(k), 1)
+      call gemv('T', n - k + 1, last - k + 1, 1.0_DP, l(k, k), n, x(k), 1, 0.0_DP, y(k), 1)
     else
-      call dgemv('N', last - k + 1, last, 1.0_DP, l(k, 1), n, x, 1, 0.0_DP, y(k), 1)
+      call gemv('N', last - k + 1, last, 1.0_DP, l(k, 1), n, x, 1, 0.0_DP, y(k), 1)
     end if
   end subroutine block_times
-
-
-  !> S = L L' as a full symmetric matrix.
-  subroutine square_of_triangle(l, s)
-    real(DP), intent(in) :: l(:, :)            !< (n, n) zero above the diagonal
-    real(DP), intent(out) :: s(:, :)           !< (n, n)
-    integer :: n, i
-    n = size(l, 1)
-    s = 0
-    if (n > 0) call dsyrk('L', 'N', n, n, 1.0_DP, l, n, 0.0_DP, s, n)
-    do i = 2, n
-      s(:i - 1, i) = s(i, :i - 1)
-    end do
-  end subroutine square_of_triangle
-
-
-  !> The inverse of a symmetric matrix in its place, if it is well and truly positive: no pivot of Cholesky less than `least` times
-  !! its diagonal entry. Cost: n^3.
-  subroutine invert_positive(a, least, status)
-    real(DP), intent(inout) :: a(:, :)         !< (n, n) in: A; out: its inverse, or nothing to be used
-    real(DP), intent(in) :: least              !< [-]
-    integer, intent(out) :: status             !< DENSE_OK or DENSE_SINGULAR
-    real(DP) :: diagonal(size(a, 1))
-    integer :: n, i, info
-    n = size(a, 1)
-    status = DENSE_OK
-    if (n == 0) return
-    diagonal = [(a(i, i), i=1, n)]
-    call dpotrf('L', n, a, n, info)
-    if (info == 0) then
-      do i = 1, n
-        if (.not. a(i, i)**2 > least * diagonal(i)) info = i
-      end do
-    end if
-    if (info == 0) call dpotri('L', n, a, n, info)
-    if (info /= 0) status = DENSE_SINGULAR
-    do i = 2, n
-      a(:i - 1, i) = a(i, :i - 1)
-    end do
-  end subroutine invert_positive
 
 
   !> x = S x for a symmetric matrix.
@@ -534,20 +270,17 @@ contains
   end subroutine symmetric_times
 
 
-  !> y = A' x. Threads share the columns.
-  subroutine transposed_times(a, x, y)
-    real(DP), contiguous, intent(in) :: a(:, :)   !< (m, n)
-    real(DP), contiguous, intent(in) :: x(:)   !< (m)
-    real(DP), contiguous, intent(out) :: y(:)  !< (n)
-    integer :: j, n
-    y = 0
-    if (size(a) == 0) return
-    !$omp parallel do schedule(static) private(n) if(size(a, 2) >= WORTH_THREADS)
-    do j = 1, size(a, 2), BLOCK
-      n = min(BLOCK, size(a, 2) - j + 1)
-      call dgemv('T', size(a, 1), n, 1.0_DP, a(:, j:j + n - 1), size(a, 1), x, 1, 0.0_DP, y(j:j + n - 1), 1)
-    end do
-    !$omp end parallel do
-  end subroutine transposed_times
+  !> Whether threads share the work on a matrix.
+  logical function is_shared(n)
+!$  use omp_lib, only: omp_get_max_threads, omp_get_level
+    integer, intent(in) :: n                   !< unknowns
+    is_shared = .false.
+    if (n < WORTH_THREADS) return
+!$  is_shared = omp_get_level() == 0
+!$  if (is_shared) is_shared = omp_get_max_threads() > 1
+  end function is_shared
+
+
+  include 'dense.inc'
 
 end module amontons_dense

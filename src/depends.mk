@@ -16,10 +16,12 @@ uses_journal = kinds errors text history posix
 
 # 1 tools: one outer library each
 uses_sparse = kinds errors
-uses_dense = kinds
+uses_blas = kinds
+uses_dense = kinds blas
 uses_partition = errors sparse
 uses_factor = kinds errors sparse
 uses_krylov = kinds errors sparse factor
+uses_sprung = kinds errors sparse blas dense krylov
 uses_store = kinds errors posix
 uses_user = kinds errors text
 uses_archive = kinds errors text posix
@@ -98,10 +100,14 @@ uses_state = kinds tensor topology mesh materials loads steps model shapes mater
 uses_user_state = kinds errors user topology mesh materials loads model shapes points element state
 uses_changes = mesh model state
 uses_constraints = kinds errors sparse
-uses_condensed = kinds errors sparse dense partition factor constraints
+<<<<<<< HEAD
+uses_condensed = kinds errors sparse dense partition factor sprung constraints
 uses_skew = kinds errors tensor sparse topology shapes
 uses_assembly = kinds errors sparse partition topology mesh materials model batch element state user_state skew
 uses_applied = kinds topology mesh loads steps model shapes element state user_state skew assembly
+=======
+uses_unsymmetric = kinds tensor topology shapes
+>>>>>>> 3ed8aa2 (perf(sprung): springs of the interface by GMRES, with weights that move, around an inverse in single precision)
 uses_bonds = kinds errors tensor loads ties model state constraints assembly
 uses_supports = kinds errors loads steps model state user_state constraints bonds
 uses_damping = kinds sparse mesh steps state
@@ -114,14 +120,21 @@ uses_overlaps = kinds facets state
 uses_contact = kinds errors profiles sparse topology surfaces steps model facets search analytic gap rows slip compliance areas mortar state constraints slaves user_contact overlaps
 uses_contact_start = kinds errors topology surfaces model search gap rows areas mortar state slaves overlaps contact
 uses_contact_points = kinds topology model shapes facets search rows facing mortar state contact
-uses_contact_tangent = kinds errors sparse surfaces model gap rows compliance state constraints slaves contact
+<<<<<<< HEAD
+uses_contact_tangent = kinds errors sparse sprung surfaces model gap rows compliance state constraints slaves contact
 uses_iterative = kinds sparse dense
 uses_reduced = kinds errors text posix sparse partition factor mesh steps constraints iterative
-uses_system = kinds errors history posix sparse factor krylov surfaces steps model rows symmetry state changes constraints condensed skew assembly applied bonds supports damping slaves contact contact_start contact_points contact_tangent reduced
+uses_system = kinds errors history posix sparse factor krylov sprung surfaces steps model rows symmetry state changes constraints condensed skew assembly applied bonds supports damping slaves contact contact_start contact_points contact_tangent reduced
 uses_audit_bodies = kinds errors text topology mesh model element
 uses_audit_contact = kinds errors text lookup surfaces loads model state contact audit_bodies
 uses_audit_motion = kinds errors text lookup tensor dense topology surfaces steps model rows state contact audit_bodies audit_contact
 uses_audit = kinds errors text lookup topology loads steps model element rows state constraints bonds contact audit_bodies audit_contact audit_motion
+=======
+uses_contact_fields = kinds topology surfaces model shapes state
+uses_adjust = kinds errors model state contact contact_start
+uses_audit_words = errors text
+uses_audit_pushes = kinds errors topology model rows state contact audit_words audit_bodies
+>>>>>>> 3ed8aa2 (perf(sprung): springs of the interface by GMRES, with weights that move, around an inverse in single precision)
 
 # 6 solution: the increment, the steps, the results
 uses_travel = kinds tensor topology model facets analytic rows state contact

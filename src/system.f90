@@ -24,6 +24,7 @@ module amontons_system
     full_of, sum_of
   use amontons_factor, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
   use amontons_reduced, only: reduced_type, plan_reduced, is_small, factorise_reduced, apply_reduced, give_up_iterative
+  use amontons_sprung, only: springs_type
   use amontons_condensed, only: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
     apply_condensed, is_interface_worth
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
@@ -625,13 +626,15 @@ contains
     type(system_type), intent(inout) :: system
     logical, intent(out) :: is_complete            !< .false.: contact reaches beyond the interface
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: by_imbalance, by_displacement, spread, follow
+    type(springs_type) :: springs
+    type(sparse_type) :: by_imbalance, by_displacement
+    logical :: is_fit
     if (all(system%links%is_spring) .and. size(system%links) > 0 .and. 3 * size(system%links) < system%condensed%n_contact &
       .and. system%condensed%is_invertible) then
-      call spring_factors(system%links, system%whole%n_unknowns, spread, follow, error)
+      call spring_factors(system%links, system%whole%n_unknowns, springs, error)
       if (allocated(error)) return
-      call factorise_springs(system%condensed, system%base, system%whole, spread, follow, is_complete, error)
-      if (allocated(error) .or. is_complete .or. system%condensed%is_invertible) return
+      call factorise_springs(system%condensed, system%base, system%whole, springs, is_complete, is_fit, error)
+      if (allocated(error) .or. is_fit .or. .not. is_complete) return
     end if
     call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement)
     call factorise_interface(system%condensed, system%base, system%whole, by_imbalance, by_displacement, is_complete, error)
@@ -755,6 +758,7 @@ contains
     options%floor = floor
     options%max_iterations = merge(system%reduced%most_iterations, KRYLOV_MOST, is_iterative)
     if (is_iterative) options%tolerance = ITERATIVE_TOLERANCE
+    system%condensed%allowed = max(options%tolerance, floor / max(norm2(b), tiny(floor)))
     if (is_iterative .and. size(system%links) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)) then
       call conjugate_gradients(matrix, preconditioner, b, v, options, report)
     else

@@ -14,7 +14,8 @@ program test_contact_tangent
   use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, linearise, change_forces, &
     tangent_matrix, find_direction, foresee
   use amontons_contact, only: is_cornered
-  use amontons_contact_tangent, only: linearise_contact
+  use amontons_contact_tangent, only: linearise_contact, contact_matrices, spring_factors
+  use amontons_sprung, only: springs_type
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use check, only: suite_type
   implicit none
@@ -155,6 +156,7 @@ contains
     state%new%slaves%stiffness = 100.0_DP
     call evaluate(system, model, step, .true., state, trouble)
     call linearise_contact(system%contact, model, state%old, state%new, system%links)
+    if (all(system%links%is_spring)) call check_factors(name, system)
     if (friction > 0.0_DP) call check_condensed(name, system, model, step, state)   ! without friction the upper block is free
     do i = 1, 4
       call fill(du, i + 1, 1.0_DP)
@@ -220,6 +222,29 @@ contains
     end do
     call suite%that('foresight: statuses do change on the way', n_changes > 0)
   end subroutine check_foresight
+
+
+  !> The products of the springs, B A + M X, are the matrix of their change.
+  subroutine check_factors(name, system)
+    character(*), intent(in) :: name
+    type(system_type), intent(in) :: system
+    type(springs_type) :: springs
+    type(sparse_type) :: by_imbalance, by_displacement
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: du(:, :), force(:), place(:), change(:), w(:), moved(:)
+    integer :: n
+    n = system%whole%n_unknowns
+    call spring_factors(system%links, n, springs, error)
+    call contact_matrices(system%links, system%contact%passing, n, by_imbalance, by_displacement)
+    allocate (du(3, n / 3), change(n), w(n), moved(n), force(springs%follow%n_rows), place(springs%moving%n_rows))
+    call fill(du, 7, 1.0_DP)
+    call multiply(by_displacement, reshape(du, [n]), change)
+    call multiply(springs%follow, reshape(du, [n]), force)
+    call multiply(springs%moving, reshape(du, [n]), place)
+    call multiply(springs%spread, force, w)
+    call multiply(springs%moved, place, moved)
+    call suite%near(name // ': the products of the springs', norm2(w + moved - change) / norm2(change), 0.0_DP, 1.0e-13_DP)
+  end subroutine check_factors
 
 
   !> With a fresh factor of the bulk the condensed interface is the exact inverse of the tangent: one Krylov iteration.
