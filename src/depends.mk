@@ -100,7 +100,6 @@ uses_state = kinds tensor topology mesh materials loads steps model shapes mater
 uses_user_state = kinds errors user topology mesh materials loads model shapes points element state
 uses_changes = mesh model state
 uses_constraints = kinds errors sparse
-<<<<<<< HEAD
 uses_condensed = kinds errors sparse dense partition factor sprung constraints
 uses_skew = kinds errors tensor sparse topology shapes
 uses_assembly = kinds errors sparse partition topology mesh materials model batch element state user_state skew
@@ -120,7 +119,6 @@ uses_overlaps = kinds facets state
 uses_contact = kinds errors profiles sparse topology surfaces steps model facets search analytic gap rows slip compliance areas mortar state constraints slaves user_contact overlaps
 uses_contact_start = kinds errors topology surfaces model search gap rows areas mortar state slaves overlaps contact
 uses_contact_points = kinds topology model shapes facets search rows facing mortar state contact
-<<<<<<< HEAD
 uses_contact_tangent = kinds errors sparse sprung surfaces model gap rows compliance state constraints slaves contact
 uses_iterative = kinds sparse dense
 uses_reduced = kinds errors text posix sparse partition factor mesh steps constraints iterative
