@@ -28,6 +28,7 @@ module amontons_sprung
   real(SP), parameter :: WELL_HELD = 1.0e-4_SP     !< least pivot of S over its diagonal of which an inverse is made [-]
   real(SP), parameter :: STIFF = 1.0e4_SP          !< largest entry of T: stiffer springs want more digits [-]
   integer, parameter :: LANES = 32                 !< rows of T that are made side by side
+  integer, parameter :: HALF = LANES / 2
   integer, parameter :: TILE = 64                  !< unknowns of the interface that are taken over to them at a time
   integer, parameter :: MOST_ITERATIONS = 60       !< of a solution; what is left then is left to the one who asked
 
@@ -263,17 +264,20 @@ contains
     integer, intent(in) :: j, last
     real(SP), intent(in) :: rows(LANES, spread_t%n_columns)
     real(SP), contiguous, intent(inout) :: t(:, :)   !< (n_springs, n_springs)
-    real(SP) :: row(LANES), weight
+    real(SP) :: row(HALF), other(LANES - HALF), weight   ! they stay in registers
     integer :: k, p, c
     do k = 1, spread_t%n_rows
       row = 0.0_SP
+      other = 0.0_SP
       do p = spread_t%first(k), spread_t%first(k + 1) - 1
         weight = real(spread_t%value(p), SP)
         c = spread_t%column(p)
-        row = row - weight * rows(:, c)
+        row = row - weight * rows(:HALF, c)
+        other = other - weight * rows(HALF + 1:, c)
       end do
-      if (k >= j .and. k <= last) row(k - j + 1) = row(k - j + 1) + 1.0_SP
-      t(j:last, k) = row(:last - j + 1)
+      t(j:min(last, j + HALF - 1), k) = row(:min(last - j + 1, HALF))
+      t(j + HALF:last, k) = other(:last - j - HALF + 1)
+      if (k >= j .and. k <= last) t(k, k) = t(k, k) + 1.0_SP
     end do
   end subroutine couple_rows
 
