@@ -266,7 +266,7 @@ contains
   end subroutine judge_memory
 
 
-  !> The same where all contact is by springs (`sprung`). After: is_fit is .false. where S has no inverse, or the springs are too stiff.
+  !> The same where all contact is by springs (`sprung`). After: is_fit is .false. where S has no inverse, or they are too stiff.
   subroutine factorise_springs(self, base, whole, springs, is_complete, is_fit, error)
     type(condensed_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base     !< without contact rows
@@ -510,8 +510,8 @@ contains
   end subroutine fill_column
 
 
-  !> x = inv(J) r with the bulk as it was factorised: forward through the bulk, the interface, backward through the bulk. Forward there
-  !! is nothing to do where only the interface is out of balance.
+  !> x = inv(J) r with the bulk as it was factorised: forward through the bulk, the interface, backward through the bulk. Forward
+  !! there is nothing to do where only the interface is out of balance.
   subroutine apply_condensed(self, r, x)
     type(condensed_type), intent(inout), target :: self
     real(DP), intent(in) :: r(:)                   !< (n free) [force]

@@ -82,7 +82,8 @@ contains
     n = size(shift)
     self%is_inverse = .false.
     if (allocated(self%compliance)) deallocate (self%compliance)
-    allocate (self%compliance(n, n), single(n, n), stat=no_memory)
+    allocate (self%compliance(n, n), stat=no_memory)
+    if (no_memory == 0) allocate (single(n, n), stat=no_memory)
     call judge_memory(no_memory, error)
     if (allocated(error)) return
     allocate (diagonal(n))
@@ -134,7 +135,9 @@ contains
       if (size(self%lu, 1) == n .and. size(self%response, 1) == size(self%compliance, 1)) return
       deallocate (self%lu, self%response, self%pivots)
     end if
-    allocate (self%lu(n, n), self%response(size(self%compliance, 1), n), self%pivots(n), stat=no_memory)
+    allocate (self%pivots(n))
+    allocate (self%lu(n, n), stat=no_memory)
+    if (no_memory == 0) allocate (self%response(size(self%compliance, 1), n), stat=no_memory)
     call judge_memory(no_memory, error)
   end subroutine make_room
 
