@@ -6,7 +6,7 @@ module amontons_audit_contact
   use amontons_text, only: text_of, plural
   use amontons_lookup, only: integer_list_type
   use amontons_loads, only: amplitude_type, prescribed_type
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant
   use amontons_state, only: slave_type, STATUS_OPEN
   use amontons_contact, only: contact_type
@@ -128,13 +128,14 @@ contains
     type(complaints_type), intent(inout) :: report
     character(:), allocatable :: none
     if (tally%n_projected == 0 .and. tally%n_yielding > 0) return
-    if (tally%n_slaves == 0) then
+    if (tally%n_slaves == 0 .and. .not. model%pairs(p)%is_pointwise) then
       call complain(report, pair_name(model, p) // ' has no slave node. Give its slave surface faces or nodes.')
     else if (tally%n_projected == 0) then
       none = 'None of the ' // plural(tally%n_slaves, 'slave node') // ' of ' // pair_name(model, p) // &
         ' projects on the master at the start'
+      if (tally%n_slaves == 0) none = 'No slave face of ' // pair_name(model, p) // ' faces the master at the start'
       if (may_meet_later(model, contact, p)) then
-        call warn(report, none // '; the prescribed displacements may bring the surfaces together later. ' // &
+        call warn(report, none // '; the loads may bring the surfaces together later. ' // &
           'If the master lies between nodes of the slave, swap them: the slave is the finer or smaller surface.')
       else
         call complain(report, none // ': the surfaces do not face each other, or are farther apart than ' // &
@@ -178,7 +179,7 @@ contains
         ' lies ' // text_of(-slave%gap) // ' inside the master at the start, where an edge is ' // &
         text_of(contact%facets(p)%edge_length(slave%facet)) // ' long'
     end associate
-    if (tally%depth > DEEP) then
+    if (tally%depth > DEEP .and. model%dialect /= DIALECT_CALCULIX) then
       call complain(report, found // ': the surfaces are probably swapped, on the wrong side, or the bodies ' // &
         'overlap. Check the face numbers and the position of the bodies.')
     else
@@ -214,15 +215,16 @@ contains
   end function is_allowed
 
 
-  !> Whether a pair that is apart at the start can be driven together: finite sliding, and a displacement long enough.
+  !> Whether a pair that is apart at the start can be driven together: finite sliding, and a displacement long enough or a force.
+  !! Under the calculix dialect nothing is said against any pair: the deck runs there.
   pure logical function may_meet_later(model, contact, p)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
     integer, intent(in) :: p                       !< pair
     real(DP) :: box(3, 2, 2), apart(3), travel
     integer :: i
-    may_meet_later = .false.
-    if (model%pairs(p)%is_small_sliding .or. .not. any(model%steps%is_nlgeom)) return
+    may_meet_later = model%dialect == DIALECT_CALCULIX   ! it runs there
+    if (may_meet_later .or. model%pairs(p)%is_small_sliding .or. .not. any(model%steps%is_nlgeom)) return
     associate (x => model%mesh%coordinates, slave => model%surfaces(model%pairs(p)%slave)%nodes, &
       master => model%surfaces(model%pairs(p)%master)%nodes)
       do i = 1, 3
@@ -234,6 +236,7 @@ contains
     travel = 0.0_DP
     do i = 1, size(model%steps)
       travel = max(travel, longest_travel(model%amplitudes, model%steps(i)%prescribed))
+      if (size(model%steps(i)%concentrated) + size(model%steps(i)%distributed) > 0) travel = huge(travel)   ! as far as need be
     end do
     may_meet_later = travel > 0.0_DP .and. travel >= norm2(apart) - REACH * contact%edge(p)
   end function may_meet_later

@@ -16,6 +16,9 @@ module amontons_line_search
   use amontons_slip, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip, NODE_SLIP, NODE_BALANCED
   use amontons_slaves, only: slip_view_type
   use amontons_travel, only: farthest_travel
+  use amontons_sparse, only: multiply, multiply_transpose
+  use amontons_condensed, only: apply_condensed
+  use amontons_reduced, only: apply_reduced
   use amontons_system, only: system_type, evaluate, residual_pair, TROUBLE_NONE
   implicit none
   private
@@ -23,6 +26,7 @@ module amontons_line_search
 
   integer, parameter :: MOST_HALVINGS = 4
   real(DP), parameter :: MOST_TRAVEL = 1.2_DP      !< facets that a slave node may travel in one iteration while supports move [-]
+  real(DP), parameter :: NEARER = 0.75_DP          !< the next correction over this one where the imbalance may rise [-]
   real(DP), parameter :: MERIT_GROWTH = 1.0_DP     !< AUTO takes the full step if the merit does not grow by more than this [-]
 
   !> What the search did.
@@ -232,8 +236,9 @@ contains
   end subroutine try_nodal
 
 
-  !> AUTO: the full step if the merit does not grow, or without contact; else (LS) over all unknowns, then halves; the best is
-  !! taken.
+  !> AUTO: the full step if the merit does not grow, if nothing touches, or if contact has settled ahead and the next correction
+  !! is shorter: the imbalance of slender bodies has to rise first, since bending them stretches them. Else (LS) over all unknowns,
+  !! then halves; the best is taken.
   subroutine back_track(system, model, step, du, start, state, search, trouble)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -247,8 +252,11 @@ contains
     integer :: halving
     trouble = TROUBLE_NONE
     if (system%carry > 0.0_DP .and. system%is_settled) return   ! a body on its way to its master: nothing pushes back yet
-    if (size(state%new%slaves) == 0) return        ! slender bodies without contact: the imbalance has to rise first
+    if (all(start%slaves%status == STATUS_OPEN) .and. all(state%new%slaves%status == STATUS_OPEN)) return   ! as without contact
     if (.not. start%is_comparable .or. system%merit <= MERIT_GROWTH * start%merit) return
+    if (system%is_settled) then
+      if (next_correction(system) <= NEARER * norm2(du)) return
+    end if
     best = search%step_length
     best_merit = system%merit
     alpha = min(0.5_DP * best, one_step_length(step, start%pair, residual_pair(system, du) - start%pair))
@@ -266,5 +274,25 @@ contains
     search%is_whole_step = best == 1.0_DP
     search%step_length = best
   end subroutine back_track
+
+
+  !> The length of the correction that the factor at hand gives for the imbalance as it is: the natural level of P. Deuflhard (Newton
+  !! Methods for Nonlinear Problems, Springer 2004, section 3.3). It is in displacements, and does not see what stiff parts do for
+  !! a moment. Cost: one solution.
+  real(DP) function next_correction(system) result(length)
+    type(system_type), intent(inout) :: system     !< evaluated where the direction ends
+    real(DP), allocatable :: b(:), v(:), flat(:)
+    associate (whole => system%whole)
+      allocate (b(whole%n_free), v(whole%n_free), flat(whole%n_unknowns))
+      call multiply_transpose(whole%map, reshape(system%residual, [whole%n_unknowns]), b)
+      if (system%is_condensed) then
+        call apply_condensed(system%condensed, b, v)
+      else
+        call apply_reduced(system%reduced, b, v)
+      end if
+      call multiply(whole%map, v, flat)
+    end associate
+    length = norm2(flat)
+  end function next_correction
 
 end module amontons_line_search

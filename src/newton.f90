@@ -6,7 +6,7 @@ module amontons_newton
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, SEARCH_AUTO
   use amontons_history, only: iteration_record_type
-  use amontons_state, only: state_type, slave_type
+  use amontons_state, only: state_type, slave_type, STATUS_OPEN
   use amontons_travel, only: farthest_travel, passed_through
   use amontons_forensics, only: forensics_type, note_slaves
   use amontons_contact, only: HOLD_NEVER
@@ -128,8 +128,8 @@ contains
     call note_residual(newton, system, step%controls%r_n)
     call note_step(newton, system, state, search, system%n_krylov - n_krylov)
     verdict = judge(step%controls, newton%progress)
-    if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. size(state%new%slaves) > 0 .and. .not. newton%is_carried) &
-      call judge_early(newton%progress, verdict)
+    if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. any(state%new%slaves%status /= STATUS_OPEN) .and. &
+      .not. newton%is_carried) call judge_early(newton%progress, verdict)
     if (step%line_search == SEARCH_AUTO) call watch_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)

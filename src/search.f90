@@ -50,6 +50,7 @@ contains
     integer, intent(out) :: n                      !< number found
     integer :: place(3), c, k, f
     n = 0
+    call ensure_size(list, 0)                      ! it has bounds from here on, also where nothing is found
     if (.not. allocated(search%first)) return
     if (any(point < search%lower)) return
     if (any(point > search%lower + search%cell * real(search%n_cells, DP))) return

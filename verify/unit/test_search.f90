@@ -110,8 +110,10 @@ contains
     call build_search(facets, mesh%coordinates, 1.0_DP, search)
     call near_facets(search, [0.5_DP, 0.5_DP, 1.0_DP], list, n)
     call suite%that('one facet: at the margin', n == 1)
+    if (allocated(list)) deallocate (list)
     call near_facets(search, [-50.0_DP, 0.5_DP, 0.0_DP], list, n)
     call suite%that('one facet: far on one side', n == 0)
+    call suite%that('a list that nothing was found for has bounds', allocated(list))
     call near_facets(search, [50.0_DP, 0.5_DP, 0.0_DP], list, n)
     call suite%that('one facet: far on the other', n == 0)
   end subroutine check_one_facet

@@ -177,6 +177,19 @@ def test_no_projection(run_deck: Run, tmp_path: Path) -> None:
     refuse(run_deck, tmp_path, deck, "None of the 4 slave nodes of the contact pair SOLE2 / TOP1 projects on the master")
 
 
+def test_far_and_deep_are_told_under_calculix(run_deck: Run) -> None:
+    """CalculiX runs pairs that are far apart or far inside each other, and so does its dialect."""
+    deck = stack(friction=0.3, gap=20.0)
+    deck.steps = [[fixed("FLOOR1", "LID2")]]
+    told = accept(run_deck, deck, "--dialect=calculix")
+    assert "WARNING: None of the 4 slave nodes of the contact pair SOLE2 / TOP1 projects on the master" in told
+    told = accept(run_deck, deck.text().replace("NODE TO SURFACE", "SURFACE TO SURFACE"), "--dialect=calculix")
+    assert "WARNING: No slave face of the contact pair SOLE2 / TOP1 faces the master at the start" in told
+    deck = stack(friction=0.3, gap=-0.7)
+    deck.steps = [[fixed("FLOOR1", "LID2")]]
+    assert "lies 0.7 inside the master at the start" in accept(run_deck, deck, "--dialect=calculix")
+
+
 def test_driven_over_a_wide_gap(run_deck: Run) -> None:
     """The same gap is good if a displacement under NLGEOM closes it."""
     deck = stack(friction=0.3, gap=5.0)
