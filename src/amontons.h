@@ -73,10 +73,15 @@ int amontons_rollback(amontons_job *job);                      /* all is bitwise
 int amontons_finish(amontons_job *job);                        /* close the files */
 
 /* Values by name, row by row. With values = NULL only the numbers of rows and columns are told. `set` is a node set, a
- * surface, the label of a node, or "": all nodes. */
+ * surface, the label of a node, or "": all nodes; of POINT and ELEMENT quantities an element set or the label of an
+ * element. An answer that is not wanted may be NULL. */
 int amontons_get(amontons_job *job, const char *quantity, const char *set, double *values, int64_t capacity,
                  int64_t *rows, int64_t *columns);
 int amontons_set(amontons_job *job, const char *quantity, const char *set, const double *values, int64_t n);
+
+/* The names of "NODE SETS", "ELEMENT SETS", "SURFACES", "INTERACTIONS", "MATERIALS", or the "QUANTITIES" that
+ * amontons_get knows: one in a line, ended by 0. With text = NULL only the room that they need is told. */
+int amontons_names(amontons_job *job, const char *kind, char *text, int64_t room, int64_t *needed);
 
 /* A matrix by compressed rows, counted from 0: "TANGENT" (on the free unknowns), "MAP" (all unknowns from the free
  * ones), "STIFFNESS" (of the elements, on all unknowns). First ask for the sizes, then copy. */

@@ -10,7 +10,8 @@ module amontons_capi
   use amontons_model, only: DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_sparse, only: sparse_type
   use amontons_library, only: job_type, job_options_type, listener_type, open_job, advance_job, advance_job_to, try_job, &
-    begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, get_matrix
+    begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, &
+    get_names, get_matrix
   implicit none
   private
 
@@ -81,15 +82,16 @@ contains
   !> Begins a job.
   integer(c_int) function capi_open(options, handle) bind(C, name='amontons_open') result(status)
     type(c_ptr), value :: options                  !< amontons_options
-    type(c_ptr), intent(out) :: handle
+    type(c_ptr), intent(out), optional :: handle   !< optional, like all answers here: a caller may give NULL
     type(options_type), pointer :: given
     type(handle_type), pointer :: self
     type(job_options_type) :: wanted
     type(c_listener_type) :: listener
     type(error_type), allocatable :: error
     integer :: no_memory
-    handle = c_null_ptr
     status = EXIT_USAGE
+    if (.not. present(handle)) return
+    handle = c_null_ptr
     if (.not. c_associated(options)) return
     call c_f_pointer(options, given)
     allocate (self, stat=no_memory)
@@ -229,12 +231,14 @@ contains
   !> One Newton iteration.
   integer(c_int) function capi_iterate(handle, verdict) bind(C, name='amontons_iterate') result(status)
     type(c_ptr), value :: handle
-    integer(c_int), intent(out) :: verdict         !< AMONTONS_GO_ON, ...
+    integer(c_int), intent(out), optional :: verdict   !< AMONTONS_GO_ON, ...
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    verdict = 0
+    integer :: found
+    if (present(verdict)) verdict = 0
     if (.not. is_found(handle, self, status)) return
-    call iterate_job(self%job, verdict, error)
+    call iterate_job(self%job, found, error)
+    if (present(verdict)) verdict = found
     status = told(self, error)
   end function capi_iterate
 
@@ -278,22 +282,22 @@ contains
     type(c_ptr), value :: handle, quantity, set
     type(c_ptr), value :: values                   !< double[capacity], or NULL
     integer(c_int64_t), value :: capacity
-    integer(c_int64_t), intent(out) :: rows, columns
+    integer(c_int64_t), intent(out), optional :: rows, columns
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
     real(DP), allocatable :: found(:, :)
     real(c_double), pointer :: target(:, :)
-    rows = 0
-    columns = 0
+    if (present(rows)) rows = 0
+    if (present(columns)) columns = 0
     if (.not. is_found(handle, self, status)) return
     call get_values(self%job, text_at(quantity), text_at(set), found, error)
     if (.not. allocated(error)) then
-      columns = size(found, 1, kind=c_int64_t)
-      rows = size(found, 2, kind=c_int64_t)
-      if (c_associated(values) .and. capacity < rows * columns) then
+      if (present(columns)) columns = size(found, 1, kind=c_int64_t)
+      if (present(rows)) rows = size(found, 2, kind=c_int64_t)
+      if (c_associated(values) .and. capacity < size(found, kind=c_int64_t)) then
         call set_error(error, EXIT_USAGE, 'There is not enough room for the values of ' // text_at(quantity) // '.')
       else if (c_associated(values)) then
-        call c_f_pointer(values, target, [columns, rows])
+        call c_f_pointer(values, target, shape(found))
         target = found
       end if
     end if
@@ -320,22 +324,55 @@ contains
   end function capi_set
 
 
+  !> The names of a kind, one in a line, ended by 0; with text = NULL only the room that they need, the 0 included.
+  integer(c_int) function capi_names(handle, kind, text, room, needed) bind(C, name='amontons_names') result(status)
+    type(c_ptr), value :: handle, kind
+    type(c_ptr), value :: text                     !< char[room], or NULL
+    integer(c_int64_t), value :: room
+    integer(c_int64_t), intent(out), optional :: needed
+    type(handle_type), pointer :: self
+    type(error_type), allocatable :: error
+    character(:), allocatable :: names(:)
+    character(kind=c_char), pointer :: letters(:)
+    integer :: i, at
+    if (present(needed)) needed = 0
+    if (.not. is_found(handle, self, status)) return
+    call get_names(self%job, text_at(kind), names, error)
+    if (.not. allocated(error)) then
+      at = max(1, sum(len_trim(names) + 1))
+      if (present(needed)) needed = int(at, c_int64_t)
+      if (c_associated(text) .and. room < int(at, c_int64_t)) then
+        call set_error(error, EXIT_USAGE, 'There is not enough room for the names of ' // text_at(kind) // '.')
+      else if (c_associated(text)) then
+        call c_f_pointer(text, letters, [at])
+        at = 0
+        do i = 1, size(names)
+          letters(at + 1:at + len_trim(names(i)) + 1) = transfer(trim(names(i)) // NEWLINE, letters)
+          at = at + len_trim(names(i)) + 1
+        end do
+        letters(max(1, at)) = c_null_char
+      end if
+    end if
+    status = told(self, error)
+  end function capi_names
+
+
   !> Makes a matrix and tells its sizes.
   integer(c_int) function capi_matrix(handle, name, rows, columns, entries) bind(C, name='amontons_matrix') &
     result(status)
     type(c_ptr), value :: handle, name
-    integer(c_int64_t), intent(out) :: rows, columns, entries
+    integer(c_int64_t), intent(out), optional :: rows, columns, entries
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    rows = 0
-    columns = 0
-    entries = 0
+    if (present(rows)) rows = 0
+    if (present(columns)) columns = 0
+    if (present(entries)) entries = 0
     if (.not. is_found(handle, self, status)) return
     call get_matrix(self%job, text_at(name), self%matrix, self%residual, error)
     if (.not. allocated(error)) then
-      rows = int(self%matrix%n_rows, c_int64_t)
-      columns = int(self%matrix%n_columns, c_int64_t)
-      entries = size(self%matrix%value, kind=c_int64_t)
+      if (present(rows)) rows = int(self%matrix%n_rows, c_int64_t)
+      if (present(columns)) columns = int(self%matrix%n_columns, c_int64_t)
+      if (present(entries)) entries = size(self%matrix%value, kind=c_int64_t)
     end if
     status = told(self, error)
   end function capi_matrix
@@ -345,16 +382,16 @@ contains
   integer(c_int) function capi_matrix_copy(handle, first, column, values) bind(C, name='amontons_matrix_copy') &
     result(status)
     type(c_ptr), value :: handle
-    integer(c_int64_t), intent(out) :: first(*)    !< (rows + 1), from 0
-    integer(c_int64_t), intent(out) :: column(*)   !< (entries), from 0
-    real(c_double), intent(out) :: values(*)       !< (entries)
+    integer(c_int64_t), intent(out), optional :: first(*)    !< (rows + 1), from 0
+    integer(c_int64_t), intent(out), optional :: column(*)   !< (entries), from 0
+    real(c_double), intent(out), optional :: values(*)       !< (entries)
     type(handle_type), pointer :: self
     if (.not. is_found(handle, self, status)) return
     status = EXIT_USAGE
     if (.not. allocated(self%matrix%first)) return
-    first(:size(self%matrix%first)) = int(self%matrix%first, c_int64_t) - 1_c_int64_t
-    column(:size(self%matrix%column)) = int(self%matrix%column, c_int64_t) - 1_c_int64_t
-    values(:size(self%matrix%value)) = self%matrix%value
+    if (present(first)) first(:size(self%matrix%first)) = int(self%matrix%first, c_int64_t) - 1_c_int64_t
+    if (present(column)) column(:size(self%matrix%column)) = int(self%matrix%column, c_int64_t) - 1_c_int64_t
+    if (present(values)) values(:size(self%matrix%value)) = self%matrix%value
     status = EXIT_DONE
   end function capi_matrix_copy
 
@@ -362,12 +399,12 @@ contains
   !> Copies the residual of the free unknowns.
   integer(c_int) function capi_residual_copy(handle, values) bind(C, name='amontons_residual_copy') result(status)
     type(c_ptr), value :: handle
-    real(c_double), intent(out) :: values(*)       !< (free unknowns) [force]
+    real(c_double), intent(out), optional :: values(*)   !< (free unknowns) [force]
     type(handle_type), pointer :: self
     if (.not. is_found(handle, self, status)) return
     status = EXIT_USAGE
     if (.not. allocated(self%residual)) return
-    values(:size(self%residual)) = self%residual
+    if (present(values)) values(:size(self%residual)) = self%residual
     status = EXIT_DONE
   end function capi_residual_copy
 

@@ -14,7 +14,7 @@ module amontons_drive
   use amontons_model, only: model_type
   implicit none
   private
-  public :: drive_type, set_driven, set_friction, arm_drives, settle_drives, list_driven, recall_driven
+  public :: drive_type, set_driven, set_friction, loads_now, arm_drives, settle_drives, list_driven, recall_driven
   public :: DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, DRIVE_TEMPERATURE
 
   integer, parameter :: DRIVE_FORCE = 1            !< item: 3 (node - 1) + dof
@@ -209,7 +209,7 @@ contains
     if (kind == DRIVE_DISPLACEMENT .or. kind == DRIVE_TEMPERATURE) then
       values = now(2 + positions)
     else
-      values = values_of_deck(model, model%steps(i_step), kind, items, now)
+      values = loads_now(model, model%steps(i_step), kind, items, now)
     end if
     do i = 1, size(items)
       amplitudes(n + i)%name = ''
@@ -226,14 +226,14 @@ contains
   end subroutine add_entries
 
 
-  !> What the loads of the deck on some items are now, summed.
-  function values_of_deck(model, step, kind, items, now) result(values)
+  !> What the loads on some items are at a time, summed: those of the deck, or what drives them.
+  function loads_now(model, step, kind, items, now) result(values)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     integer, intent(in) :: kind
     integer, intent(in) :: items(:)
-    real(DP), intent(in) :: now(:)
-    real(DP), allocatable :: values(:)
+    real(DP), intent(in) :: now(:)                 !< total time, step time [time]
+    real(DP), allocatable :: values(:)             !< [force] or [stress]
     real(DP), allocatable :: sums(:)
     integer :: i
     allocate (sums(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements)), source=0.0_DP)
@@ -252,7 +252,7 @@ contains
       end do
     end if
     values = sums(items)
-  end function values_of_deck
+  end function loads_now
 
 
   !> The item of a force.

@@ -9,7 +9,7 @@
 module amontons_library
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE, EXIT_DECK, EXIT_NOT_CONVERGED
-  use amontons_text, only: squeezed, text_of, parse_integer, NUMBER_OK, NEWLINE
+  use amontons_text, only: squeezed, text_of, NEWLINE
   use amontons_journal, only: journal_type, listener_type, open_journal, PROGRESS_PLAIN
   use amontons_model, only: job_options_type
   use amontons_stepper, only: propose_time
@@ -17,26 +17,23 @@ module amontons_library
   use amontons_skew, only: with_skew
   use amontons_sparse, only: sparse_type, full_of, multiply_transpose
   use amontons_state, only: state_type
-  use amontons_topology, only: kind_type, facet_kind_type, element_kind, facet_kind
   use amontons_user_job, only: end_routines
   use amontons_system, only: evaluate, linearise, tangent_matrix, TROUBLE_NONE
-  use amontons_columns, only: column_type, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
-  use amontons_derived, only: nodal_slaves
-  use amontons_results, only: point_fields, model_size
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
     enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
-  use amontons_drive, only: set_driven, set_friction, arm_drives, settle_drives, DRIVE_FORCE, DRIVE_DISPLACEMENT, &
-    DRIVE_PRESSURE, DRIVE_TEMPERATURE
+  use amontons_drive, only: arm_drives, settle_drives
+  use amontons_values, only: values_of, drive_values, names_of, step_of, time_in_step
   implicit none
   private
   public :: job_type, job_options_type, listener_type, error_type, sparse_type
   public :: open_job, advance_job, advance_job_to, try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job
-  public :: is_job_done, get_values, set_values, get_matrix, VERDICT_GO_ON, VERDICT_CONVERGED
+  public :: is_job_done, get_values, set_values, get_names, get_matrix, VERDICT_GO_ON, VERDICT_CONVERGED
 
   real(DP), parameter :: SNAP = 1.0e-9_DP          !< a time this near to the one asked for is it, of the step's period [-]
 
-  !> A job.
+  !> A job; what is in it is nobody else's.
   type :: job_type
+    private
     type(analysis_type) :: analysis
     type(journal_type) :: journal
     logical :: is_ready = .false.                  !< it has begun and was not finished
@@ -176,7 +173,7 @@ contains
     end_time = end_in_step(job, dt)
     associate (analysis => job%analysis)
       call enter_step(analysis, error)
-      analysis%stepper%dt = end_time - time_in_step(job)
+      analysis%stepper%dt = end_time - time_in_step(job%analysis)
       call arm(job, analysis%stepper%dt)
       do while (.not. allocated(error))
         call solve_increment(analysis, job%journal, end_time, error)
@@ -197,7 +194,7 @@ contains
     call prepare(job, .true., error)
     if (.not. allocated(error)) call judge_length(job, dt, error)
     if (allocated(error)) return
-    length = end_in_step(job, dt) - time_in_step(job)
+    length = end_in_step(job, dt) - time_in_step(job%analysis)
     call arm(job, length)
     call begin_trial(job%analysis, length, error)
     job%is_begun = .not. allocated(error)
@@ -298,7 +295,7 @@ contains
     type(job_type), intent(in) :: job
     real(DP), intent(in) :: dt                     !< [time]
     type(error_type), allocatable, intent(inout) :: error
-    if (.not. dt >= SNAP * job%analysis%model%steps(step_of(job))%period) call set_error(error, EXIT_USAGE, &
+    if (.not. dt >= SNAP * job%analysis%model%steps(step_of(job%analysis))%period) call set_error(error, EXIT_USAGE, &
       'A time step must be positive, and at least 1e-9 of the period of the step.')
   end subroutine judge_length
 
@@ -333,26 +330,10 @@ contains
   end subroutine arm
 
 
-  !> Index of the step in which the next increment runs.
-  pure integer function step_of(job) result(i_step)
-    type(job_type), intent(in) :: job
-    i_step = max(1, job%analysis%stepper%step)
-    if (.not. job%analysis%is_step_start .or. job%analysis%stepper%step_time == 0.0_DP) return
-    i_step = min(i_step + 1, size(job%analysis%model%steps))
-  end function step_of
-
-
-  !> Time within that step.
-  pure real(DP) function time_in_step(job) result(time)
-    type(job_type), intent(in) :: job
-    time = merge(0.0_DP, job%analysis%stepper%step_time, job%analysis%is_step_start)
-  end function time_in_step
-
-
   !> Time left in that step.
   pure real(DP) function step_left(job) result(time)
     type(job_type), intent(in) :: job
-    time = job%analysis%model%steps(step_of(job))%period - time_in_step(job)
+    time = job%analysis%model%steps(step_of(job%analysis))%period - time_in_step(job%analysis)
   end function step_left
 
 
@@ -360,8 +341,8 @@ contains
   pure real(DP) function end_in_step(job, length) result(time)
     type(job_type), intent(in) :: job
     real(DP), intent(in) :: length                 !< [time]
-    associate (period => job%analysis%model%steps(step_of(job))%period)
-      time = time_in_step(job) + length
+    associate (period => job%analysis%model%steps(step_of(job%analysis))%period)
+      time = time_in_step(job%analysis) + length
       if (time >= period * (1.0_DP - SNAP)) time = period
     end associate
   end function end_in_step
@@ -370,7 +351,7 @@ contains
   !> Length of the increment that the stepper will propose.
   pure real(DP) function next_length(job) result(length)
     type(job_type), intent(in) :: job
-    associate (step => job%analysis%model%steps(step_of(job)))
+    associate (step => job%analysis%model%steps(step_of(job%analysis)))
       if (job%analysis%is_step_start) then
         length = min(step%dt_initial, step%period)
       else
@@ -383,163 +364,16 @@ contains
   !> A quantity by name, one column per row of the set. The names are in doc/manual/library.md.
   subroutine get_values(job, quantity, set, values, error)
     type(job_type), intent(in) :: job
-    character(*), intent(in) :: quantity           !< e.g. 'U', 'CPRESS', 'TIME'
-    character(*), intent(in) :: set                !< node set, surface, or label of a node; '' means all nodes
+    character(*), intent(in) :: quantity           !< e.g. 'U', 'CPRESS', 'POINT S', 'TIME'
+    character(*), intent(in) :: set                !< node set, surface, element set, or label; '' means all
     real(DP), allocatable, intent(out) :: values(:, :)   !< (components, rows)
     type(error_type), allocatable, intent(out) :: error
-    integer, allocatable :: nodes(:)
-    logical :: is_known
-    if (.not. allocated(job%analysis%state%new%u)) then
+    if (allocated(job%analysis%state%new%u)) then
+      call values_of(job%analysis, quantity, set, values, error)
+    else
       call set_error(error, EXIT_USAGE, 'The job has not begun.')
-      return
     end if
-    call get_number(job, squeezed(quantity), set, values, is_known, error)
-    if (is_known .or. allocated(error)) return
-    if (squeezed(quantity) == 'FACECENTRES') then
-      call get_face_centres(job, set, values, error)
-      return
-    end if
-    call find_nodes(job, set, nodes, error)
-    if (allocated(error)) return
-    call get_vector(job, squeezed(quantity), nodes, values, is_known)
-    if (.not. is_known) call get_column(job, squeezed(quantity), nodes, values, is_known)
-    if (.not. is_known) call set_error(error, EXIT_USAGE, 'There is no quantity named ' // quantity // '.')
   end subroutine get_values
-
-
-  !> A single number.
-  subroutine get_number(job, quantity, set, values, is_known, error)
-    type(job_type), intent(in) :: job
-    character(*), intent(in) :: quantity           !< squeezed
-    character(*), intent(in) :: set
-    real(DP), allocatable, intent(out) :: values(:, :)
-    logical, intent(out) :: is_known
-    type(error_type), allocatable, intent(out) :: error
-    real(DP) :: value
-    integer :: i
-    is_known = .true.
-    associate (analysis => job%analysis, new => job%analysis%state%new)
-      select case (quantity)
-      case ('TIME')
-        value = new%total_time
-      case ('STEPTIME')
-        value = new%step_time
-      case ('STEP')
-        value = real(analysis%stepper%step, DP)
-      case ('INCREMENTS')
-        value = real(count(analysis%records(:analysis%n_records)%is_converged), DP)
-      case ('ITERATIONS')
-        value = real(sum(analysis%records(:analysis%n_records)%n_iterations), DP)
-      case ('IMBALANCE')
-        value = analysis%newton%progress%residual(0)
-      case ('EXTERNALWORK')
-        value = new%external_work
-      case ('FRICTIONWORK')
-        value = new%friction_work
-      case ('DAMPEDWORK')
-        value = new%damped_work
-      case ('STRAINENERGY')
-        value = 0.0_DP
-        if (allocated(new%energy)) value = sum(new%energy * new%volume)
-      case ('FRICTION')
-        call find_interaction(job, set, i, error)
-        if (allocated(error)) return
-        value = analysis%model%interactions(i)%friction
-      case default
-        is_known = .false.
-        return
-      end select
-    end associate
-    values = reshape([value], [1, 1])
-  end subroutine get_number
-
-
-  !> The middles of the faces of a surface, in the order in which P is set: means of their corners.
-  subroutine get_face_centres(job, set, values, error)
-    type(job_type), intent(in) :: job
-    character(*), intent(in) :: set                !< surface
-    real(DP), allocatable, intent(out) :: values(:, :)   !< (3, faces) [length]
-    type(error_type), allocatable, intent(out) :: error
-    type(kind_type) :: entry
-    type(facet_kind_type) :: facet
-    integer :: i, k, e, surface, corners(4)
-    surface = surface_of(job, set)
-    if (surface == 0) then
-      call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // '.')
-      return
-    end if
-    associate (faces => job%analysis%model%surfaces(surface), mesh => job%analysis%model%mesh)
-      allocate (values(3, size(faces%element)))
-      do i = 1, size(faces%element)
-        e = faces%element(i)
-        entry = element_kind(mesh%kind(e))
-        facet = facet_kind(entry%face_kind(faces%face(i)))
-        k = facet%n_corners
-        corners(:k) = mesh%nodes(mesh%first(e) - 1 + entry%face_nodes(:k, faces%face(i)))
-        values(:, i) = sum(mesh%coordinates(:, corners(:k)), dim=2) / real(k, DP)
-      end do
-    end associate
-  end subroutine get_face_centres
-
-
-  !> A vector at nodes, or their labels.
-  subroutine get_vector(job, quantity, nodes, values, is_known)
-    type(job_type), intent(in) :: job
-    character(*), intent(in) :: quantity           !< squeezed
-    integer, intent(in) :: nodes(:)
-    real(DP), allocatable, intent(out) :: values(:, :)
-    logical, intent(out) :: is_known
-    is_known = .true.
-    associate (mesh => job%analysis%model%mesh, new => job%analysis%state%new)
-      select case (quantity)
-      case ('NODES')
-        values = reshape(real(mesh%node_label(nodes), DP), [1, size(nodes)])
-      case ('X')
-        values = mesh%coordinates(:, nodes)
-      case ('NT', 'TEMPERATURE')
-        values = reshape(new%temperature(nodes), [1, size(nodes)])
-      case ('INTERNALFORCE')
-        values = new%internal_force(:, nodes)
-      case ('APPLIEDFORCE')
-        values = new%applied_force(:, nodes)
-      case ('CONTACTFORCE')
-        values = new%contact_force(:, nodes)
-      case ('RESIDUAL')
-        values = job%analysis%system%residual(:, nodes)
-      case default
-        is_known = .false.
-      end select
-    end associate
-  end subroutine get_vector
-
-
-  !> A column of the point data of the result file.
-  subroutine get_column(job, quantity, nodes, values, is_known)
-    type(job_type), intent(in) :: job
-    character(*), intent(in) :: quantity           !< squeezed
-    integer, intent(in) :: nodes(:)
-    real(DP), allocatable, intent(out) :: values(:, :)
-    logical, intent(out) :: is_known
-    real(DP), allocatable :: reals(:, :)
-    integer, allocatable :: integers(:, :)
-    integer :: i, first(2), kind
-    first = 1
-    is_known = .false.
-    do i = 1, size(POINT_COLUMNS)
-      kind = merge(1, 2, POINT_COLUMNS(i)%is_integer)
-      is_known = squeezed(POINT_COLUMNS(i)%name) == quantity .or. (i == STRAIN_COLUMN .and. quantity == 'LE')
-      if (is_known) exit
-      first(kind) = first(kind) + POINT_COLUMNS(i)%width
-    end do
-    if (.not. is_known) return
-    associate (model => job%analysis%model, last => first + POINT_COLUMNS(i)%width - 1)
-      allocate (reals(N_POINT_REALS, model%mesh%n_nodes), integers(N_POINT_INTEGERS, model%mesh%n_nodes))
-      call point_fields(model%mesh, job%analysis%state%new, nodal_slaves(model, job%analysis%state%new%slaves), &
-        model_size(model%mesh), reals, integers)
-      if (kind == 1) values = real(integers(first(1):last(1), nodes), DP)
-      if (kind == 2) values = reals(first(2):last(2), nodes)
-    end associate
-  end subroutine get_column
 
 
   !> Sets a quantity: FRICTION of an interaction; P of a surface; NT, CF, CF1 to CF3, U, U1 to U3 of a node set. One value
@@ -551,162 +385,26 @@ contains
     character(*), intent(in) :: set                !< node set, surface, label of a node, or interaction
     real(DP), intent(in) :: values(:)              !< component by component of each row
     type(error_type), allocatable, intent(out) :: error
-    integer, allocatable :: items(:)
-    integer :: i, kind
-    if (.not. job%is_ready) then
+    if (job%is_ready) then
+      call drive_values(job%analysis, quantity, set, values, error)
+    else
       call set_error(error, EXIT_USAGE, 'The job has not begun or is finished.')
-      return
-    else if (.not. all(abs(values) <= huge(1.0_DP))) then
-      call set_error(error, EXIT_USAGE, 'A value of ' // quantity // ' is not a finite number.')
-      return
     end if
-    if (squeezed(quantity) == 'FRICTION') then
-      call find_interaction(job, set, i, error)
-      if (.not. allocated(error) .and. size(values) == 1) then
-        if (values(1) < 0.0_DP) then
-          call set_error(error, EXIT_USAGE, 'A coefficient of friction must not be negative.')
-        else
-          call set_friction(job%analysis%drive, job%analysis%model, i, values(1))
-        end if
-      end if
-      return
-    end if
-    call find_items(job, squeezed(quantity), set, kind, items, error)
-    if (allocated(error)) return
-    if (size(items) == 0) return
-    call drive_items(job, kind, items, quantity, values, error)
   end subroutine set_values
 
 
-  !> Gives the values to the items: all the same, or as many as there are items, or one per component.
-  subroutine drive_items(job, kind, items, quantity, values, error)
-    type(job_type), intent(inout) :: job
-    integer, intent(in) :: kind                    !< DRIVE_...
-    integer, intent(in) :: items(:)
-    character(*), intent(in) :: quantity
-    real(DP), intent(in) :: values(:)
-    type(error_type), allocatable, intent(out) :: error
-    real(DP), allocatable :: now(:)
-    integer :: width, i
-    width = 1
-    if (kind /= DRIVE_PRESSURE .and. kind /= DRIVE_TEMPERATURE .and. &
-      len(squeezed(quantity)) == merge(2, 1, kind == DRIVE_FORCE)) width = 3
-    if (size(values) /= width .and. size(values) /= size(items)) then
-      call set_error(error, EXIT_USAGE, text_of(size(values)) // ' values of ' // quantity // ' were given; it takes ' // &
-        text_of(width) // ' or ' // text_of(size(items)) // '.')
-      return
-    end if
-    associate (analysis => job%analysis)
-      now = [analysis%stepper%total_time, time_in_step(job)]
-      if (kind == DRIVE_TEMPERATURE) now = [now, analysis%snapshot%fields%temperature(items)]
-      if (kind == DRIVE_DISPLACEMENT) now = [now, [(analysis%snapshot%fields%u(mod(items(i) - 1, 3) + 1, &
-        (items(i) + 2) / 3), i=1, size(items))]]
-      call set_driven(job%analysis%drive, analysis%model, step_of(job), kind, items, &
-        [(values(mod(i - 1, size(values)) + 1), i=1, size(items))], now, error)
-    end associate
-  end subroutine drive_items
-
-
-  !> What a quantity and a set mean for drive.f90.
-  subroutine find_items(job, quantity, set, kind, items, error)
+  !> The names of a kind: NODE SETS, ELEMENT SETS, SURFACES, INTERACTIONS, MATERIALS; QUANTITIES that get_values gives.
+  subroutine get_names(job, kind, names, error)
     type(job_type), intent(in) :: job
-    character(*), intent(in) :: quantity           !< squeezed
-    character(*), intent(in) :: set
-    integer, intent(out) :: kind                   !< DRIVE_...
-    integer, allocatable, intent(out) :: items(:)
+    character(*), intent(in) :: kind
+    character(:), allocatable, intent(out) :: names(:)
     type(error_type), allocatable, intent(out) :: error
-    integer, allocatable :: nodes(:)
-    integer :: i, dof, surface
-    kind = DRIVE_FORCE
-    if (quantity == 'P') then
-      kind = DRIVE_PRESSURE
-      surface = surface_of(job, set)
-      if (surface == 0) then
-        call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // '.')
-      else
-        items = 6 * (job%analysis%model%surfaces(surface)%element - 1) + job%analysis%model%surfaces(surface)%face
-      end if
-      return
+    if (allocated(job%analysis%state%new%u)) then
+      call names_of(job%analysis, kind, names, error)
+    else
+      call set_error(error, EXIT_USAGE, 'The job has not begun.')
     end if
-    if (quantity == 'NT' .or. quantity == 'TEMPERATURE') then
-      kind = DRIVE_TEMPERATURE
-      call find_nodes(job, set, items, error)
-      return
-    end if
-    dof = findloc(['CF ', 'CF1', 'CF2', 'CF3'] == quantity, .true., dim=1) - 1
-    if (dof < 0) then
-      kind = DRIVE_DISPLACEMENT
-      dof = findloc(['U ', 'U1', 'U2', 'U3'] == quantity, .true., dim=1) - 1
-    end if
-    if (dof < 0) then
-      call set_error(error, EXIT_USAGE, 'The quantity ' // quantity // ' cannot be set; FRICTION, NT, P, CF, CF1 to CF3, ' // &
-        'U, U1 to U3 can.')
-      return
-    end if
-    call find_nodes(job, set, nodes, error)
-    if (allocated(error)) return
-    if (dof > 0) items = 3 * (nodes - 1) + dof
-    if (dof == 0) items = [([3 * nodes(i) - 2, 3 * nodes(i) - 1, 3 * nodes(i)], i=1, size(nodes))]
-  end subroutine find_items
-
-
-  !> The nodes of a node set, of a surface, or of a label; '' means all.
-  subroutine find_nodes(job, set, nodes, error)
-    type(job_type), intent(in) :: job
-    character(*), intent(in) :: set
-    integer, allocatable, intent(out) :: nodes(:)
-    type(error_type), allocatable, intent(out) :: error
-    integer :: i, label, status
-    associate (model => job%analysis%model, mesh => job%analysis%model%mesh)
-      if (len_trim(set) == 0) then
-        nodes = [(i, i=1, mesh%n_nodes)]
-        return
-      end if
-      do i = 1, size(mesh%node_sets)
-        if (squeezed(mesh%node_sets(i)%name) /= squeezed(set)) cycle
-        nodes = mesh%node_sets(i)%members
-        return
-      end do
-      i = surface_of(job, set)
-      if (i > 0) then
-        nodes = model%surfaces(i)%nodes
-        return
-      end if
-      call parse_integer(set, label, status)
-      i = 0
-      if (status == NUMBER_OK) i = findloc(mesh%node_label, label, dim=1)
-      if (i > 0) nodes = [i]
-      if (i == 0) call set_error(error, EXIT_USAGE, 'There is no node set, surface or node named ' // set // '.')
-    end associate
-  end subroutine find_nodes
-
-
-  !> Index of a surface; 0: there is none.
-  pure integer function surface_of(job, name) result(i)
-    type(job_type), intent(in) :: job
-    character(*), intent(in) :: name
-    do i = 1, size(job%analysis%model%surfaces)
-      if (squeezed(job%analysis%model%surfaces(i)%name) == squeezed(name)) return
-    end do
-    i = 0
-  end function surface_of
-
-
-  !> Index of an interaction; '' is the only one there is.
-  subroutine find_interaction(job, name, i, error)
-    type(job_type), intent(in) :: job
-    character(*), intent(in) :: name
-    integer, intent(out) :: i
-    type(error_type), allocatable, intent(out) :: error
-    associate (interactions => job%analysis%model%interactions)
-      i = 1
-      if (len_trim(name) == 0 .and. size(interactions) == 1) return
-      do i = 1, size(interactions)
-        if (squeezed(interactions(i)%name) == squeezed(name)) return
-      end do
-    end associate
-    call set_error(error, EXIT_USAGE, 'There is no interaction named ' // name // '.')
-  end subroutine find_interaction
+  end subroutine get_names
 
 
   !> A matrix at the configuration now: TANGENT, J on the free unknowns; MAP, C of du = C dv + c, (unknowns x free);

@@ -57,6 +57,7 @@ SIGNATURES: dict[str, tuple[object, list[object]]] = {
     "amontons_finish": (c_int, [c_void_p]),
     "amontons_get": (c_int, [c_void_p, c_char_p, c_char_p, c_void_p, c_int64, POINTER(c_int64), POINTER(c_int64)]),
     "amontons_set": (c_int, [c_void_p, c_char_p, c_char_p, c_void_p, c_int64]),
+    "amontons_names": (c_int, [c_void_p, c_char_p, c_void_p, c_int64, POINTER(c_int64)]),
     "amontons_matrix": (c_int, [c_void_p, c_char_p, POINTER(c_int64), POINTER(c_int64), POINTER(c_int64)]),
     "amontons_matrix_copy": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "amontons_residual_copy": (c_int, [c_void_p, c_void_p]),

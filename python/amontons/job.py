@@ -246,7 +246,12 @@ class Job:
         self._judge(self._library.amontons_finish(self._job))
 
     def get(self, quantity: str, where: str | int = "") -> NDArray[np.float64]:
-        """A quantity at the nodes of a set, surface or label ("": all nodes), one row per node."""
+        """A quantity at the nodes of a set, surface or label ("": all nodes), one row per node.
+
+        POINT quantities have one row per integration point of an element set or the label of an element, ELEMENT
+        quantities one per element; numbers are single ones. The names are in doc/manual/library.md, and
+        names("QUANTITIES") lists them.
+        """
         rows, columns = ctypes.c_int64(), ctypes.c_int64()
         names = (quantity.encode(), str(where).encode())
         shape = (ctypes.byref(rows), ctypes.byref(columns))
@@ -266,8 +271,16 @@ class Job:
         """The labels of the nodes of a set or surface, in the order of `get`."""
         return self.get("NODES", where).astype(np.int64)
 
+    def names(self, kind: str) -> list[str]:
+        """The names of "NODE SETS", "ELEMENT SETS", "SURFACES", "INTERACTIONS", "MATERIALS", or the "QUANTITIES" of `get`."""
+        room = ctypes.c_int64()
+        self._judge(self._library.amontons_names(self._job, kind.encode(), None, 0, ctypes.byref(room)))
+        text = ctypes.create_string_buffer(room.value)
+        self._judge(self._library.amontons_names(self._job, kind.encode(), text, room, None))
+        return text.value.decode(errors="replace").splitlines()
+
     def set(self, quantity: str, where: str | int, values: ArrayLike) -> None:
-        """Sets FRICTION of an interaction, P of a surface, or CF, CF1 to CF3, U, U1 to U3 of a node set.
+        """Sets FRICTION of an interaction, P of a surface, or NT, CF, CF1 to CF3, U, U1 to U3 of a node set.
 
         One value per component for all rows, or an array with one row per node (face). It is reached, straight from
         where it stands, at the end of the increments solved next.
