@@ -22,7 +22,7 @@ module amontons_library
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
     enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
   use amontons_drive, only: arm_drives, settle_drives
-  use amontons_values, only: values_of, drive_values, names_of, step_of, time_in_step
+  use amontons_values, only: values_of, drive_values, names_of, step_of, time_in_step, step_left
   implicit none
   private
   public :: job_type, job_options_type, listener_type, error_type, sparse_type
@@ -148,7 +148,7 @@ contains
       return
     end if
     do while (.not. is_job_done(job))
-      if (total_time - job%analysis%stepper%total_time <= SNAP * max(abs(total_time), step_left(job))) exit
+      if (total_time - job%analysis%stepper%total_time <= SNAP * max(abs(total_time), step_left(job%analysis))) exit
       call prepare(job, .false., error)
       if (allocated(error)) return
       call arm(job, total_time - job%analysis%stepper%total_time)
@@ -328,13 +328,6 @@ contains
       call arm_drives(job%analysis%drive, job%analysis%model, now, now + length)
     end associate
   end subroutine arm
-
-
-  !> Time left in that step.
-  pure real(DP) function step_left(job) result(time)
-    type(job_type), intent(in) :: job
-    time = job%analysis%model%steps(step_of(job%analysis))%period - time_in_step(job%analysis)
-  end function step_left
 
 
   !> The step time after a length of time, at most that of the end of the step, which snaps.

@@ -14,15 +14,15 @@ module amontons_values
   use amontons_columns, only: column_type, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
   use amontons_derived, only: nodal_slaves
   use amontons_results, only: point_fields, model_size
-  use amontons_analysis, only: analysis_type
+  use amontons_analysis, only: analysis_type, is_at_end
   use amontons_drive, only: set_driven, set_friction, loads_now, DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, &
     DRIVE_TEMPERATURE
   implicit none
   private
-  public :: values_of, drive_values, names_of, step_of, time_in_step
+  public :: values_of, drive_values, names_of, step_of, time_in_step, step_left
 
   !> What values_of knows besides the columns of the result file at nodes, for names_of.
-  character(16), parameter :: NUMBERS(*) = [character(16) :: 'TIME', 'STEP TIME', 'STEP', 'INCREMENTS', 'ITERATIONS', &
+  character(16), parameter :: NUMBERS(*) = [character(16) :: 'TIME', 'STEP TIME', 'TIME LEFT', 'STEP', 'INCREMENTS', 'ITERATIONS', &
     'IMBALANCE', 'EXTERNAL WORK', 'FRICTION WORK', 'DAMPED WORK', 'STRAIN ENERGY', 'FRICTION']
   character(16), parameter :: FIELDS(*) = [character(16) :: 'NODES', 'X', 'INTERNAL FORCE', 'APPLIED FORCE', &
     'CONTACT FORCE', 'RESIDUAL', 'CF', 'CF1', 'CF2', 'CF3', 'P', 'FACE CENTRES']
@@ -125,6 +125,8 @@ contains
         value = new%total_time
       case ('STEPTIME')
         value = new%step_time
+      case ('TIMELEFT')
+        value = merge(0.0_DP, step_left(analysis), is_at_end(analysis))
       case ('STEP')
         value = real(analysis%stepper%step, DP)
       case ('INCREMENTS')
@@ -563,5 +565,12 @@ contains
     type(analysis_type), intent(in) :: analysis
     time = merge(0.0_DP, analysis%stepper%step_time, analysis%is_step_start)
   end function time_in_step
+
+
+  !> Time left in that step.
+  pure real(DP) function step_left(analysis) result(time)
+    type(analysis_type), intent(in) :: analysis
+    time = analysis%model%steps(step_of(analysis))%period - time_in_step(analysis)
+  end function step_left
 
 end module amontons_values

@@ -1,15 +1,24 @@
 """preCICE: a job as a participant of a coupled simulation, in the style of the CalculiX adapter.
 
-    python -m amontons.precice deck.inp config.json Solid      (config.yml where PyYAML is installed)
+    python -m amontons.precice -i flap -precice-participant Solid     (flap.inp and config.yml, as the CalculiX adapter is called)
+    python -m amontons.precice deck.inp config.json Solid             (JSON does without PyYAML)
 
-The configuration file has the shape of the CalculiX adapter's:
+The configuration file is that of the CalculiX adapter:
 
-    {"precice-config-file": "precice-config.xml",
-     "participants": {"Solid": {"interfaces": [
-        {"nodes-mesh": "Solid-Nodes", "patch": "WET", "read-data": ["Force"], "write-data": ["Displacement"]},
-        {"faces-mesh": "Solid-Faces", "patch": "WET", "read-data": ["Pressure"]}]}}}
+    participants:
+      Solid:
+        interfaces:
+        - nodes-mesh: Solid-Nodes
+          patch: WET
+          read-data: [Force]
+          write-data: [Displacement]
+        - faces-mesh: Solid-Faces
+          patch: WET
+          read-data: [Pressure]
+    precice-config-file: precice-config.xml
 
-A patch is a node set or a surface of the deck. A nodes-mesh has its nodes, a faces-mesh the middles of a surface's faces.
+A patch is a node set or a surface of the deck; where there is none of that name, NWET and SWET are taken, as CalculiX's
+pre-processors name them. A nodes-mesh has its nodes, a faces-mesh (or mesh) the middles of a surface's faces.
 Data are told by how their names begin:
 
 | data | mesh | read: set in the job | written: taken from the job |
@@ -17,10 +26,12 @@ Data are told by how their names begin:
 | Force | nodes | forces on the nodes | what the body presses on its supports with (minus the reactions) |
 | DisplacementDelta | nodes | | displacement since the start of the time window |
 | Displacement | nodes | prescribed displacement (the deck must prescribe it) | displacement |
+| Position | nodes | | where the nodes are now |
 | Pressure | faces | pressure into the body | |
 | Temperature | nodes | temperature | temperature |
 
-Implicit coupling needs no more than the job can do anyway: a window is tried, and rolled back, bitwise, or committed.
+Implicit coupling needs no more than the job can do anyway: a window is tried, and rolled back, bitwise, or committed. Where a
+step of the deck ends within a window, the window is solved in two pieces, and preCICE is told of both.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -39,13 +50,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from amontons.job import Job, UsageError
+from amontons.job import AmontonsError, Job, UsageError
 
 Floats = NDArray[np.float64]
 
 #: What can be read and written, by the beginning of the name, the longer first; on which mesh.
 READABLE = {"Force": "nodes", "Displacement": "nodes", "Pressure": "faces", "Temperature": "nodes"}
-WRITABLE = {"DisplacementDelta": "nodes", "Displacement": "nodes", "Force": "nodes", "Temperature": "nodes"}
+WRITABLE = {"DisplacementDelta": "nodes", "Displacement": "nodes", "Position": "nodes", "Force": "nodes", "Temperature": "nodes"}
+SAME = 1e-9  #: of two lengths of time, relative
 
 
 def read_configuration(path: str | PathLike[str]) -> dict[str, Any]:
@@ -74,6 +86,14 @@ def kind_of(name: str, kinds: Mapping[str, str], mesh: str, doing: str) -> str:
     raise UsageError(f"{name} cannot be {doing}; its name must begin with one of {', '.join(kinds)}.")
 
 
+def patch_of(job: Job, name: str, is_faces: bool) -> str:
+    """The set or surface of a patch: of that name, or with CalculiX's N or S before it."""
+    kinds = ("SURFACES",) if is_faces else ("NODE SETS", "SURFACES")
+    known = {one.upper() for kind in kinds for one in job.names(kind)}
+    other = ("S" if is_faces else "N") + name
+    return other if name.upper() not in known and other.upper() in known else name
+
+
 @dataclass
 class Interface:
     """One mesh of the participant: a patch of the job, and what goes over it."""
@@ -89,16 +109,19 @@ class Interface:
     @classmethod
     def of(cls, words: Mapping[str, Any], job: Job) -> Interface:
         """From an entry of `interfaces`."""
-        is_faces = "faces-mesh" in words
-        mesh = words.get("faces-mesh", words.get("nodes-mesh", words.get("mesh")))
+        if "nodes-mesh-with-connectivity" in words:
+            raise UsageError("Connectivity is not given: use nodes-mesh, and a mapping that does without (nearest-neighbor, rbf).")
+        is_faces = "nodes-mesh" not in words
+        mesh = words.get("nodes-mesh", words.get("faces-mesh", words.get("mesh")))
         if mesh is None or "patch" not in words:
             raise UsageError("An interface needs a nodes-mesh or a faces-mesh, and a patch.")
         place = "faces" if is_faces else "nodes"
+        patch = patch_of(job, str(words["patch"]), is_faces)
         return cls(
-            mesh, words["patch"], is_faces,
+            mesh, patch, is_faces,
             {name: kind_of(name, READABLE, place, "read") for name in words.get("read-data", [])},
             {name: kind_of(name, WRITABLE, place, "written") for name in words.get("write-data", [])},
-            job.get("FACE CENTRES" if is_faces else "X", words["patch"]),
+            job.get("FACE CENTRES" if is_faces else "X", patch),
         )  # fmt: skip
 
 
@@ -140,12 +163,7 @@ class Adapter:
         while self.participant.is_coupling_ongoing():
             if self.participant.requires_writing_checkpoint() or is_new:
                 self._note_start()  # the job itself stands at its last commit: there is nothing to save
-            dt = self.participant.get_max_time_step_size()
-            self._read(dt)
-            before = self.job.time
-            reached = self.job.try_step(dt)
-            self._write()
-            self.participant.advance(reached - before)
+            self.participant.advance(self._solve(self.participant.get_max_time_step_size()))
             is_new = False
             if self.participant.requires_reading_checkpoint():
                 self.job.rollback()
@@ -153,6 +171,21 @@ class Adapter:
                 self.job.commit()
                 is_new = True
         self.participant.finalize()
+
+    def _solve(self, longest: float) -> float:
+        """Solves what is left of the window, or as far as the deck's step goes; returns how far that was.
+
+        Raises:
+            UsageError: the steps of the deck are at their end, and the coupling is not.
+        """
+        left = self.job.number("TIME LEFT")
+        if left == 0.0:
+            raise UsageError(f"The steps of the deck end at time {self.job.time:g}; the coupling goes on. Make the deck's steps longer.")
+        dt = longest if left > longest * (1 - SAME) else left
+        self._read(dt)
+        self.job.try_step(dt)
+        self._write()
+        return dt
 
     def _note_start(self) -> None:
         """The displacements at the start of the time window."""
@@ -182,21 +215,31 @@ class Adapter:
         if kind == "Force":
             return -self.job.get("RF", patch)[:, :dimensions]
         u = self.job.get("U", patch)
+        if kind == "Position":
+            u = u + self.job.get("X", patch)
         if kind == "DisplacementDelta":
             u = u - self._start[patch]
         return u[:, :dimensions]
 
 
-def main(words: list[str]) -> int:
-    """Deck, configuration, name of the participant."""
+def main(words: list[str] | None = None) -> int:
+    """Deck, configuration, name of the participant; or as the CalculiX adapter is called."""
+    words = sys.argv[1:] if words is None else words
+    if len(words) == 4 and words[0] == "-i" and words[2] == "-precice-participant":
+        deck = words[1] if words[1].endswith(".inp") else f"{words[1]}.inp"
+        words = [deck, "config.yml", words[3]]
     if len(words) != 3:
         print(__doc__)
         return 2
     deck, configuration, name = words
-    with Job(deck, files=True, checkpoint=False, log=print) as job:
-        Adapter(job, read_configuration(configuration), name).run()
+    try:
+        with Job(deck, files=True, checkpoint=False, log=print) as job:
+            Adapter(job, read_configuration(configuration), name).run()
+    except AmontonsError as error:
+        print(f"*ERROR: {error}")
+        return error.status
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

@@ -1,7 +1,10 @@
 """Stands in for preCICE where it cannot be had: the calls of its Python bindings (version 3) that the adapter makes.
 
 Two participants in two threads, coupled at the same points, in parallel: both solve a window, exchange, and repeat it with
-relaxed data until what they write stands; then the window is done. No mapping, no acceleration but constant relaxation.
+relaxed data until what they write stands; then the window is done. No mapping, no acceleration but constant relaxation. A
+participant may solve a window in pieces; what it reads for a time within the window lies on the straight line from the window's
+start, as with preCICE's waveforms of first degree. What preCICE refuses is refused: an advance before the checkpoint was asked
+for, or past the end of the window, initial data that are missing, anything after the end.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -23,7 +26,10 @@ class Meeting:
     tolerance: float = 1e-11
     relaxation: float = 1.0  #: of what is exchanged
     most: int = 200
-    data: dict[str, np.ndarray] = field(default_factory=dict)  #: as read
+    is_implicit: bool = True  #: windows are repeated; else each is solved once
+    wants_initial: bool = False  #: data must be written before initialize
+    data: dict[str, np.ndarray] = field(default_factory=dict)  #: as read at the end of the window
+    start: dict[str, np.ndarray] = field(default_factory=dict)  #: at its start
     written: dict[str, np.ndarray] = field(default_factory=dict)
     iterations: list[int] = field(default_factory=list)
     iteration: int = 0
@@ -44,11 +50,12 @@ class Meeting:
             scale = max(scale, np.abs(values).max())
             self.data[name] = old + self.relaxation * (values - old)
         self.iteration += 1
-        self.is_repeated = change > self.tolerance and scale > 0 and self.iteration < self.most
+        self.is_repeated = self.is_implicit and change > self.tolerance and scale > 0 and self.iteration < self.most
         if not self.is_repeated:
             self.iterations.append(self.iteration)
             self.iteration = 0
             self.window += 1
+            self.start = dict(self.data)
 
 
 MEETINGS: dict[str, Meeting] = {}
@@ -62,7 +69,13 @@ class Participant:
         assert (rank, size) == (0, 1), name
         self.meeting = MEETINGS[configuration]
         self.sizes: dict[str, int] = {}
-        self.must_write = True
+        self.done = 0.0  #: of the window
+        self.is_complete = False
+        self.must_write = self.meeting.is_implicit
+        self.must_read = False
+        self.state = "new"
+        self.has_written = False
+        self.pieces: list[float] = []
 
     def get_mesh_dimensions(self, mesh: str) -> int:
         """Space."""
@@ -71,27 +84,34 @@ class Participant:
 
     def set_mesh_vertices(self, mesh: str, positions: np.ndarray) -> np.ndarray:
         """Numbers of the points."""
+        assert self.state == "new"
+        assert positions.shape[1] == self.get_mesh_dimensions(mesh)
         self.sizes[mesh] = len(positions)
         return np.arange(len(positions))
 
     def requires_initial_data(self) -> bool:
-        """All begin with zero."""
-        return False
+        """All begin with zero, unless the meeting wants it otherwise."""
+        assert self.state == "new"
+        return self.meeting.wants_initial
 
     def initialize(self) -> None:
-        """Nothing to exchange yet."""
+        """What was written is there from the start."""
+        assert self.state == "new"
+        assert self.has_written or not self.meeting.wants_initial
+        self.state = "going"
 
     def is_coupling_ongoing(self) -> bool:
         """Windows are left."""
+        assert self.state == "going"
         return self.meeting.window < self.meeting.windows
 
     def is_time_window_complete(self) -> bool:
         """The last advance ended a window."""
-        return not self.meeting.is_repeated
+        return self.is_complete
 
     def get_max_time_step_size(self) -> float:
-        """The window at once."""
-        return self.meeting.length
+        """What is left of the window."""
+        return self.meeting.length - self.done
 
     def requires_writing_checkpoint(self) -> bool:
         """At the start of each window, once."""
@@ -100,24 +120,42 @@ class Participant:
 
     def requires_reading_checkpoint(self) -> bool:
         """The window is repeated."""
-        return self.meeting.is_repeated
+        asked, self.must_read = self.must_read, False
+        return asked
 
     def read_data(self, mesh: str, name: str, ids: np.ndarray, time: float) -> np.ndarray:
         """What the other has written, relaxed."""
-        assert time >= 0
+        assert -1e-12 <= time <= self.get_max_time_step_size() + 1e-12
         shape = (self.sizes[mesh], 3) if not name.startswith(("Pressure", "Temperature")) else (self.sizes[mesh],)
-        return self.meeting.data.get(name, np.zeros(shape))[ids]
+        start, end = (data.get(name, np.zeros(shape))[ids] for data in (self.meeting.start, self.meeting.data))
+        return start + (self.done + time) / self.meeting.length * (end - start)
 
     def write_data(self, mesh: str, name: str, ids: np.ndarray, values: np.ndarray) -> None:
         """What this one has found."""
+        assert self.state != "done"
         assert len(values) == self.sizes[mesh] == len(ids)
+        self.has_written = True
         self.meeting.written[name] = np.array(values, float)
+        if self.state == "new":
+            self.meeting.data[name] = self.meeting.start[name] = self.meeting.written[name]
 
     def advance(self, dt: float) -> None:
-        """Meets the other."""
-        assert abs(dt - self.meeting.length) < 1e-9
+        """Meets the other at the end of the window."""
+        assert self.state == "going"
+        assert not (self.must_write or self.must_read), "a checkpoint was due"
+        assert 0 < dt <= self.get_max_time_step_size() + 1e-14
+        self.pieces.append(dt)
+        self.done += dt
+        self.is_complete = False
+        if self.meeting.length - self.done > 1e-14:
+            return
+        self.done = 0.0
         self.meeting.barrier.wait()
-        self.must_write = not self.meeting.is_repeated
+        self.is_complete = not self.meeting.is_repeated
+        self.must_write = self.is_complete and self.meeting.is_implicit and self.is_coupling_ongoing()
+        self.must_read = self.meeting.is_repeated
 
     def finalize(self) -> None:
         """Done."""
+        assert self.state == "going"
+        self.state = "done"

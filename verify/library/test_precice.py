@@ -1,6 +1,7 @@
 """The preCICE adapter with two participants, against a stand-in with the calls of preCICE's Python bindings.
 
-preCICE is in neither PyPI (its bindings are, without the library) nor Debian; precice_stand_in.py says what it does.
+PyPI has the bindings (pyprecice), as source that is built against the library; the library is in neither PyPI nor Debian 12.
+precice_stand_in.py says what it does.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -18,7 +19,7 @@ import pytest
 from common import ROOT  # noqa: F401  (finds the package)
 
 import amontons
-from amontons.precice import Adapter, read_configuration
+from amontons.precice import Adapter, Interface, main, read_configuration
 
 BAR = """\
 *NODE, NSET=ALL
@@ -54,6 +55,7 @@ ALL, 1, 2
 {held}
 *END STEP
 """
+PARTICIPANTS: dict[str, precice_stand_in.Participant] = {}  #: of the last coupling
 LOWER = BAR.format(z0=0, z1=1, E=1000, held="LOW, 3, 3")
 UPPER = BAR.format(z0=1, z1=2, E=250, held="HIGH, 3, 3, 0.02\nLOW, 3, 3, 0.")
 
@@ -67,7 +69,9 @@ def couple(meeting: precice_stand_in.Meeting, decks: dict[str, str], interfaces:
 
     def run(name: str) -> None:
         try:
-            Adapter(jobs[name], configuration, name, precice=precice_stand_in).run()
+            adapter = Adapter(jobs[name], configuration, name, precice=precice_stand_in)
+            PARTICIPANTS[name] = adapter.participant
+            adapter.run()
         except BaseException as error:  # noqa: BLE001
             errors.append(error)
             meeting.barrier.abort()
@@ -98,6 +102,60 @@ def test_two_bars_in_a_row() -> None:
     assert jobs["Upper"].get("RF", "HIGH")[:, 2].sum() == pytest.approx(250 * 0.016, rel=1e-8)
 
 
+TWO_STEPS = "*STEP\n*STATIC\n0.25, 0.5\n*BOUNDARY\n{held}\n*END STEP\n*STEP\n*STATIC\n0.25, 0.5\n*BOUNDARY\n{more}\n*END STEP\n"
+
+
+def test_a_step_ends_within_a_window() -> None:
+    """Windows of 0.2 over decks with two steps of 0.5: the third window is solved in two pieces. All is linear: the same end, and
+    at each end of a window the same straight line as above."""
+    two = LOWER[: LOWER.index("*STEP")] + TWO_STEPS.format(held="ALL, 1, 2\nLOW, 3, 3", more="LOW, 3, 3")
+    lid = UPPER[: UPPER.index("*STEP")] + TWO_STEPS.format(held="ALL, 1, 2\nHIGH, 3, 3, 0.01\nLOW, 3, 3, 0.", more="HIGH, 3, 3, 0.02")
+    meeting = precice_stand_in.Meeting(5, 0.2, relaxation=0.5)
+    jobs = couple(meeting, {"Lower": two, "Upper": lid}, {
+        "Lower": [{"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Force"], "write-data": ["Displacement", "Position"]}],
+        "Upper": [{"nodes-mesh": "B", "patch": "LOW", "read-data": ["Displacement"], "write-data": ["Force"]}]})  # fmt: skip
+    assert len(meeting.iterations) == 5
+    for name in ("Lower", "Upper"):
+        pieces = PARTICIPANTS[name].pieces
+        assert sum(abs(piece - 0.1) < 1e-9 for piece in pieces) == 2 * meeting.iterations[2]
+        assert sum(abs(piece - 0.2) < 1e-9 for piece in pieces) == sum(meeting.iterations) - meeting.iterations[2]
+        assert jobs[name].is_done
+    assert jobs["Lower"].get("U", "HIGH")[:, 2] == pytest.approx(0.02 * 250 / 1250, rel=1e-8)
+    assert meeting.data["Position"][:, 2] == pytest.approx(1 + 0.02 * 250 / 1250, rel=1e-8)
+    assert jobs["Upper"].get("RF", "HIGH")[:, 2].sum() == pytest.approx(250 * 0.016, rel=1e-8)
+
+
+def test_explicit_coupling_and_initial_data() -> None:
+    """Each window once, no checkpoints: what is read is one window behind, u_k = -F_(k-1)/1000 with F_k = 250 (0.005 k - u_(k-1))."""
+    meeting = precice_stand_in.Meeting(4, 0.25, is_implicit=False, wants_initial=True)
+    jobs = couple(meeting, {"Lower": LOWER, "Upper": UPPER}, {
+        "Lower": [{"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Force"], "write-data": ["Displacement"]}],
+        "Upper": [{"nodes-mesh": "B", "patch": "LOW", "read-data": ["Displacement"], "write-data": ["Force"]}]})  # fmt: skip
+    u, force = 0.0, 0.0
+    for k in range(4):
+        u, force = force / 1000, 250 * (0.005 * (k + 1) - u)
+    assert meeting.iterations == [1, 1, 1, 1]
+    assert jobs["Lower"].get("U", "HIGH")[:, 2] == pytest.approx(u, rel=1e-9)
+    assert jobs["Upper"].get("RF", "HIGH")[:, 2].sum() == pytest.approx(force, rel=1e-9)
+
+
+def test_the_deck_ends_before_the_coupling() -> None:
+    """A sentence that says what to do."""
+    with pytest.raises(amontons.UsageError, match="end at time 1; the coupling goes on"):
+        couple(precice_stand_in.Meeting(3, 0.5), {"Lower": LOWER, "Upper": UPPER}, {
+            "Lower": [{"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Force"], "write-data": ["Displacement"]}],
+            "Upper": [{"nodes-mesh": "B", "patch": "LOW", "read-data": ["Displacement"], "write-data": ["Force"]}]})  # fmt: skip
+
+
+def test_patches_as_calculix_names_them() -> None:
+    """patch: interface means the node set Ninterface, the surface Sinterface; mesh is a faces-mesh."""
+    deck = LOWER.replace("NSET=HIGH", "NSET=NinterFace").replace("NAME=LID", "NAME=Sinterface")
+    with amontons.Job(text=deck) as job:
+        for words, patch, n in (({"nodes-mesh": "A"}, "Ninterface", 4), ({"faces-mesh": "A"}, "Sinterface", 1), ({"mesh": "A"}, "Sinterface", 1)):
+            face = Interface.of({**words, "patch": "interface"}, job)
+            assert (face.patch, len(face.places), face.is_faces) == (patch, n, n == 1)
+
+
 def test_pressure_temperature_and_deltas() -> None:
     """One participant gives pressure on faces and temperature, the other takes them: du = T alpha - p/E."""
 
@@ -110,12 +168,15 @@ def test_pressure_temperature_and_deltas() -> None:
             participant = precice_stand_in.Participant("Flow", "here", 0, 1)
             participant.set_mesh_vertices("A", np.zeros((4, 3)))
             participant.set_mesh_vertices("F", np.zeros((1, 3)))
+            participant.initialize()
             ids = np.arange(4)
             while participant.is_coupling_ongoing():
+                participant.requires_writing_checkpoint()
                 window = participant.meeting.window + 1
                 participant.write_data("A", "Temperature", ids, np.full(4, 2.0 * window))
                 participant.write_data("F", "Pressure", np.arange(1), np.full(1, 10.0 * window))
                 participant.advance(0.5)
+                participant.requires_reading_checkpoint()
                 if participant.is_time_window_complete():
                     self.heard.append(float(participant.meeting.data["DisplacementDelta"][:, 2].mean()))
 
@@ -143,6 +204,7 @@ def test_pressure_temperature_and_deltas() -> None:
     ({"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Pressure"]}, "faces-mesh"),
     ({"nodes-mesh": "A", "patch": "HIGH", "write-data": ["Velocity"]}, "cannot be written"),
     ({"nodes-mesh": "A"}, "patch"),
+    ({"nodes-mesh-with-connectivity": "A", "patch": "HIGH"}, "Connectivity"),
     ({"nodes-mesh": "A", "patch": "NOWHERE"}, "NOWHERE"),
 ])  # fmt: skip
 def test_wrong_configurations_are_told(interface: dict, sentence: str) -> None:
@@ -163,3 +225,24 @@ def test_configuration_files(tmp_path: Path) -> None:
         if "precice" not in sys.modules:
             with pytest.raises(ModuleNotFoundError):
                 Adapter(job, configuration, "S")
+
+
+def test_called_as_the_calculix_adapter_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """-i flap -precice-participant Solid: flap.inp and config.yml; what is missing is told with its status."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["-i", "flap", "-precice-participant", "Solid"]) == 7
+    assert "flap.inp" in capsys.readouterr().out
+    (tmp_path / "flap.inp").write_text(LOWER)
+    yaml = type(sys)("yaml")
+    yaml.safe_load = json.loads  # JSON is YAML
+    monkeypatch.setitem(sys.modules, "yaml", yaml)
+    (tmp_path / "config.yml").write_text(json.dumps({"precice-config-file": "x.xml", "participants": {"Fluid": {}}}))
+    assert main(["-i", "flap", "-precice-participant", "Solid"]) == 2
+    assert "no participant Solid; there are Fluid" in capsys.readouterr().out
+    monkeypatch.setitem(sys.modules, "precice", precice_stand_in)
+    precice_stand_in.MEETINGS["x.xml"] = precice_stand_in.Meeting(1, 1.0, is_implicit=False)
+    precice_stand_in.MEETINGS["x.xml"].barrier = threading.Barrier(1, action=precice_stand_in.MEETINGS["x.xml"].judge)
+    (tmp_path / "config.yml").write_text(json.dumps({"precice-config-file": "x.xml", "participants": {"Solid": {"interfaces": [
+        {"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Forces"], "write-data": ["DisplacementDeltas"]}]}}}))  # fmt: skip
+    assert main(["-i", "flap", "-precice-participant", "Solid"]) == 0
+    assert (tmp_path / "flap.vtkhdf").exists()

@@ -23,7 +23,7 @@ from amontons.binding import ABI, SIGNATURES, Options, library as calls
 HERE = Path(__file__).resolve().parent
 NODAL = ["NODES", "X", "U", "RF", "S", "E", "NT", "CPRESS", "CSHEAR", "COPEN", "CSLIP", "CNORMF", "CSHEARF", "CSTATUS", "CSCENARIO",
          "CONTACT FORCE", "INTERNAL FORCE", "APPLIED FORCE", "RESIDUAL"]  # fmt: skip
-NUMBERS = ["TIME", "STEP TIME", "STEP", "INCREMENTS", "ITERATIONS", "FRICTION", "FRICTION WORK", "EXTERNAL WORK", "STRAIN ENERGY"]
+NUMBERS = ["TIME", "STEP TIME", "TIME LEFT", "STEP", "INCREMENTS", "ITERATIONS", "FRICTION", "FRICTION WORK", "EXTERNAL WORK", "STRAIN ENERGY"]
 OF_SETS = [("P", "LOWER_TOP"), ("FACE CENTRES", "LOWER_TOP"), ("CF", "LOWER_TOP"), ("U", "UPPER_TOP"), ("POINT S", "UPPER"),
            ("ELEMENT S", "UPPER"), ("ELEMENT LABEL", "UPPER")]  # fmt: skip
 

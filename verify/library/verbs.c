@@ -55,7 +55,7 @@ static void tell_all(amontons_job *job)
 {
   static const char *const nodal[] = {"NODES", "X", "U", "RF", "S", "E", "NT", "CPRESS", "CSHEAR", "COPEN", "CSLIP", "CNORMF", "CSHEARF",
                                       "CSTATUS", "CSCENARIO", "CONTACT FORCE", "INTERNAL FORCE", "APPLIED FORCE", "RESIDUAL"};
-  static const char *const numbers[] = {"TIME", "STEP TIME", "STEP", "INCREMENTS", "ITERATIONS", "FRICTION", "FRICTION WORK",
+  static const char *const numbers[] = {"TIME", "STEP TIME", "TIME LEFT", "STEP", "INCREMENTS", "ITERATIONS", "FRICTION", "FRICTION WORK",
                                         "EXTERNAL WORK", "STRAIN ENERGY"};
   for (size_t i = 0; i < sizeof nodal / sizeof *nodal; i++) tell(job, nodal[i], "");
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) tell(job, numbers[i], "");

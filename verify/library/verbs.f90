@@ -176,8 +176,8 @@ contains
     character(14), parameter :: NODAL(*) = [character(14) :: 'NODES', 'X', 'U', 'RF', 'S', 'E', 'NT', 'CPRESS', 'CSHEAR', &
       'COPEN', 'CSLIP', 'CNORMF', 'CSHEARF', 'CSTATUS', 'CSCENARIO', 'CONTACT FORCE', 'INTERNAL FORCE', 'APPLIED FORCE', &
       'RESIDUAL']
-    character(13), parameter :: NUMBERS(*) = [character(13) :: 'TIME', 'STEP TIME', 'STEP', 'INCREMENTS', 'ITERATIONS', &
-      'FRICTION', 'FRICTION WORK', 'EXTERNAL WORK', 'STRAIN ENERGY']
+    character(13), parameter :: NUMBERS(*) = [character(13) :: 'TIME', 'STEP TIME', 'TIME LEFT', 'STEP', 'INCREMENTS', &
+      'ITERATIONS', 'FRICTION', 'FRICTION WORK', 'EXTERNAL WORK', 'STRAIN ENERGY']
     integer :: k
     do k = 1, size(NODAL)
       call tell(trim(NODAL(k)), '')
