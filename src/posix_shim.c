@@ -20,14 +20,18 @@ static volatile sig_atomic_t stop_signal = 0;  /* SIGINT or SIGTERM has come */
 static volatile sig_atomic_t n_status_asked = 0; /* SIGUSR1 has come and was not answered */
 static volatile sig_atomic_t is_watching_end = 0;
 
-/* A second SIGINT or SIGTERM kills as if nobody listened. */
+/* A second SIGINT or SIGTERM kills as if nobody listened. An iteration may last minutes, so the first is answered at once. */
 static void note_stop(int number)
 {
+  static const char answer[] = "\namontons: the job ends after this iteration; a second signal ends it at once.\n";
+  const int before = errno;
   if (stop_signal) {
     signal(number, SIG_DFL);
     raise(number);
   }
   stop_signal = number;
+  if (write(STDERR_FILENO, answer, sizeof answer - 1) < 0) errno = before; /* nobody listens */
+  errno = before;
 }
 
 static void note_status(int number)

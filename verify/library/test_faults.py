@@ -299,6 +299,62 @@ def test_strange_surroundings(program: Path, tmp_path: Path, before: str) -> Non
     assert len((tmp_path / "job.sta").read_text().splitlines()) == 4
 
 
+CLOCK = """
+#define _GNU_SOURCE
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+static long jump(void) { static long n; return n++ % 2 ? -300000000L : 300000000L; }
+int clock_gettime(clockid_t which, struct timespec *t)
+{
+  int status = (int)syscall(SYS_clock_gettime, which, t);
+  if (which == CLOCK_REALTIME) t->tv_sec += jump();
+  return status;
+}
+int gettimeofday(struct timeval *t, void *zone)
+{
+  struct timespec now;
+  (void)zone;
+  clock_gettime(CLOCK_REALTIME, &now);
+  t->tv_sec = now.tv_sec;
+  t->tv_usec = now.tv_nsec / 1000;
+  return 0;
+}
+time_t time(time_t *t)
+{
+  struct timespec now;
+  clock_gettime(CLOCK_REALTIME, &now);
+  if (t) *t = now.tv_sec;
+  return now.tv_sec;
+}
+"""
+
+
+@pytest.mark.skipif(not shutil.which("gcc") or not sys.platform.startswith("linux"), reason="there is no C compiler, or no LD_PRELOAD")
+def test_a_clock_that_jumps(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """The time of day goes to and fro by ten years from call to call: results are the same, and no time that something took is
+    negative or long, for what is measured is measured by the clock that only goes forward."""
+    whole, place = tmp_path / "whole", tmp_path / "place"
+    whole.mkdir()
+    place.mkdir()
+    (tmp_path / "clock.c").write_text(CLOCK)
+    subprocess.run(["gcc", "-shared", "-fPIC", "clock.c", "-o", "clock.so"], cwd=tmp_path, check=True)
+    environment = os.environ | {"LD_PRELOAD": f"{os.environ.get('LD_PRELOAD', '')} {tmp_path / 'clock.so'}".strip(), "OMP_NUM_THREADS": "2"}
+    jumps = subprocess.run([sys.executable, "-c", "import time; print(abs(time.time() - time.time()) > 1e8)"], env=environment,
+                           capture_output=True, text=True, check=True)  # fmt: skip
+    assert jumps.stdout == "True\n"
+    assert run(["--threads", "2", "--outdir", whole, block]).returncode == 0
+    done = subprocess.run([str(program), "--threads", "2", "--outdir", str(place), str(block)], env=environment, capture_output=True, text=True,
+                          check=False, timeout=300)  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    assert same_results(whole / "block.vtkhdf", place / "block.vtkhdf") == []
+    with h5py.File(place / "block.vtkhdf", "r") as file:
+        seconds = file["AMONTONS/history/seconds"][()]
+    assert seconds.min() >= 0
+    assert seconds.sum() < 300
+
+
 def wait_for_lines(path: Path, n: int) -> None:
     """Waits until a file has so many lines."""
     for _ in range(4000):

@@ -64,6 +64,35 @@ def test_cmake(prefix: Path, tmp_path: Path) -> None:
     assert "both done: 1" in do([tmp_path / "out" / "coupled"], tmp_path)
 
 
+def test_user_routines_after_install(prefix: Path, tmp_path: Path) -> None:
+    """The installed program, with nothing of the tree at hand, compiles a UMAT that includes 'ABA_PARAM.INC' and runs it; so does a
+    program that is linked with the installed library."""
+    page = (HERE.parent.parent / "doc" / "manual" / "user_routines.md").read_text()
+    source = re.findall(r"```fortran\n(.*?)```", page, re.DOTALL)[0].replace("'aba_param.inc'", "'ABA_PARAM.INC'")
+    (tmp_path / "mine.f90").write_text(source)
+    (tmp_path / "mine.inp").write_text(re.findall(r"```abaqus-user\n(.*?)```", page, re.DOTALL)[0])
+    where = str(Path(shutil.which("gfortran") or "").parent)
+    do(["env", "-i", f"PATH={where}:/usr/bin:/bin", prefix / "bin" / "amontons", "mine", "user=mine.f90"], tmp_path)
+    (tmp_path / "a.c").write_text('''#include <stdio.h>
+#include <amontons.h>
+int main(void) {
+  amontons_options options = AMONTONS_OPTIONS;
+  amontons_job *job;
+  double sum = 0, values[8];
+  options.deck = "mine.inp", options.user = "mine.f90";
+  int status = amontons_open(&options, &job);
+  if (!status) status = amontons_advance_to(job, 1.0);
+  if (!status) status = amontons_get(job, "POINT SDV", "BAR", values, 8, NULL, NULL);
+  if (status) return printf("%s\\n", amontons_message(job)), status;
+  for (int i = 0; i < 8; i++) sum += values[i];
+  amontons_close(job);
+  return printf("%.9f\\n", sum / 8), 0;
+}
+''')
+    do(["gcc", "-std=c11", "a.c", "-o", "a", f"-I{prefix / 'include'}", f"-L{prefix / 'lib'}", "-lamontons", f"-Wl,-rpath,{prefix / 'lib'}"], tmp_path)
+    assert do([tmp_path / "a"], tmp_path) == f"{4 * 52.5 / 210000:.9f}\n"
+
+
 def options_of(run: Run) -> set[str]:
     """The options that --help tells."""
     return set(re.findall(r"^  (--[a-z-]+)", run(["--help"]).stdout, re.MULTILINE))

@@ -174,6 +174,7 @@ def test_signals_end_a_job_in_order(program: Path, run: Run, block: Path, whole:
     output, _ = job.communicate(timeout=60)
     assert job.returncode == NOT_CONVERGED, output
     assert output.splitlines()[-1].startswith(f"*ERROR: The job was stopped by {signal.Signals(number).name}")
+    assert "amontons: the job ends after this iteration" in output
     n_frames = len(data_sets(tmp_path / "block.vtkhdf")["VTKHDF/Steps/Values"])
     assert n_frames >= 4
     assert run(["--resume", "--outdir", tmp_path, block]).returncode == 0
