@@ -8,7 +8,7 @@
 module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_C3D8, MAX_NODES
+  use amontons_topology, only: KIND_C3D8, KIND_C3D8I, MAX_NODES
   use amontons_mesh, only: mesh_type, element_nodes, is_out
   use amontons_materials, only: MAX_HISTORY
   use amontons_model, only: model_type
@@ -692,7 +692,7 @@ contains
     type(state_type), intent(in) :: state
     integer, intent(inout) :: failed
     type(points_type) :: points
-    real(DP) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES), skew(3 * MAX_NODES, 3 * MAX_NODES)
     real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES)
     integer :: n, status
     if (is_out(model%mesh, e)) return
@@ -707,10 +707,16 @@ contains
       return
     end if
     associate (offset => assembly%pair_offset(assembly%pair_first(e):assembly%pair_first(e + 1) - 1))
+      if (.not. allocated(points%skew)) then
+        call scatter(model%mesh, e, offset, stiffness, assembly%stiffness)
+        return
+      end if
+      skew(:3 * n, :3 * n) = 0.5_DP * (stiffness(:3 * n, :3 * n) - transpose(stiffness(:3 * n, :3 * n)))   ! of C3D8I
+      stiffness(:3 * n, :3 * n) = stiffness(:3 * n, :3 * n) - skew(:3 * n, :3 * n)
       call scatter(model%mesh, e, offset, stiffness, assembly%stiffness)
-      if (.not. allocated(points%skew)) return
-      call element_skew(model%mesh%kind(e), X(:, :n), u(:, :n), is_nlgeom, points%section, points%skew, stiffness)
-      call scatter(model%mesh, e, offset, stiffness, assembly%skew%elements)
+      if (model%mesh%kind(e) /= KIND_C3D8I) call element_skew(model%mesh%kind(e), X(:, :n), u(:, :n), is_nlgeom, &
+        points%section, points%skew, skew)
+      call scatter(model%mesh, e, offset, skew, assembly%skew%elements)
     end associate
   end subroutine add_element_tangent
 

@@ -10,7 +10,7 @@ module amontons_element
   use amontons_kinds, only: DP
   use amontons_condition, only: tangent_at_rest, CONDITION_NONE
   use amontons_discrete, only: truss_element, truss_volumes, truss_body_force, spring_element
-  use amontons_enhanced, only: modes_type, incompatible_gradients, improve_modes, condense_modes, N_MODES
+  use amontons_enhanced, only: modes_type, incompatible_gradients, improve_modes, condense_modes, add_skew, N_MODES
   use amontons_hourglass, only: hourglass_type, prepare_hourglass, soften_hourglass, add_hourglass
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_material_point, only: point_type, update_point
@@ -64,7 +64,7 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
     real(DP), intent(out) :: force(3, MAX_NODES)   !< internal force, zero past the nodes [force]
-    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric, set up to 3 * nodes
+    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric (C3D8I: without points%skew), set up to 3 * nodes
     type(points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
     select case (kind)                             ! constants here make loops of known length there
@@ -140,7 +140,7 @@ contains
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
-    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric, set up to 3 * nodes
+    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric (C3D8I: without points%skew), set up to 3 * nodes
     type(points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
     real(DP) :: force(3, MAX_NODES)
@@ -357,7 +357,7 @@ contains
     if (.not. imbalance <= ACCEPTABLE) status = ELEMENT_NOT_FINITE
     if (present(stiffness)) then
       stiffness = K
-      call condense_modes(8, force, stiffness, is_regular)
+      call condense_modes(8, .not. allocated(points%skew), force, stiffness, is_regular)
     end if
     force(:, 9:) = 0
   end subroutine evaluate_enhanced
@@ -400,6 +400,7 @@ contains
     imbalance = norm2(force(:, 9:N)) / scale
     if (.not. is_nlgeom) tau = 0
     call set_stiffness(N, 8, .false., motion, tau, tangent, stiffness)
+    if (allocated(points%skew)) call add_skew(N, motion%gradient(:, :, :8), motion%reference(:8), points%skew, stiffness)
   end subroutine evaluate_modes
 
 

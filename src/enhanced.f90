@@ -18,7 +18,7 @@ module amontons_enhanced
   use amontons_topology, only: MAX_NODES
   implicit none
   private
-  public :: modes_type, incompatible_gradients, improve_modes, correct_modes, condense_modes
+  public :: modes_type, incompatible_gradients, improve_modes, correct_modes, condense_modes, add_skew
   public :: N_MODES
 
   integer, parameter :: N_MODES = 3                !< vectors of amplitudes: nine numbers
@@ -105,22 +105,50 @@ contains
   end subroutine correct_modes
 
 
+  !> Adds what an unsymmetric law brings: the sum of V B' w B over the points, B the strains of nodes and modes.
+  pure subroutine add_skew(n, gradients, volume, w, stiffness)
+    integer, intent(in) :: n                       !< nodes and modes
+    real(DP), intent(in) :: gradients(:, :, :)     !< (>= n, 3, >= points) of the present configuration [1/length]
+    real(DP), intent(in) :: volume(:)              !< (points) at rest [length^3]
+    real(DP), intent(in) :: w(:, :, :)             !< (6, 6, >= points) (c - c')/2, engineering shears [stress]
+    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< set up to 3 n [force/length]
+    real(DP) :: B(6, 3 * n), g(3)
+    integer :: p, a
+    do p = 1, size(volume)
+      B = 0
+      do a = 1, n
+        g = gradients(a, :, p)
+        B(:, 3 * a - 2) = [g(1), 0.0_DP, 0.0_DP, g(2), 0.0_DP, g(3)]
+        B(:, 3 * a - 1) = [0.0_DP, g(2), 0.0_DP, g(1), g(3), 0.0_DP]
+        B(:, 3 * a) = [0.0_DP, 0.0_DP, g(3), 0.0_DP, g(2), g(1)]
+      end do
+      stiffness(:3 * n, :3 * n) = stiffness(:3 * n, :3 * n) + volume(p) * matmul(transpose(B), matmul(w(:, :, p), B))
+    end do
+  end subroutine add_skew
+
+
   !> Takes the amplitudes out of the tangent: K = K_uu - K_um K_mm^-1 K_mu, and out of the forces, where they are zero.
-  pure subroutine condense_modes(n, force, stiffness, is_regular)
+  pure subroutine condense_modes(n, is_symmetric, force, stiffness, is_regular)
     integer, intent(in) :: n                       !< nodes of the element
+    logical, intent(in) :: is_symmetric            !< the tangent is; then it stays so to the last bit
     real(DP), intent(inout) :: force(3, MAX_NODES) !< [force]
-    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< symmetric; set up to 3 n [force/length]
+    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< set up to 3 n [force/length]
     logical, intent(out) :: is_regular             !< .false.: K_mm is singular
-    real(DP) :: A(3 * N_MODES, 3 * N_MODES), b(3 * N_MODES, 3 * MAX_NODES)
+    real(DP) :: A(3 * N_MODES, 3 * N_MODES), b(3 * N_MODES, 3 * MAX_NODES), left(3 * N_MODES, 3 * n)
     integer :: i, j
     associate (first => 3 * n + 1, last => 3 * (n + N_MODES))
       A = stiffness(first:last, first:last)
       b(:, :3 * n) = stiffness(first:last, :3 * n)
+      left = transpose(stiffness(:3 * n, first:last))
       call solve(A, b(:, :3 * n), is_regular)
       do j = 1, 3 * n
         do i = j, 3 * n
-          stiffness(i, j) = stiffness(i, j) - dot_product(stiffness(first:last, i), b(:, j))
-          stiffness(j, i) = stiffness(i, j)
+          stiffness(i, j) = stiffness(i, j) - dot_product(left(:, i), b(:, j))
+          if (is_symmetric) then
+            stiffness(j, i) = stiffness(i, j)
+          else if (i > j) then
+            stiffness(j, i) = stiffness(j, i) - dot_product(left(:, j), b(:, i))
+          end if
         end do
       end do
     end associate

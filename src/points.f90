@@ -91,7 +91,8 @@ contains
     if (.not. material%is_user) return
     skew = 0.5_DP * (point%tangent - transpose(point%tangent))
     point%tangent = 0.5_DP * (point%tangent + transpose(point%tangent))
-    if (all(abs(skew) <= SYMMETRIC * maxval(abs(point%tangent)))) return
+    if (all(abs(skew) <= SYMMETRIC * maxval(abs(point%tangent)))) skew = 0
+    if (all(skew == 0.0_DP) .and. .not. allocated(points%skew)) return
     if (.not. allocated(points%skew)) allocate (points%skew(6, 6, MAX_POINTS), source=0.0_DP)
     points%skew(:, :, p) = skew
   end subroutine split_tangent

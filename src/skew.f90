@@ -10,7 +10,7 @@
 !! Materials: the kernels of the elements take the symmetric part of the tangent c of a point. The rest, w = (c - c')/2, is linear in the
 !! stiffness: W = sum of V B' w B over the points, B the strains of the displacements, with the mean dilatation and the mean
 !! gradients of the kinds that have them; c is that of the Kirchhoff stress, so V are the volumes at rest and B has the current
-!! gradients. W' = -W. Left out are C3D8I, whose modes would have to be condensed with W, and trusses, whose w is zero.
+!! gradients. W' = -W. C3D8I condenses its modes with W itself (room enhanced); of trusses w is zero.
 !! Theory: doc/theory/elements.md for B, doc/theory/solver.md for what is done with W.
 module amontons_skew
   use amontons_kinds, only: DP, PI
@@ -18,7 +18,7 @@ module amontons_skew
   use amontons_sparse, only: sparse_type, from_triplets, multiply, sum_of, transpose_of
   use amontons_shapes, only: shape_functions, quadrature
   use amontons_tensor, only: IDENTITY, invert
-  use amontons_topology, only: element_kind, kind_type, KIND_C3D8R, KIND_C3D8_FULL, KIND_C3D8I, KIND_CPS4R, KIND_CPE4R, &
+  use amontons_topology, only: element_kind, kind_type, KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS4R, KIND_CPE4R, &
     KIND_CAX4R, KIND_CPE4_FULL, FAMILY_SOLID, FAMILY_AXISYMMETRIC, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, MAX_NODES, &
     MAX_POINTS
   implicit none
@@ -175,7 +175,7 @@ contains
     entry = element_kind(kind)
     k = 3 * entry%n_nodes
     stiffness(:k, :k) = 0
-    if (kind == KIND_C3D8I .or. .not. any(entry%family == [FAMILY_SOLID, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, &
+    if (.not. any(entry%family == [FAMILY_SOLID, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, &
       FAMILY_AXISYMMETRIC])) return
     call find_rest(kind, entry, X, section, rest)
     do p = 1, rest%m

