@@ -16,7 +16,7 @@ module amontons_card_table
   character(*), parameter :: NODE_VARIABLES = 'U|RF|NT|COOR'      !< what NODE PRINT knows
   character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< what SECTION PRINT knows, each asks for all
   character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR' !< what EL PRINT knows
-  character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS' !< what CONTACT PRINT knows
+  character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS|CFT|CMN|CMS|CMT|CARE|XN|XS|XT'   !< of CONTACT PRINT
 
 contains
 
@@ -577,8 +577,8 @@ contains
       default='INTEGRATION POINTS')
     call table%refuse_words('NODES|CENTROIDAL|AVERAGED AT NODES', 'Nodal values are in the result file.')
 
-    call table%card('CONTACT PRINT', IN_STEP, 'Prints values of slave nodes to the .dat file.', &
-      data='variables: CDIS, CSTR, SCEN')
+    call table%card('CONTACT PRINT', IN_STEP, 'Prints values of slave nodes, and sums over pairs, to the .dat file.', &
+      data='variables: CDIS, CSTR, CELS, CNUM, SCEN; sums over each pair: CF (CFT, CMT, XT, CAREA), CFN (CMN, XN), CFS (CMS, XS)')
     call describe_print(table)
     call table%option('NSET', VALUE_NAME, 'Only these slave nodes; else all.')
     call table%option('SLAVE', VALUE_NAME, 'Only pairs with this slave surface.')

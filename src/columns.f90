@@ -14,7 +14,8 @@ module amontons_columns
   private
   public :: column_type, create_columns, open_columns, append_columns, write_columns, check_finite
   public :: POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN, INTEGRATION_COLUMNS, N_INTEGRATION_REALS
-  public :: CONTACT_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, HISTORY_COLUMNS, N_HISTORY_INTEGERS, N_HISTORY_REALS
+  public :: CONTACT_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, PAIR_COLUMNS, N_PAIR_INTEGERS, N_PAIR_REALS
+  public :: HISTORY_COLUMNS, N_HISTORY_INTEGERS, N_HISTORY_REALS
   public :: ITERATION_COLUMNS, N_ITERATION_INTEGERS, N_ITERATION_REALS, STEP_COLUMNS, CONTROL_COLUMNS
 
   !> A column of a table: a number or a short vector per row.
@@ -71,6 +72,22 @@ module amontons_columns
     column_type('area', 1, '[length^2]', 'Tributary area.'), &
     column_type('stiffness', 1, '[force/length]', 'Scale of the trial traction.')]
   integer, parameter :: N_CONTACT_INTEGERS = 3, N_CONTACT_REALS = 17
+
+  type(column_type), parameter :: PAIR_COLUMNS(12) = [ &
+    column_type('step', 1, '[-]', 'Step, counted from 1; 0 is the state before the first.', .true.), &
+    column_type('increment', 1, '[-]', 'Increment in the step, counted from 1.', .true.), &
+    column_type('pair', 1, '[-]', 'Pair, counted from 0 as in /AMONTONS/pairs.', .true.), &
+    column_type('n_status', 3, '[-]', 'Its slave nodes or points: open, stick, slip.', .true.), &
+    column_type('total_time', 1, '[time]', 'Time since the start of the job.'), &
+    column_type('CFN', 3, '[force]', &
+      'Force of the pressure on the slave. Of bodies of revolution x is the sum of radial forces.'), &
+    column_type('CFS', 3, '[force]', 'Force of the friction on the slave.'), &
+    column_type('CMN', 3, '[force length]', 'Moment of the pressure about the origin. Of bodies of revolution 0.'), &
+    column_type('CMS', 3, '[force length]', 'Moment of the friction about the origin. Of bodies of revolution 0.'), &
+    column_type('CAREA', 1, '[length^2]', 'Area in contact.'), &
+    column_type('XN', 3, '[length]', 'Centre of the pressure: places by the sizes of their forces; 0 if there is none.'), &
+    column_type('XS', 3, '[length]', 'Centre of the friction, likewise.')]
+  integer, parameter :: N_PAIR_INTEGERS = 6, N_PAIR_REALS = 20
 
   type(column_type), parameter :: HISTORY_COLUMNS(29) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1; 0 is the state before the first.', .true.), &

@@ -15,7 +15,7 @@
 !! Trusses become bars of 8 points, of 27 with a middle node, whose tensors stand in global axes.
 module amontons_derived
   use amontons_kinds, only: DP, PI
-  use amontons_topology, only: element_kind, kind_type, FAMILY_AXISYMMETRIC, FAMILY_SPRING, KIND_C3D6, MAX_NODES, MAX_POINTS, &
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, FAMILY_SPRING, KIND_C3D6, MAX_NODES, MAX_POINTS, &
     N_KINDS, FAMILY_SOLID, MAX_FACE_NODES, KIND_CAX4R, KIND_CPE4_FULL, KIND_T3D2, KIND_T3D3
   use amontons_mesh, only: mesh_type, element_nodes, is_out
   use amontons_shapes, only: extrapolation_matrix, quadrature, shape_functions, face_rule, facet_shapes, facet_quadrature, &
@@ -25,7 +25,8 @@ module amontons_derived
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_SLIP
   use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, von_mises
-  use amontons_surfaces, only: surface_type, BEHAVIOR_LINEAR
+  use amontons_surfaces, only: surface_type, is_compliant, BEHAVIOR_LINEAR
+  use amontons_dual, only: is_transformed, ALPHA
   use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC
   implicit none
   private
@@ -33,7 +34,8 @@ module amontons_derived
   public :: mechanical_strain
   public :: section_type, measure_section
   public :: sector_share, take_sector, turn_trusses, bar_points
-  public :: nodal_slaves, n_nodal_slaves, slave_position, shown_slip, shown_energy
+  public :: nodal_slaves, n_nodal_slaves, shown_slip, shown_energy
+  public :: pair_sums_type, list_followers, sum_pair
   public :: inelastic_work
 
   real(DP), parameter :: OUT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point if it were one of three [-]
@@ -50,6 +52,16 @@ module amontons_derived
   end type section_type
 
   real(DP), parameter :: SECTORS = 180             !< of two degrees in the circle
+
+  !> What the closed slaves of a pair carry together. Columns of matrices: by pressure, by friction (place: and by both).
+  type :: pair_sums_type
+    real(DP) :: force(3, 2) = 0                    !< on the slave; of bodies of revolution x is the sum of radial forces [force]
+    real(DP) :: moment(3, 2) = 0                   !< about the origin; of bodies of revolution 0 [force length]
+    real(DP) :: place(3, 3) = 0                    !< mean of their places by the sizes of their forces [length]
+    real(DP) :: center(3) = 0                      !< of the area [length]
+    real(DP) :: normal(3) = 0                      !< mean over the area, out of the slave: shorter than 1 if it is bent
+    real(DP) :: area = 0                           !< in contact [length^2]
+  end type pair_sums_type
 
 contains
 
@@ -522,19 +534,120 @@ contains
   end function shown_energy
 
 
-  !> Where a slave is: its node, or its place on its face.
-  function slave_position(model, slave, u) result(x)
+  !> Sums over the closed slaves among those that are given; all are of one pair.
+  subroutine sum_pair(model, u, slaves, sums)
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    type(slave_type), intent(in) :: slaves(:)
+    type(pair_sums_type), intent(out) :: sums
+    integer, allocatable :: ends(:, :)             ! (2, n_nodes)
+    real(DP) :: f(3, 2), x(3), size_of(3), weight(3)
+    integer :: i, k
+    if (all(slaves%status == STATUS_OPEN)) return
+    associate (pair => model%pairs(slaves(1)%pair))
+      if (pair%is_mortar .and. .not. pair%is_pointwise) call find_ends(model, pair%slave, .true., ends)
+    end associate
+    weight = 0.0_DP
+    do i = 1, size(slaves)
+      associate (slave => slaves(i))
+        if (slave%status == STATUS_OPEN) cycle
+        x = place_of(model, slave, u, ends)
+        f = reshape([slave%force, slave%shear], [3, 2])
+        do k = 1, 2
+          sums%moment(:, k) = sums%moment(:, k) + cross_product(x, f(:, k))
+        end do
+        size_of = [norm2(f, dim=1), norm2(sum(f, dim=2))]
+        sums%place = sums%place + spread(x, 2, 3) * spread(size_of, 1, 3)
+        weight = weight + size_of
+        sums%force = sums%force + f
+        sums%center = sums%center + slave%area * x
+        sums%normal = sums%normal - slave%area * slave%normal
+        sums%area = sums%area + slave%area
+      end associate
+    end do
+    do k = 1, 3
+      if (weight(k) > 0.0_DP) sums%place(:, k) = sums%place(:, k) / weight(k)
+    end do
+    if (any([(is_axisymmetric(model%mesh, i), i=1, model%mesh%n_elements)])) sums%moment = 0.0_DP
+    if (.not. sums%area > 0.0_DP) return
+    sums%center = sums%center / sums%area
+    sums%normal = sums%normal / sums%area
+  end subroutine sum_pair
+
+
+  !> Where the force of a slave acts: at its node, at its place on its face, or, of quadratic faces of a mortar pair, where the
+  !! transformed node is (doc/theory/contact.md, "Quadratic slave faces").
+  function place_of(model, slave, u, ends) result(x)
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slave
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) displacement [length]
+    integer, allocatable, intent(in) :: ends(:, :) !< (2, n_nodes) corners beside mid-side nodes of a mortar pair
     real(DP) :: x(3)                               !< [length]
     integer :: nodes(MAX_FACE_NODES), n
     real(DP) :: N_i(MAX_FACE_NODES)
-    x = model%mesh%coordinates(:, slave%node) + u(:, slave%node)
-    if (slave%side == 0) return
-    call face_of(model, slave, n, nodes, N_i)
-    x = matmul(model%mesh%coordinates(:, nodes(:n)) + u(:, nodes(:n)), N_i(:n))
-  end function slave_position
+    associate (coordinates => model%mesh%coordinates)
+      x = coordinates(:, slave%node) + u(:, slave%node)
+      if (slave%side > 0) then
+        call face_of(model, slave, n, nodes, N_i)
+        x = matmul(coordinates(:, nodes(:n)) + u(:, nodes(:n)), N_i(:n))
+      else if (allocated(ends)) then
+        if (ends(1, slave%node) == 0) return
+        nodes(:2) = ends(:, slave%node)
+        x = (x - ALPHA * sum(coordinates(:, nodes(:2)) + u(:, nodes(:2)), dim=2)) / (1 - 2 * ALPHA)
+      end if
+    end associate
+  end function place_of
+
+
+  !> The corners beside each mid-side node of the faces of a surface, 0 at all other nodes.
+  subroutine find_ends(model, surface, is_of_mortar, ends)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: surface                 !< index
+    logical, intent(in) :: is_of_mortar            !< only of faces whose basis is transformed
+    integer, allocatable, intent(out) :: ends(:, :)   !< (2, n_nodes)
+    type(kind_type) :: kind
+    type(facet_kind_type) :: shape
+    integer :: f, k, m, nodes(MAX_FACE_NODES)
+    allocate (ends(2, model%mesh%n_nodes), source=0)
+    associate (mesh => model%mesh, faces => model%surfaces(surface))
+      if (faces%is_node_based) return
+      do f = 1, size(faces%element)
+        kind = element_kind(mesh%kind(faces%element(f)))
+        shape = facet_kind(kind%face_kind(faces%face(f)))
+        m = shape%n_corners
+        if (is_of_mortar .and. .not. is_transformed(kind%face_kind(faces%face(f)))) cycle
+        nodes(:shape%n_nodes) = mesh%nodes(mesh%first(faces%element(f)) - 1 + kind%face_nodes(:shape%n_nodes, faces%face(f)))
+        do k = m + 1, shape%n_nodes
+          ends(:, nodes(k)) = [nodes(k - m), nodes(mod(k - m, m) + 1)]
+        end do
+      end do
+    end associate
+  end subroutine find_ends
+
+
+  !> The mid-side nodes that follow the slave nodes at their corners (exact node-to-surface contact): they show the means of both.
+  subroutine list_followers(model, slaves, followers)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)      !< as nodal_slaves gives them
+    integer, allocatable, intent(out) :: followers(:, :)   !< (3, n) the node and its two corners
+    integer, allocatable :: ends(:, :)
+    logical :: is_shown(model%mesh%n_nodes)
+    integer :: p, n
+    allocate (followers(3, 0))
+    is_shown = .false.
+    is_shown(slaves%node) = .true.
+    do p = 1, size(model%pairs)
+      associate (pair => model%pairs(p))
+        if (pair%is_mortar .or. is_compliant(model%interactions(pair%interaction))) cycle
+        call find_ends(model, pair%slave, .false., ends)
+      end associate
+      do n = 1, size(ends, 2)
+        if (ends(1, n) == 0 .or. is_shown(n)) cycle
+        is_shown(n) = .true.
+        followers = reshape([followers, [n, ends(:, n)]], [3, size(followers, 2) + 1])
+      end do
+    end do
+  end subroutine list_followers
 
 
   !> The work of the stresses on the plastic and creep strains between two states, by the trapezoidal rule: q (dp + dc) where the

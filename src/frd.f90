@@ -22,7 +22,7 @@ module amontons_frd
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN
-  use amontons_derived, only: nodal_slaves, n_nodal_slaves, shown_slip, turn_trusses, mechanical_strain, average_at_nodes
+  use amontons_derived, only: list_followers, nodal_slaves, n_nodal_slaves, shown_slip, turn_trusses, mechanical_strain, average_at_nodes
   use amontons_printed, only: contact_axes, printed_forces, inelastic_strain
   use amontons_version, only: VERSION
   implicit none
@@ -343,11 +343,12 @@ contains
 
   !> Gap, slip, pressure and shear stress of the closed slave nodes in the axes of the .dat file; 0 elsewhere. Of two
   !! pairs at a node the one with the larger pressure is shown.
-  pure function contact_values(model, slaves) result(values)
+  function contact_values(model, slaves) result(values)
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)
     real(DP) :: values(6, model%mesh%n_nodes)
     real(DP) :: axes(3, 3), row(6)
+    integer, allocatable :: followers(:, :)
     integer :: i
     values = 0
     do i = 1, size(slaves)
@@ -360,6 +361,10 @@ contains
         if (slave%area > 0) row(4:) = row(4:) / slave%area
         if (abs(row(4)) >= abs(values(4, slave%node))) values(:, slave%node) = row
       end associate
+    end do
+    call list_followers(model, slaves, followers)
+    do i = 1, size(followers, 2)
+      values(:, followers(1, i)) = 0.5_DP * sum(values(:, followers(2:3, i)), dim=2)
     end do
   end function contact_values
 

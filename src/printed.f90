@@ -13,7 +13,7 @@ module amontons_printed
   use amontons_text, only: upper_case
   use amontons_tensor, only: cross_product, pack_voigt, unpack_voigt
   use amontons_topology, only: MAX_POINTS, N_SOLID_KINDS
-  use amontons_derived, only: mechanical_strain, slave_position, shown_slip, shown_energy, point_volumes, point_places, &
+  use amontons_derived, only: mechanical_strain, pair_sums_type, sum_pair, shown_slip, shown_energy, point_volumes, point_places, &
     sector_share, take_sector, turn_trusses, bar_points, section_type, measure_section
   use amontons_mesh, only: mesh_type, set_type, is_out
   use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, &
@@ -310,7 +310,8 @@ contains
       case (PRINT_ELEMENT)
         call print_element_variable(unit, model, fields, request, request%variables(i), is_nlgeom)
       case (PRINT_CONTACT)
-        call print_contact_variable(unit, model, fields, request, request%variables(i))
+        if (any(block_of(request%variables(:i - 1)) == block_of(request%variables(i)))) cycle
+        call print_contact_variable(unit, model, fields, request, block_of(request%variables(i)))
       end select
     end do
   end subroutine print_request
@@ -613,13 +614,30 @@ contains
     case ('CNUM')
       write (unit, '(/a,e14.7/)') ' total number of contact elements for time ', fields%total_time
       write (unit, '(6x,1x,i10)') count(slaves%status /= STATUS_OPEN)
-    case ('CF', 'CFN', 'CFS')
+    case default
       do i = 1, size(model%pairs)
         if (.not. is_chosen_pair(model, request, i)) cycle
         call print_statistics(unit, model, fields, pack(slaves, slaves%pair == i), i, variable)
       end do
     end select
   end subroutine print_contact_variable
+
+
+  !> The block that holds a sum over a pair: Abaqus has a name for each part of it.
+  elemental function block_of(variable) result(name)
+    character(*), intent(in) :: variable
+    character(4) :: name
+    select case (variable)
+    case ('CFN', 'CMN', 'XN')
+      name = 'CFN'
+    case ('CFS', 'CMS', 'XS')
+      name = 'CFS'
+    case ('CF', 'CFT', 'CMT', 'XT', 'CARE')
+      name = 'CF'
+    case default
+      name = variable
+    end select
+  end function block_of
 
 
   !> Whether a CONTACT PRINT is of a pair.
@@ -709,7 +727,7 @@ contains
   end function contact_axes
 
 
-  !> Force, moment, area and mean normal of the slave side of one pair.
+  !> Force, moment, area and mean normal of the slave side of one pair; under the abaqus dialect also where the force acts.
   subroutine print_statistics(unit, model, fields, slaves, i_pair, variable)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
@@ -718,20 +736,35 @@ contains
     integer, intent(in) :: i_pair
     character(*), intent(in) :: variable           !< CF all forces, CFN the normal ones, CFS the tangential ones
     character(:), allocatable :: part
-    type(section_type) :: s
-    real(DP) :: normal_force
-    call sum_contact(model, fields%u, slaves, variable, s)
+    type(pair_sums_type) :: sums
+    real(DP) :: normal_force, force(3), counts(2)
+    integer :: k                                   ! column of the place
     part = ''
-    if (variable == 'CFN') part = 'normal '
-    if (variable == 'CFS') part = 'shear '
+    counts = 1
+    k = 3
+    if (variable == 'CFN') then
+      part = 'normal '
+      counts(2) = 0
+      k = 1
+    else if (variable == 'CFS') then
+      part = 'shear '
+      counts(1) = 0
+      k = 2
+    end if
+    call sum_pair(model, fields%u, slaves, sums)
+    force = matmul(sums%force, counts)
     associate (pair => model%pairs(i_pair))
       write (unit, '(//5a,e14.7)') ' statistics for slave set ', upper_case(model%surfaces(pair%slave)%name), &
         ', master set ', upper_case(model%surfaces(pair%master)%name), ' and time ', fields%total_time
     end associate
-    call print_sums(unit, 'total ' // part // 'surface force', s)
-    normal_force = dot_product(s%force, s%normal)
+    call print_sums(unit, 'total ' // part // 'surface force', section_type(force, matmul(sums%moment, counts), sums%center, &
+      sums%normal, sums%area))
+    normal_force = dot_product(force, sums%normal)
     write (unit, '(/a/)') '   area,  normal force (+ = tension) and shear force (size)'
-    write (unit, STATISTICS_FORM) s%area, normal_force, norm2(s%force - normal_force * s%normal)
+    write (unit, STATISTICS_FORM) sums%area, normal_force, norm2(force - normal_force * sums%normal)
+    if (model%dialect == DIALECT_CALCULIX) return
+    write (unit, '(/a/)') '   center of the ' // part // 'force'
+    write (unit, STATISTICS_FORM) sums%place(:, k)
   end subroutine print_statistics
 
 
@@ -769,39 +802,6 @@ contains
     write (unit, STATISTICS_FORM) s%area, tension, norm2(s%force - tension * s%normal), torque, norm2(moment - torque &
       * s%normal)
   end subroutine print_surface
-
-
-  !> Sums over the closed slave nodes of one pair; the normal points out of the slave.
-  subroutine sum_contact(model, u, slaves, variable, s)
-    type(model_type), intent(in) :: model
-    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    type(slave_type), intent(in) :: slaves(:)
-    character(*), intent(in) :: variable           !< CF all forces, CFN the normal ones, CFS the tangential ones
-    type(section_type), intent(out) :: s           !< force on the slave, moment about the origin, area in contact
-    real(DP) :: f(3), x(3)
-    integer :: i
-    s%force = 0
-    s%moment = 0
-    s%center = 0
-    s%normal = 0
-    s%area = 0
-    do i = 1, size(slaves)
-      associate (slave => slaves(i))
-        if (slave%status == STATUS_OPEN) cycle
-        x = slave_position(model, slave, u)
-        f = 0
-        if (variable /= 'CFS') f = f + slave%force
-        if (variable /= 'CFN') f = f + slave%shear
-        s%force = s%force + f
-        s%moment = s%moment + cross_product(x, f)
-        s%center = s%center + slave%area * x
-        s%normal = s%normal - slave%area * slave%normal
-        s%area = s%area + slave%area
-      end associate
-    end do
-    if (s%area > 0) s%center = s%center / s%area
-    if (s%area > 0) s%normal = s%normal / s%area
-  end subroutine sum_contact
 
 
   !> The head line of a block, with blank lines around it.

@@ -12,6 +12,7 @@
 !! | `materials`          | parameters                                                                                 |
 !! | `pairs`              | contact pairs: surfaces, friction, facets of the master                                    |
 !! | `steps`, `controls`  | one value per step                                                                         |
+!! | `pair_history`       | sums over each pair: a row per pair of the initial state and each converged increment      |
 !! | `history`            | one row per attempt at an increment, failed ones included; `frame` leads to the fields     |
 !! | `iterations`         | one row per Newton iteration                                                               |
 !! | `integration_points` | stress, strain and energy density of each frame                                            |
@@ -43,8 +44,9 @@ module amontons_results
   use amontons_columns, only: append_columns, check_finite, column_type, create_columns, open_columns, write_columns, &
     CONTACT_COLUMNS, CONTROL_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, &
     N_CONTACT_REALS, N_HISTORY_INTEGERS, N_HISTORY_REALS, N_INTEGRATION_REALS, N_ITERATION_INTEGERS, &
-    N_ITERATION_REALS, N_POINT_INTEGERS, N_POINT_REALS, POINT_COLUMNS, STEP_COLUMNS, STRAIN_COLUMN
-  use amontons_derived, only: nodal_slaves, average_at_nodes
+    N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, &
+    STEP_COLUMNS, STRAIN_COLUMN
+  use amontons_derived, only: pair_sums_type, average_at_nodes, list_followers, nodal_slaves, sum_pair
   implicit none
   private
   public :: results_type, open_results, resume_results, write_increment, write_attempt, write_iteration, close_results
@@ -68,6 +70,7 @@ module amontons_results
     type(column_type), allocatable :: integration_columns(:)
     type(table_type), allocatable :: integration(:)
     type(table_type), allocatable :: contact(:)        !< created with the first fields, which know the slave nodes
+    type(table_type), allocatable :: pairs(:)          !< sums over pairs; only with pairs
     type(table_type), allocatable :: history(:)
     type(table_type) :: reason
     type(table_type), allocatable :: iterations(:)
@@ -108,7 +111,7 @@ contains
     if (.not. allocated(error)) call write_materials(results%store, model, error)
     if (.not. allocated(error)) call write_pairs(results%store, model, error)
     if (.not. allocated(error)) call write_steps(results%store, model%steps, error)
-    if (.not. allocated(error)) call create_histories(results, error)
+    if (.not. allocated(error)) call create_histories(results, size(model%pairs), error)
     if (allocated(error)) call abandon(results)
   end subroutine open_results
 
@@ -131,6 +134,8 @@ contains
       results%point_columns(STRAIN_COLUMN)%name = 'LE'
     call open_store(results%store, job_path(options, '.vtkhdf'), error)
     if (.not. allocated(error)) call open_frames(results, error)
+    if (.not. allocated(error) .and. size(model%pairs) > 0) call open_columns(results%store, '/AMONTONS/pair_history', &
+      PAIR_COLUMNS, size(model%pairs), results%pairs, error)
     if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, &
       results%history, error)
     if (.not. allocated(error)) call open_table(results%store, results%reason, '/AMONTONS/history/reason', &
@@ -216,13 +221,36 @@ contains
         is_due = is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times)
       end associate
     end if
-    if (is_due) call write_frame(results, model%mesh, fields, nodal_slaves(model, fields%slaves), error)
+    if (is_due) call write_frame(results, model, fields, nodal_slaves(model, fields%slaves), error)
+    if (.not. allocated(error) .and. size(model%pairs) > 0) call write_pair_sums(results, model, fields, record, error)
     if (allocated(error)) then
       call abandon(results)
     else
       call write_row(results, record, merge(results%n_frames - 1, -1, is_due), error)
     end if
   end subroutine write_increment
+
+
+  !> Adds the sums over all pairs.
+  subroutine write_pair_sums(results, model, fields, record, error)
+    type(results_type), intent(inout) :: results
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields                  !< committed
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    type(slave_type), allocatable :: slaves(:)
+    type(pair_sums_type) :: s
+    integer :: integers(N_PAIR_INTEGERS, size(model%pairs)), p, k
+    real(DP) :: reals(N_PAIR_REALS, size(model%pairs))
+    do p = 1, size(model%pairs)
+      slaves = pack(fields%slaves, fields%slaves%pair == p)
+      call sum_pair(model, fields%u, slaves, s)
+      integers(:, p) = [record%step, record%increment, p - 1, (count(slaves%status == k), k=0, 2)]
+      reals(:, p) = [record%total_time, s%force, s%moment, s%area, s%place(:, :2)]
+    end do
+    call check_finite('pair', PAIR_COLUMNS, reals, error)
+    if (.not. allocated(error)) call append_columns(results%store, PAIR_COLUMNS, integers, reals, results%pairs, error)
+  end subroutine write_pair_sums
 
 
   !> Writes the history row of an attempt without fields (it failed), and brings everything to disk.
@@ -362,9 +390,12 @@ contains
 
 
   !> The tables that grow by a row at a time.
-  subroutine create_histories(results, error)
+  subroutine create_histories(results, n_pairs, error)
     type(results_type), intent(inout) :: results
+    integer, intent(in) :: n_pairs
     type(error_type), allocatable, intent(out) :: error
+    if (n_pairs > 0) call create_columns(results%store, '/AMONTONS/pair_history', PAIR_COLUMNS, n_pairs, results%pairs, error)
+    if (allocated(error)) return
     call create_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, results%history, error)
     if (.not. allocated(error)) call create_table(results%store, results%reason, '/AMONTONS/history/reason', &
       form_type(storage=STORE_TEXT, width=REASON_LENGTH), '[-]', &
@@ -576,9 +607,9 @@ contains
 
 
   !> Writes the fields of an increment as a new frame. All is checked first, so that an error leaves the file whole.
-  subroutine write_frame(results, mesh, fields, slaves, error)
+  subroutine write_frame(results, model, fields, slaves, error)
     type(results_type), intent(inout) :: results
-    type(mesh_type), intent(in) :: mesh
+    type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     type(slave_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
     type(error_type), allocatable, intent(out) :: error
@@ -593,10 +624,12 @@ contains
     allocate (reals(N_POINT_REALS, results%n_nodes), integers(N_POINT_INTEGERS, results%n_nodes))
     call check_points(results, fields, error)
     if (allocated(error)) return
-    call point_fields(mesh, fields, slaves, results%far, reals(:, :mesh%n_nodes), integers(:, :mesh%n_nodes))
-    reals(:, mesh%n_nodes + 1:) = 0.0_DP
-    reals(:3, mesh%n_nodes + 1:) = displacement_of(results%shown, fields%u)
-    integers(:, mesh%n_nodes + 1:) = 0
+    associate (n => model%mesh%n_nodes)
+      call point_fields(model, fields, slaves, results%far, reals(:, :n), integers(:, :n))
+      reals(:, n + 1:) = 0.0_DP
+      reals(:3, n + 1:) = displacement_of(results%shown, fields%u)
+      integers(:, n + 1:) = 0
+    end associate
     call check_finite('node', results%point_columns, reals, error)
     if (allocated(error)) return
     call pack_slaves(slaves, contact_integers, contact_reals)
@@ -683,15 +716,24 @@ contains
 
 
   !> The fields at the nodes as they stand in the file, one below the other.
-  subroutine point_fields(mesh, fields, slaves, far, reals, integers)
-    type(mesh_type), intent(in) :: mesh
+  subroutine point_fields(model, fields, slaves, far, reals, integers)
+    type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     type(slave_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
     real(DP), intent(in) :: far                     !< COPEN without a facet [length]
     real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
     integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes) likewise
-    call pack_solid(mesh, fields, reals)
+    integer, allocatable :: followers(:, :)
+    integer :: i
+    call pack_solid(model%mesh, fields, reals)
     call pack_contact(slaves, far, reals, integers)
+    call list_followers(model, slaves, followers)
+    do i = 1, size(followers, 2)                   ! pressure, friction, gap and slip; the forces are those of the corners
+      associate (node => followers(1, i), ends => followers(2:3, i))
+        reals(20:27, node) = 0.5_DP * sum(reals(20:27, ends), dim=2)
+        integers(1, node) = maxval(integers(1, ends))
+      end associate
+    end do
   end subroutine point_fields
 
 

@@ -240,7 +240,7 @@ contains
     if (.not. is_known) return
     associate (model => analysis%model, last => first + POINT_COLUMNS(i)%width - 1)
       allocate (reals(N_POINT_REALS, model%mesh%n_nodes), integers(N_POINT_INTEGERS, model%mesh%n_nodes))
-      call point_fields(model%mesh, analysis%state%new, nodal_slaves(model, analysis%state%new%slaves), &
+      call point_fields(model, analysis%state%new, nodal_slaves(model, analysis%state%new%slaves), &
         model_size(model%mesh), reals, integers)
       if (kind == 1) values = real(integers(first(1):last(1), nodes), DP)
       if (kind == 2) values = reals(first(2):last(2), nodes)

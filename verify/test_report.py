@@ -182,3 +182,18 @@ def test_no_room_for_the_page(cubes: Path, tmp_path: Path, capsys: pytest.Captur
     assert capsys.readouterr().err.startswith(f"*ERROR: The report {page} cannot be written: ")
     assert page.read_text() == "the old one"
     assert list(tmp_path.glob("*.new")) == []
+
+
+def test_pair_sums(cubes: Path) -> None:
+    """What each pair carries at the end: the numbers of the table are those of the reactions of what it stands on."""
+    job = read_job(cubes)
+    text = sections.pair_sums(job)
+    for slave, master in zip(job.pairs["slave"], job.pairs["master"], strict=True):
+        assert f"{slave} on {master}" in text
+    n = len(job.pairs["slave"])
+    assert len(job.pair_history["pair"]) == n * (1 + int((job.history["is_converged"] == 1).sum()))  # the initial state too
+    total = (job.pair_history["CFN"] + job.pair_history["CFS"])[-n:].sum(axis=0)
+    assert total == pytest.approx(job.history["slave_force"][-1], rel=1e-12, abs=1e-12 * float(np.abs(total).max()))
+    for value in job.pair_history["CFN"][-1]:
+        if abs(value) > 1e-12 * np.abs(total).max():
+            assert sections.number(float(value)) in text

@@ -176,7 +176,10 @@ contains
     call expect_line(suite, 'contact.dat', 40, '   moment about the center of gravity(mx,my,mz)')
     call expect_line(suite, 'contact.dat', 44, '   area,  normal force (+ = tension) and shear force (size)')
     call expect_line(suite, 'contact.dat', 46, '    4.000000E+00 -1.400000E+01  3.162278E+00')
-    call expect_line(suite, 'contact.dat', 49, ' statistics for slave set SLAVENODES, master set TETS and time')
+    call expect_line(suite, 'contact.dat', 48, '   center of the force')
+    ! By their sizes, sqrt(109) and sqrt(17).
+    call expect_line(suite, 'contact.dat', 50, '    8.566228E+00  8.000000E+00  0.000000E+00')
+    call expect_line(suite, 'contact.dat', 53, ' statistics for slave set SLAVENODES, master set TETS and time')
   end subroutine test_contact_blocks
 
 

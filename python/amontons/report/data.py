@@ -86,6 +86,7 @@ class Job:
     controls: Table
     materials: Table
     pairs: Table
+    pair_history: Table  #: sums over each pair; empty without pairs
     slave_node: Ints
     slave_pair: Ints
     is_closed: NDArray[np.bool_]  #: of each slave at the last frame
@@ -124,6 +125,7 @@ def read_job(path: Path) -> Job:
             units={name: _unit(data[name]) for name in data},
             history=_table(ours["history"]), iterations=_table(ours["iterations"]), steps=_table(ours["steps"]),
             controls=_table(ours["controls"]), materials=_table(ours["materials"]), pairs=_table(ours["pairs"]),
+            pair_history=_table(ours["pair_history"]) if "pair_history" in ours else {},
             slave_node=contact["node"][:].astype(np.int64) if "node" in contact else np.zeros(0, dtype=np.int64),
             slave_pair=contact["pair"][:].astype(np.int64) if "pair" in contact else np.zeros(0, dtype=np.int64),
             is_closed=contact["status"][(n_frames - 1) * n_slaves : n_frames * n_slaves] > 0 if n_slaves else np.zeros(0, dtype=bool),

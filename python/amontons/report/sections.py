@@ -279,12 +279,39 @@ def maps(job: Job) -> str:
     """Pressure, friction, slip and status on the slave side of each pair at the last frame."""
     if not len(job.slave_node):
         return '<p class="none">The job has no contact pair.</p>'
-    text = ""
+    text = pair_sums(job)
     for i in range(len(job.pairs["slave"])):
         nodes = np.unique(job.slave_node[job.slave_pair == i])
         if len(nodes):
             text += f"<h3>{escape(str(job.pairs['slave'][i]))} on {escape(str(job.pairs['master'][i]))}</h3>" + pair_maps(job, nodes, i)
     return text
+
+
+def pair_sums(job: Job) -> str:
+    """What each pair carries: forces, area and centre at the last increment, and the sizes of the forces over time."""
+    h = job.pair_history
+    if not h or not len(h["pair"]):
+        return ""
+    names = [f"{slave} on {master}" for slave, master in zip(job.pairs["slave"], job.pairs["master"], strict=True)]
+    largest = max(float(np.abs(h[key]).max()) for key in ("CFN", "CFS"))
+    turning = max(float(np.abs(h[key]).max()) for key in ("CMN", "CMS"))
+    rows, curves = [], []
+    for i, name in enumerate(names):
+        mine = np.flatnonzero(h["pair"] == i)
+        if not len(mine):
+            continue
+        k = mine[-1]
+        size = float(np.abs(job.points).max())
+        rows.append((name, " / ".join(str(int(n)) for n in h["n_status"][k]), vector(h["CFN"][k], largest), vector(h["CFS"][k], largest),
+                     vector(h["CMN"][k] + h["CMS"][k], turning), float(h["CAREA"][k]), vector(h["XN"][k], size)))
+        for key, what in (("CFN", "pressure"), ("CFS", "friction")):
+            over_time = np.linalg.norm(h[key][mine], axis=1)
+            if len(curves) < 6 and over_time.max() > 1e-9 * largest:
+                curves.append(Series(f"{name}, {what}", h["total_time"][mine], over_time))
+    text = "<h3>What each pair carries</h3>" + table(
+        ("pair", "open / stick / slip", "force of the pressure on the slave", "of the friction", "moment about the origin", "area in contact",
+         "centre of the pressure"), rows)
+    return text + (charts.lines(curves, "time", "size of the force") if curves else "")
 
 
 def pair_maps(job: Job, nodes: Ints, pair: int) -> str:
