@@ -15,8 +15,8 @@
 !! Trusses become bars of 8 points, of 27 with a middle node, whose tensors stand in global axes.
 module amontons_derived
   use amontons_kinds, only: DP, PI
-  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, FAMILY_SPRING, KIND_C3D6, MAX_NODES, MAX_POINTS, &
-    N_KINDS, FAMILY_SOLID, MAX_FACE_NODES, KIND_CAX4R, KIND_CPE4_FULL, KIND_T3D2, KIND_T3D3
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, FAMILY_SPRING, &
+    KIND_C3D6, MAX_NODES, MAX_POINTS, N_KINDS, FAMILY_SOLID, MAX_FACE_NODES, KIND_CAX4R, KIND_CPE4_FULL, KIND_T3D2, KIND_T3D3
   use amontons_mesh, only: mesh_type, element_nodes, is_out
   use amontons_shapes, only: extrapolation_matrix, quadrature, shape_functions, face_rule, facet_shapes, facet_quadrature, &
     MAX_FACET_POINTS

@@ -22,7 +22,8 @@ module amontons_frd
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN
-  use amontons_derived, only: list_followers, nodal_slaves, n_nodal_slaves, shown_slip, turn_trusses, mechanical_strain, average_at_nodes
+  use amontons_derived, only: list_followers, nodal_slaves, n_nodal_slaves, shown_slip, turn_trusses, mechanical_strain, &
+    average_at_nodes
   use amontons_printed, only: contact_axes, printed_forces, inelastic_strain
   use amontons_version, only: VERSION
   implicit none
