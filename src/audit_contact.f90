@@ -5,6 +5,7 @@ module amontons_audit_contact
   use amontons_errors, only: complaints_type
   use amontons_text, only: text_of, plural
   use amontons_lookup, only: integer_list_type
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type
   use amontons_loads, only: amplitude_type, prescribed_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant
@@ -26,7 +27,7 @@ module amontons_audit_contact
   !> What the slave nodes of one pair say at the start.
   type :: pair_tally_type
     integer :: n_slaves = 0
-    integer :: n_yielding = 0                  !< besides these: that give way to the other side of a symmetric pair
+    integer :: n_yielding = 0                  !< besides these: whose part another pair takes
     integer :: n_projected = 0                 !< that project on the master
     integer :: n_closed = 0                    !< that touch or penetrate
     integer :: n_near = 0                      !< whose normal can be compared with that of the master
@@ -49,7 +50,7 @@ contains
     type(pair_tally_type), allocatable :: tallies(:)
     integer :: p
     call check_overlap(model, report)
-    call check_alone(model, report)
+    call check_kinds(model, report)
     call tally_pairs(model, contact, slaves, tallies)
     do p = 1, size(model%pairs)
       call check_projection(model, contact, p, tallies(p), report)
@@ -87,9 +88,11 @@ contains
     integer, intent(in) :: s                       !< number of the slave
     type(pair_tally_type), intent(inout) :: tally
     real(DP) :: edge
-    logical :: is_turned
-    if (.not. contact%overlaps%is_kept(s)) tally%n_yielding = tally%n_yielding + 1
-    if (.not. contact%overlaps%is_kept(s)) return
+    logical :: is_turned, is_yielding
+    is_yielding = .not. contact%overlaps%is_kept(s)
+    if (slave%row > 0 .and. slave%side == 0) is_yielding = is_yielding .or. contact%mortar(slave%pair)%places(slave%row)%is_merged
+    if (is_yielding) tally%n_yielding = tally%n_yielding + 1
+    if (is_yielding) return
     tally%n_slaves = tally%n_slaves + 1
     if (slave%facet == 0) return
     tally%n_projected = tally%n_projected + 1
@@ -258,31 +261,39 @@ contains
   end function longest_travel
 
 
-  !> Surface-to-surface pairs under exact contact share no nodes with other pairs: the order in which slaves that share nodes are
-  !! looked at follows single facets, and a row of theirs has many.
-  subroutine check_alone(model, report)
+  !> Exact pairs share slave nodes with mid-side nodes only among pairs of one kind: surface to surface gives these nodes forces of
+  !! their own, node to surface has them follow their corners.
+  subroutine check_kinds(model, report)
     type(model_type), intent(in) :: model
     type(complaints_type), intent(inout) :: report
-    logical :: is_slave(model%mesh%n_nodes), is_master(model%mesh%n_nodes), shares
-    integer :: p, q
+    logical :: is_exact(size(model%pairs)), is_quadratic(size(model%pairs)), is_slave(model%mesh%n_nodes)
+    type(kind_type) :: kind
+    type(facet_kind_type) :: shape
+    integer :: p, q, f
+    is_exact = .not. is_compliant(model%interactions(model%pairs%interaction))
+    is_quadratic = .false.
     do p = 1, size(model%pairs)
-      if (.not. model%pairs(p)%is_mortar .or. is_compliant(model%interactions(model%pairs(p)%interaction))) cycle
+      associate (faces => model%surfaces(model%pairs(p)%slave))
+        if (faces%is_node_based) cycle
+        do f = 1, size(faces%element)
+          kind = element_kind(model%mesh%kind(faces%element(f)))
+          shape = facet_kind(kind%face_kind(faces%face(f)))
+          is_quadratic(p) = is_quadratic(p) .or. shape%n_nodes > shape%n_corners
+        end do
+      end associate
+    end do
+    do p = 1, size(model%pairs)
+      if (.not. is_exact(p) .or. .not. model%pairs(p)%is_mortar) cycle
       is_slave = .false.
-      is_master = .false.
       is_slave(model%surfaces(model%pairs(p)%slave)%nodes) = .true.
-      is_master(model%surfaces(model%pairs(p)%master)%nodes) = .true.
       do q = 1, size(model%pairs)
-        if (q == p) cycle
-        associate (slaves => model%surfaces(model%pairs(q)%slave)%nodes, masters => model%surfaces(model%pairs(q)%master)%nodes)
-          shares = any(is_slave(slaves)) .or. any(is_slave(masters))
-          if (.not. is_compliant(model%interactions(model%pairs(q)%interaction))) shares = shares .or. any(is_master(slaves))
-        end associate
-        if (shares) call complain(report, pair_name(model, p) // ' is surface to surface and shares slave nodes with ' // &
-          pair_name(model, q) // ': only node-to-surface pairs may, or pairs with a compliant *SURFACE BEHAVIOR. Take ' // &
-          'TYPE=NODE TO SURFACE, or put surfaces that touch the same body into one.')
+        if (.not. is_exact(q) .or. model%pairs(q)%is_mortar .or. .not. (is_quadratic(p) .or. is_quadratic(q))) cycle
+        if (any(is_slave(model%surfaces(model%pairs(q)%slave)%nodes))) call complain(report, pair_name(model, p) // &
+          ' is surface to surface and shares slave nodes of quadratic faces with ' // pair_name(model, q) // ', which is ' // &
+          'node to surface. Give both the same TYPE.')
       end do
     end do
-  end subroutine check_alone
+  end subroutine check_kinds
 
 
   !> Nodes that are on both sides of a pair. (Pairs may share nodes: see amontons_overlaps.)

@@ -19,11 +19,11 @@ module amontons_contact
   use amontons_profiles, only: extent_of, PROFILE_FLAT
   use amontons_sparse, only: sparse_type, multiply
   use amontons_overlaps, only: overlaps_type, find_overlaps, free_directions, left_free, global_axes, &
-    is_friction_taken, fit_overlaps
+    is_friction_taken, fit_overlaps, PARALLEL
   use amontons_facets, only: facets_type, build_facets, is_line
   use amontons_analytic, only: build_profile_facets
   use amontons_search, only: search_type
-  use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar, turned_with
+  use amontons_mortar, only: mortar_type, create_mortar, unite_shares, integrate_mortar, merge_rows, turned_with
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
   use amontons_slip, only: trial_type, trial_traction
   use amontons_compliance, only: law_pressure, law_reach, law_shear
@@ -120,6 +120,7 @@ contains
       if (.not. model%pairs(p)%is_pointwise) call append_slaves(contact, model, p, slaves)
     end do
     n = size(slaves)
+    call unite_exact(contact, model)
     call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
     allocate (contact%mask(3, n), source=1.0_DP)
     allocate (contact%axes, source=global_axes(n))
@@ -131,6 +132,21 @@ contains
     allocate (contact%view%normal_force(n), source=0.0_DP)
     allocate (contact%view%status(n), source=STATUS_OPEN)
   end subroutine create_contact
+
+
+  !> The transformed bases of exact mortar pairs that share slave nodes are made one.
+  subroutine unite_exact(contact, model)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    type(mortar_type), allocatable :: exact(:)
+    integer, allocatable :: list(:)
+    integer :: p
+    list = pack([(p, p=1, size(model%pairs))], model%pairs%is_mortar .and. .not. is_compliant(contact%laws))
+    if (size(list) < 2) return
+    exact = contact%mortar(list)
+    call unite_shares(exact, model%mesh%n_nodes)
+    contact%mortar(list) = exact
+  end subroutine unite_exact
 
 
   !> Room for slaves whose number has changed: those of pairs with points are the last.
@@ -278,13 +294,42 @@ contains
   end subroutine begin_contact_step
 
 
-  !> The rows of a mortar pair with the bodies as they are at x.
-  subroutine renew_rows(contact, pair, x)
+  !> The rows of mortar pairs with the bodies as they are at x. A node that is slave in several of them with the same normal gets
+  !! one row of all, in the pair that comes first.
+  subroutine renew_rows(contact, slaves, is_wanted, x)
     type(contact_type), intent(inout) :: contact
-    integer, intent(in) :: pair
+    type(slave_type), intent(in) :: slaves(:)
+    logical, intent(in) :: is_wanted(:)            !< (n_pairs)
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    call integrate_mortar(contact%mortar(pair), contact%facets(pair), contact%search(pair), x, &
-      SEARCH_REACH * contact%edge(pair))
+    integer :: p, n, i, j
+    do p = 1, size(is_wanted)
+      if (is_wanted(p)) call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), x, &
+        SEARCH_REACH * contact%edge(p))
+    end do
+    if (.not. contact%overlaps%has_corners .or. count(is_wanted) < 2) return
+    associate (first => contact%overlaps%first, member => contact%overlaps%member)
+      do n = 1, size(first) - 1
+        do i = first(n), first(n + 1) - 2
+          do j = i + 1, first(n + 1) - 1
+            call merge_slaves(slaves(member(i)), slaves(member(j)))
+          end do
+        end do
+      end do
+    end associate
+
+  contains
+
+    !> One row in place of those of two slaves at a node.
+    subroutine merge_slaves(s, t)
+      type(slave_type), intent(in) :: s, t
+      if (.not. (is_wanted(s%pair) .and. is_wanted(t%pair)) .or. any(contact%is_removed([s%pair, t%pair]))) return
+      associate (a => contact%mortar(s%pair)%places(s%row), b => contact%mortar(t%pair)%places(t%row))
+        if (a%vertex == 0 .or. b%vertex == 0) return
+        if (dot_product(a%normal, b%normal) <= PARALLEL) return
+      end associate
+      call merge_rows(contact%mortar(s%pair), s%row, contact%mortar(t%pair), t%row)
+    end subroutine merge_slaves
+
   end subroutine renew_rows
 
 
@@ -338,9 +383,9 @@ contains
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(inout) :: slave
     associate (place => contact%mortar(slave%pair)%places(slave%row))
-      slave%facet = place%facet
+      slave%facet = merge(0, place%facet, place%is_thin)
       slave%xi = place%xi
-      if (place%facet == 0) return
+      if (slave%facet == 0) return
       slave%normal = place%normal
       slave%area = place%area
     end associate
@@ -451,7 +496,7 @@ contains
     logical, intent(in) :: is_frozen               !< .true.: keep every status
     type(fields_type), intent(inout) :: fields
     real(DP), allocatable :: x(:, :), total(:, :)
-    integer :: level, p, s
+    integer :: level, s
     fields%contact_force = 0.0_DP
     contact%n_opened = 0
     contact%n_closed = 0
@@ -462,9 +507,7 @@ contains
     if (size(fields%slaves) == 0) return
     contact%memory = old%user_memory
     allocate (x, source=model%mesh%coordinates + fields%u)
-    do p = 1, size(model%pairs)
-      if (model%pairs(p)%is_mortar .and. .not. contact%is_small(p)) call renew_rows(contact, p, x)
-    end do
+    if (any(model%pairs%is_mortar)) call renew_rows(contact, fields%slaves, model%pairs%is_mortar .and. .not. contact%is_small, x)
     allocate (total, source=imbalance)
     do level = 1, contact%overlaps%n_levels
       do s = 1, size(fields%slaves)
@@ -507,7 +550,7 @@ contains
     integer :: status, before
     associate (slave => fields%slaves(s), view => contact%view)
       before = slave%status
-      if (slave%row > 0 .and. .not. contact%is_small(slave%pair)) call renew_place(contact, slave)
+      if (slave%row > 0 .and. .not. contact%is_small(slave%pair) .and. contact%overlaps%is_kept(s)) call renew_place(contact, slave)
       if (slave%facet == 0 .and. slave%row == 0) call find_again(contact, x, s, slave)
       call locate_slave(contact, x, slave)
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then

@@ -10,8 +10,8 @@ module amontons_contact_start
   use amontons_areas, only: face_area, depth_of, sum_shares
   use amontons_gap, only: excess_over_edges
   use amontons_search, only: build_search
-  use amontons_mortar, only: search_margin
-  use amontons_overlaps, only: order_slaves
+  use amontons_mortar, only: search_margin, n_own_nodes
+  use amontons_overlaps, only: order_slaves, reach_type
   use amontons_slaves, only: lose_master
   use amontons_contact, only: contact_type, renew_rows, refresh_facet, set_origin, SEARCH_REACH, create_contact
   use amontons_errors, only: error_type
@@ -33,10 +33,12 @@ contains
     real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
     type(fields_type), intent(inout) :: fields     !< in: u; out: slaves
     real(DP), allocatable :: x(:, :), here(:, :)
+    type(reach_type) :: nodes_in_reach
     real(DP) :: reach
     integer :: p, s
-    logical :: is_new
+    logical :: is_new, is_stale(size(model%pairs)), is_of_start(size(model%pairs))
     allocate (x, source=model%mesh%coordinates)
+    is_stale = .false.
     if (is_nlgeom) x = x + fields%u
     allocate (here, source=model%mesh%coordinates + fields%u)
     do p = 1, size(model%pairs)
@@ -47,13 +49,12 @@ contains
       if (.not. allocated(contact%facets(p)%profile)) call build_search(contact%facets(p), merge(x, here, contact%is_small(p)), &
         reach, contact%search(p))
       if (.not. model%pairs(p)%is_mortar) cycle
-      if (contact%is_small(p) .and. .not. is_step_start .and. contact%mortar(p)%is_made) cycle
-      if (contact%is_small(p) .and. is_nlgeom) then
-        call renew_rows(contact, p, model%mesh%coordinates + u_start)
-      else
-        call renew_rows(contact, p, x)
-      end if
+      is_stale(p) = .not. contact%is_small(p) .or. is_step_start .or. .not. contact%mortar(p)%is_made
     end do
+    is_of_start = is_stale .and. contact%is_small .and. is_nlgeom
+    if (any(is_of_start)) call renew_rows(contact, fields%slaves, is_of_start, model%mesh%coordinates + u_start)
+    is_stale = is_stale .and. .not. is_of_start
+    if (any(is_stale)) call renew_rows(contact, fields%slaves, is_stale, x)
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
         p = slave%pair
@@ -80,7 +81,8 @@ contains
         if (slave%status /= STATUS_OPEN) call set_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
       end associate
     end do
-    call order_slaves(contact%facets, fields%slaves, contact%overlaps)
+    if (contact%overlaps%has_chains) call list_reach(contact, model, fields%slaves, nodes_in_reach)
+    call order_slaves(fields%slaves, mirrored_pairs(contact, model), nodes_in_reach, contact%overlaps)
     do s = 1, size(fields%slaves)
       if (contact%overlaps%is_kept(s)) cycle
       call lose_master(fields%slaves(s))
@@ -89,6 +91,74 @@ contains
     if (model%dialect == DIALECT_CALCULIX) x = here
     call renew_areas(contact, model, x, fields%slaves)
   end subroutine begin_contact_increment
+
+
+  !> Pairs that are an earlier one with its sides changed, both surface to surface: in the mean of the one the other holds too.
+  function mirrored_pairs(contact, model) result(is_mirrored)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    logical :: is_mirrored(size(model%pairs)), counts(size(model%pairs))
+    integer :: q
+    counts = model%pairs%is_mortar .and. .not. is_compliant(contact%laws) .and. .not. contact%is_removed
+    is_mirrored = .false.
+    do q = 2, size(model%pairs)
+      is_mirrored(q) = counts(q) .and. any(counts(:q - 1) .and. model%pairs(:q - 1)%slave == model%pairs(q)%master &
+        .and. model%pairs(:q - 1)%master == model%pairs(q)%slave)
+    end do
+  end function mirrored_pairs
+
+
+  !> The nodes to which slaves may give a force within the increment: those of the facet and around it, and of a mortar row all its
+  !! master nodes; under a law also their own. A force on a mid-side node of a mortar pair is felt at the corners beside it too.
+  subroutine list_reach(contact, model, slaves, reach)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)
+    type(reach_type), intent(out) :: reach
+    integer, allocatable :: ends(:, :), nodes(:)
+    integer :: s, p, k, n
+    allocate (ends(2, model%mesh%n_nodes), source=0)
+    do p = 1, size(model%pairs)
+      if (.not. model%pairs(p)%is_mortar .or. is_compliant(contact%laws(p))) cycle
+      ends(:, contact%mortar(p)%nodes) = max(ends(:, contact%mortar(p)%nodes), contact%mortar(p)%corners)
+    end do
+    allocate (reach%first(size(slaves) + 1), reach%nodes(1000))
+    reach%first(1) = 1
+    do s = 1, size(slaves)
+      call add_reach(s)
+      n = size(nodes)
+      nodes = [nodes, pack(reshape(ends(:, nodes), [2 * n]), reshape(ends(:, nodes), [2 * n]) > 0)]
+      n = reach%first(s)
+      do while (n + size(nodes) > size(reach%nodes))
+        reach%nodes = [reach%nodes, reach%nodes]
+      end do
+      do k = 1, size(nodes)
+        if (any(reach%nodes(reach%first(s):n - 1) == nodes(k))) cycle
+        reach%nodes(n) = nodes(k)
+        n = n + 1
+      end do
+      reach%first(s + 1) = n
+    end do
+
+  contains
+
+    !> The nodes of one slave, some of them twice.
+    subroutine add_reach(s)
+      integer, intent(in) :: s
+      integer :: own
+      nodes = [integer ::]
+      associate (slave => slaves(s), f => contact%facets(slaves(s)%pair))
+        if (slave%facet == 0) return
+        nodes = f%stencil(f%stencil_first(slave%facet):f%stencil_first(slave%facet + 1) - 1)
+        if (is_compliant(contact%laws(slave%pair))) nodes = [nodes, slave%node]
+        if (slave%row == 0) return
+        own = 0
+        if (.not. is_compliant(contact%laws(slave%pair))) own = n_own_nodes(contact%mortar(slave%pair), slave%row)
+        nodes = [nodes, contact%mortar(slave%pair)%rows(slave%row)%nodes(own + 1:)]
+      end associate
+    end subroutine add_reach
+
+  end subroutine list_reach
 
 
   !> Whether a slave node that touches its meshed master is beyond an edge of it.

@@ -124,7 +124,7 @@ uses_iterative = kinds sparse dense
 uses_reduced = kinds errors text posix sparse partition factor mesh steps constraints iterative
 uses_system = kinds errors history posix sparse factor krylov sprung surfaces steps model rows symmetry state changes constraints condensed skew assembly applied bonds supports damping slaves contact contact_start contact_points contact_tangent reduced
 uses_audit_bodies = kinds errors text topology mesh model element
-uses_audit_contact = kinds errors text lookup surfaces loads model state contact audit_bodies
+uses_audit_contact = kinds errors text lookup topology surfaces loads model state contact audit_bodies
 uses_audit_motion = kinds errors text lookup tensor dense topology surfaces steps model rows state contact audit_bodies audit_contact
 uses_audit = kinds errors text lookup topology loads steps model element rows state constraints bonds contact audit_bodies audit_contact audit_motion
 =======

@@ -23,10 +23,12 @@ module amontons_mortar
   use amontons_rows, only: contact_row_type
   implicit none
   private
-  public :: mortar_type, place_type, create_mortar, integrate_mortar, search_margin, turned_with
+  public :: mortar_type, place_type, create_mortar, unite_shares, integrate_mortar, merge_rows, n_own_nodes, search_margin, &
+    turned_with
 
   real(DP), parameter :: FACING = 0.2_DP           !< a master facet is in front if its normal is this much against the slave's [-]
   real(DP), parameter :: COVERED = 1.0e-3_DP       !< a slave node with less of its area in front of the master has no row [-]
+  real(DP), parameter :: NOTHING = 1.0e-9_DP       !< with less than this it does not count at all [-]
   real(DP), parameter :: OVERLAP = 1.0e-6_DP       !< segments that overlap by more of the facet lie one behind the other [-]
   real(DP), parameter :: SLIVER = 1.0e-10_DP       !< cuts smaller than this part of the facet are nothing [-]
   real(DP), parameter :: AFFINE = 1.0e-9_DP        !< a square whose corners miss a parallelogram by less than this part is one [-]
@@ -36,6 +38,9 @@ module amontons_mortar
   type :: place_type
     integer :: facet = 0                           !< master facet that takes the largest part; 0: nothing is in front
     integer :: vertex = 0                          !< vertex of the slave surface whose facets touch
+    logical :: is_thin = .false.                   !< so little is in front that the node has no row; it still counts where rows are merged
+    logical :: is_merged = .false.                 !< the row went into that of another pair
+    real(DP) :: whole = 0                          !< area of the node if all of it were covered [length^2]
     real(DP) :: xi(2) = 0                          !< middle of what the node has on that facet, natural coordinates [-]
     real(DP) :: area = 0                           !< D_j [length^2]
     real(DP) :: normal(3) = 0                      !< unit normal, out of the master: that of the slave's vertex turned round
@@ -53,7 +58,7 @@ module amontons_mortar
     real(DP), allocatable :: depth(:)              !< (n_facets) of slave lines: thickness [length], -1: the full circle; else 1
     integer, allocatable, private :: first(:)      !< (n + 1) start of a slave node's vertices in vertices(:)
     integer, allocatable, private :: vertices(:)
-    integer, allocatable, private :: corners(:, :) !< (2, n) the corners beside a mid-side node, else 0
+    integer, allocatable :: corners(:, :)          !< (2, n) the corners beside a mid-side node, else 0
   end type mortar_type
 
   !> A flat frame through a slave facet.
@@ -200,6 +205,88 @@ contains
       end do
     end do
   end subroutine collect_shares
+
+
+  !> Slave surfaces that share nodes have one transformed basis: a corner has shares of the mid-sides beside it on all of them.
+  subroutine unite_shares(mortars, n_nodes)
+    type(mortar_type), intent(inout) :: mortars(:)
+    integer, intent(in) :: n_nodes
+    integer, allocatable :: sides(:, :)            ! (3, n) mid-side node and its corners
+    integer, allocatable :: own(:)
+    logical :: is_listed(n_nodes), is_shared(n_nodes)
+    integer :: p, k, n
+    is_listed = .false.
+    allocate (sides(3, sum([(size(mortars(p)%nodes), p=1, size(mortars))])))
+    n = 0
+    do p = 1, size(mortars)
+      do k = 1, size(mortars(p)%nodes)
+        if (mortars(p)%corners(1, k) == 0 .or. is_listed(mortars(p)%nodes(k))) cycle
+        is_listed(mortars(p)%nodes(k)) = .true.
+        n = n + 1
+        sides(:, n) = [mortars(p)%nodes(k), mortars(p)%corners(:, k)]
+      end do
+    end do
+    is_listed = .false.
+    is_shared = .false.
+    do p = 1, size(mortars)
+      where (is_listed(mortars(p)%nodes)) is_shared(mortars(p)%nodes) = .true.
+      is_listed(mortars(p)%nodes) = .true.
+    end do
+    do p = 1, size(mortars)
+      do k = 1, size(mortars(p)%nodes)
+        associate (node => mortars(p)%nodes(k))
+          if (.not. is_shared(node) .or. mortars(p)%corners(1, k) > 0) cycle
+          own = pack(sides(1, :n), sides(2, :n) == node .or. sides(3, :n) == node)
+          mortars(p)%rows(k)%own = [node, own]
+          mortars(p)%rows(k)%shares = [1.0_DP, spread(ALPHA, 1, size(own))]
+        end associate
+      end do
+    end do
+  end subroutine unite_shares
+
+
+  !> Nodes of the slave side at the head of a row.
+  elemental integer function n_own_nodes(mortar, k) result(n)
+    type(mortar_type), intent(in) :: mortar
+    integer, intent(in) :: k                       !< row
+    n = merge(3, 1, mortar%corners(1, k) > 0)
+  end function n_own_nodes
+
+
+  !> One row in place of two of the same slave node against masters that lie side by side, or of slave surfaces that do: the means
+  !! of both by their areas, of which one may be negative (the transformed functions of corners are so in places). The second row is gone.
+  subroutine merge_rows(a, i, b, j)
+    type(mortar_type), intent(inout) :: a, b       !< two pairs
+    integer, intent(in) :: i, j                    !< rows of the same node, both with a master in front
+    integer, allocatable :: nodes(:)
+    real(DP), allocatable :: weights(:)
+    real(DP) :: share
+    integer :: k, at, n
+    n = n_own_nodes(a, i)
+    if (abs(a%places(i)%area + b%places(j)%area) <= NOTHING * a%places(i)%whole) return
+    share = b%places(j)%area / (a%places(i)%area + b%places(j)%area)
+    nodes = a%rows(i)%nodes
+    weights = [a%rows(i)%weights(:n), (1 - share) * a%rows(i)%weights(n + 1:)]
+    do k = n + 1, size(b%rows(j)%nodes)
+      at = findloc(nodes, b%rows(j)%nodes(k), dim=1)
+      if (at > 0) then
+        weights(at) = weights(at) + share * b%rows(j)%weights(k)
+      else
+        nodes = [nodes, b%rows(j)%nodes(k)]
+        weights = [weights, share * b%rows(j)%weights(k)]
+      end if
+    end do
+    a%rows(i)%nodes = nodes
+    a%rows(i)%weights = weights
+    associate (place => a%places(i), other => b%places(j))
+      place%normal = (1 - share) * place%normal + share * other%normal
+      place%normal = place%normal / norm2(place%normal)
+      place%area = place%area + other%area
+      place%whole = max(place%whole, other%whole)
+      place%is_thin = place%area <= COVERED * place%whole
+      other = place_type(is_merged=.true.)
+    end associate
+  end subroutine merge_rows
 
 
   !> Places and rows of all slave nodes in a configuration. Cost: linear in the segments.
@@ -568,11 +655,13 @@ contains
         call start_row(mortar%nodes(j), mortar%corners(:, j), mortar%rows(j))
         if (size(vertices) == 0) cycle
         v = vertices(maxloc(cuts%area(vertices), dim=1))
-        if (cuts%area(v) <= COVERED * cuts%whole(v)) cycle
+        if (abs(cuts%area(v)) <= NOTHING * cuts%whole(v)) cycle
         m = vertex_normal(mortar%slave, x, v)
         if (norm2(m) <= 0.0_DP) cycle
         place%vertex = v
         place%area = cuts%area(v)
+        place%whole = cuts%whole(v)
+        place%is_thin = place%area <= COVERED * place%whole
         place%normal = -m / norm2(m)
         call add_masters(mortar%slave, master, cuts, at, place, mortar%rows(j))
       end associate

@@ -11,7 +11,8 @@ module amontons_overlaps
   use amontons_state, only: slave_type, STATUS_OPEN
   implicit none
   private
-  public :: overlaps_type, find_overlaps, fit_overlaps, order_slaves, free_directions, left_free, global_axes, is_friction_taken
+  public :: overlaps_type, reach_type, find_overlaps, fit_overlaps, order_slaves, free_directions, left_free, global_axes, &
+    is_friction_taken, PARALLEL
 
   real(DP), parameter :: PARALLEL = 0.99_DP    !< normals whose product is above this hold the same direction [-]
   real(DP), parameter :: HELD = 1.0e-6_DP      !< a normal whose free part is smaller than this holds nothing more [-]
@@ -27,6 +28,12 @@ module amontons_overlaps
     integer, allocatable :: first(:)           !< (n_nodes + 1) start of a node's slaves in member(:)
     integer, allocatable :: member(:)          !< slaves of all nodes, ascending
   end type overlaps_type
+
+  !> The nodes to which each slave may give a force within an increment, but for its own under exact contact.
+  type :: reach_type
+    integer, allocatable :: first(:)           !< (n_slaves + 1) start of a slave's nodes in nodes(:)
+    integer, allocatable :: nodes(:)
+  end type reach_type
 
 contains
 
@@ -82,9 +89,10 @@ contains
 
   !> The levels of an increment, and which slaves give way: pair by pair in the order of the deck, a slave is kept unless
   !! its reaction would come back to it through slaves that are kept already.
-  subroutine order_slaves(facets, slaves, overlaps)
-    type(facets_type), intent(in) :: facets(:)     !< (n_pairs) masters
-    type(slave_type), intent(in) :: slaves(:)      !< where they are at the start of the increment
+  subroutine order_slaves(slaves, gives_way, reach, overlaps)
+    type(slave_type), intent(in) :: slaves(:)
+    logical, intent(in) :: gives_way(:)            !< (n_pairs) all slaves of the pair give way
+    type(reach_type), intent(in) :: reach          !< of the slaves where they are at the start of the increment
     type(overlaps_type), intent(inout) :: overlaps
     integer, allocatable :: list(:), mark(:), stack(:)
     integer :: s, t, i, n, pass
@@ -97,7 +105,7 @@ contains
     allocate (mark(size(slaves)), source=0)
     allocate (stack(size(slaves)))
     do s = 1, size(slaves)
-      if (.not. overlaps%is_exact(s)) cycle
+      if (.not. overlaps%is_exact(s) .or. gives_way(slaves(s)%pair)) cycle
       overlaps%is_kept(s) = .true.
       overlaps%is_kept(s) = .not. comes_back(s)
     end do
@@ -105,7 +113,7 @@ contains
       is_changed = .false.
       do s = 1, size(slaves)
         if (.not. overlaps%is_kept(s)) cycle
-        call find_carriers(facets, slaves, overlaps, s, list, n)
+        call find_carriers(overlaps, reach, s, list, n)
         do i = 1, n
           t = list(i)
           if (.not. overlaps%is_kept(t) .or. overlaps%level(t) > overlaps%level(s)) cycle
@@ -130,7 +138,7 @@ contains
       do while (n_stack > 0)
         next = stack(n_stack)
         n_stack = n_stack - 1
-        call find_carriers(facets, slaves, overlaps, next, list, n)
+        call find_carriers(overlaps, reach, next, list, n)
         do k = 1, n
           if (list(k) == s) comes_back = .true.
           if (list(k) == s) return
@@ -145,27 +153,20 @@ contains
   end subroutine order_slaves
 
 
-  !> The exact slaves that may carry the reaction of a slave within an increment: those at the nodes of its facet and around
-  !! it; of a law's slave also those at its own node.
-  subroutine find_carriers(facets, slaves, overlaps, s, list, n)
-    type(facets_type), intent(in) :: facets(:)
-    type(slave_type), intent(in) :: slaves(:)
+  !> The exact slaves that may carry the reaction of a slave within an increment.
+  subroutine find_carriers(overlaps, reach, s, list, n)
     type(overlaps_type), intent(in) :: overlaps
+    type(reach_type), intent(in) :: reach
     integer, intent(in) :: s
     integer, allocatable, intent(inout) :: list(:) !< grows when too short
     integer, intent(out) :: n                      !< carriers found
-    integer, allocatable :: nodes(:)
     integer :: i, k
-    if (.not. allocated(list)) allocate (list(2 * size(slaves)))
+    if (.not. allocated(list)) allocate (list(2 * size(overlaps%level)))
     n = 0
-    if (slaves(s)%facet == 0) return
-    associate (f => facets(slaves(s)%pair), facet => slaves(s)%facet)
-      nodes = f%stencil(f%stencil_first(facet):f%stencil_first(facet + 1) - 1)
-    end associate
-    if (.not. overlaps%is_exact(s)) nodes = [nodes, slaves(s)%node]
-    do i = 1, size(nodes)
-      do k = overlaps%first(nodes(i)), overlaps%first(nodes(i) + 1) - 1
+    do i = reach%first(s), reach%first(s + 1) - 1
+      do k = overlaps%first(reach%nodes(i)), overlaps%first(reach%nodes(i) + 1) - 1
         n = n + 1
+        if (n > size(list)) list = [list, list]
         list(n) = overlaps%member(k)
       end do
     end do

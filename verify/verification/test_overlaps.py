@@ -5,6 +5,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -15,6 +16,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
+import solids  # noqa: E402
 from make_decks import block  # noqa: E402
 from planes import Plane, flat_deck, flatten  # noqa: E402
 from proof import Case, Job  # noqa: E402
@@ -23,6 +25,8 @@ from test_hertz import arc, slab  # noqa: E402
 
 Proof = Callable[..., Case]
 YOUNG, NU = 1000.0, 0.3
+TYPES = {"": "", "s2s": ", TYPE=SURFACE TO SURFACE"}
+TITLES = {"": "", "s2s": ", surface to surface"}
 SOFT = (YOUNG, NU)
 
 
@@ -60,11 +64,13 @@ def test_stacked_blocks(proof: Proof) -> None:
 
 
 @pytest.mark.parametrize("kind", ["CPE4", "CPE8"])
-def test_chain(proof: Proof, kind: str) -> None:
+@pytest.mark.parametrize("form", ["", "s2s"])
+def test_chain(proof: Proof, kind: str, form: str) -> None:
     """A block on a block that leans on a wall: the corner node passes the force of one pair to the other."""
+    options = TYPES[form]
     case = proof(
-        f"chain-wall-{kind.lower()}",
-        title=f"A block on a block that leans on a wall, {kind}",
+        f"chain-wall-{kind.lower()}" + ("-s2s" if form else ""),
+        title=f"A block on a block that leans on a wall, {kind}" + TITLES[form],
         model="An upper block 1 x 1 on a lower one, both 3 x 3 cells, E = 1000, nu = 0.3, the lower one on a roller floor between a roller and a fixed wall that it "
         "touches with its right side; a pressure of 10 on the top, frictionless, one increment. The top right node of the lower block is slave at the "
         "wall and carries nodes of the upper block.",
@@ -79,12 +85,12 @@ def test_chain(proof: Proof, kind: str) -> None:
     n = len(upper.nodes) + len(lower.nodes)
     wall.node_sets["FIXED"] = np.arange(len(wall.nodes))
     load = "*DSLOAD\nUPPER_TOP, P, 10.\n"
-    cards = pair("LOWER_RIGHT", "WALL_LEFT") + pair("UPPER_BOTTOM", "LOWER_TOP") + step(floor + load, 1)
+    cards = pair("LOWER_RIGHT", "WALL_LEFT", options=options) + pair("UPPER_BOTTOM", "LOWER_TOP", options=options) + step(floor + load, 1)
     job = case.run(flat_deck([(upper, SOFT), (lower, SOFT), (wall, SOFT)], kind, cards), asked=1)
     at_wall = len(upper.nodes) + lower.node_sets["LOWER_RIGHT"]
     total = job.last("CNORMF")[at_wall, 0].sum()
     case.near("force on the wall", -total, 10 * NU / (1 - NU), 1e-6, why="in the space of the elements")
-    if not is_quadratic:  # the middle nodes of quadratic slave edges follow their ends, so forces on the master are those of lines
+    if form or not is_quadratic:  # the middle nodes of quadratic slave edges follow their ends, so forces on the master are those of lines
         corners = at_wall[at_wall < n]
         case.near("pressure at the wall", job.last("CPRESS")[corners], 10 * NU / (1 - NU), 1e-6, why="in the space of the elements")
         stress = job.last("S")[: len(upper.nodes)]
@@ -95,11 +101,13 @@ def test_chain(proof: Proof, kind: str) -> None:
 
 
 @pytest.mark.parametrize("angle", [0.0, 25.0, -25.0])
-def test_corner(proof: Proof, angle: float) -> None:
+@pytest.mark.parametrize("form", ["", "s2s"])
+def test_corner(proof: Proof, angle: float, form: str) -> None:
     """A block in the corner of a floor and a wall that leans."""
+    options = TYPES[form]
     case = proof(
-        f"corner-{angle:g}".replace("-", "m") if angle < 0 else f"corner-{angle:g}",
-        title=f"A block in a corner, the wall leaning by {angle:g} degrees",
+        (f"corner-{angle:g}".replace("-", "m") if angle < 0 else f"corner-{angle:g}") + ("-s2s" if form else ""),
+        title=f"A block in a corner, the wall leaning by {angle:g} degrees" + TITLES[form],
         model=f"A parallelogram, 3 x 3 cells of CPE4, its left side leaning by {angle:g} degrees, on a fixed floor and against a fixed wall that leans the same, "
         "E = 1000, nu = 0.3, a pressure of 10 on both other sides, frictionless, one increment. The corner node is slave at the floor and at the wall.",
         formula="All pressures are 10: the stress in the plane is -10 in every direction, contact pressure 10 everywhere, at the corner node in both pairs.",
@@ -117,7 +125,7 @@ def test_corner(proof: Proof, angle: float) -> None:
     for part, name in ((floor, "FLOOR"), (wall, "WALL")):
         part.node_sets[f"{name}_ALL"] = np.arange(len(part.nodes))
     load = "*DSLOAD\nBODY_TOP, P, 10.\nBODY_RIGHT, P, 10.\n"
-    cards = pair("BODY_BOTTOM", "FLOOR_TOP") + pair("BODY_LEFT", "WALL_RIGHT")
+    cards = pair("BODY_BOTTOM", "FLOOR_TOP", options=options) + pair("BODY_LEFT", "WALL_RIGHT", options=options)
     cards += step(fix("FLOOR_ALL, 1, 2", "WALL_ALL, 1, 2") + load, 1)
     job = case.run(flat_deck([(body, SOFT), (floor, SOFT), (wall, SOFT)], "CPE4", cards), asked=1)
     stress = job.last("S")[: len(body.nodes)]
@@ -237,12 +245,13 @@ def test_coarse_side_first(proof: Proof) -> None:
     case.done()
 
 
-def test_groove(proof: Proof) -> None:
+@pytest.mark.parametrize("form", ["", "s2s"])
+def test_groove(proof: Proof, form: str) -> None:
     """A cube drawn along the edge of floor and wall: friction where both leave a direction free."""
-    mu = 0.2
+    mu, options = 0.2, TYPES[form]
     case = proof(
-        "corner-groove",
-        title="A cube drawn along a groove",
+        "corner-groove" + ("-s2s" if form else ""),
+        title="A cube drawn along a groove" + TITLES[form],
         model="A cube of 3 x 3 x 3 C3D8, E = 1000, nu = 0.3, on a floor and against a wall, a pressure of 10 towards both (1 increment), then drawn along the "
         f"edge by 0.1 at its nodes away from both (5 increments), mu = {mu:g} in both pairs, small displacements.",
         formula="Every node slides: its friction is mu N against the motion. At the nodes of the edge, slaves in both pairs, the friction along the edge is that "
@@ -262,7 +271,7 @@ def test_groove(proof: Proof) -> None:
         name = next(iter(wall.element_sets))
         wall.surfaces = {f"{name}_SIDE": [(name, face)]}
         wall.node_sets = {f"{name}_ALL": np.arange(len(wall.nodes))}
-    pairs = pair("CUBE_BOTTOM", "FLOOR_SIDE", mu) + pair("CUBE_X0", "WALL_SIDE", mu)
+    pairs = pair("CUBE_BOTTOM", "FLOOR_SIDE", mu, options) + pair("CUBE_X0", "WALL_SIDE", mu, options)
     supports = fix("FLOOR_ALL, 1, 3", "WALL_ALL, 1, 3", "HANDLE, 2")
     steps = step(supports + "*DSLOAD\nCUBE_TOP, P, 10.\nCUBE_X1, P, 10.\n", 1) + step(fix("HANDLE, 2, 2, 0.1"), 5)
     job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, steps), asked=6)
@@ -280,3 +289,122 @@ def test_groove(proof: Proof) -> None:
     case.near("force of floor and wall", both[[0, 2]], 10.0, 1e-6, why="equilibrium", time="the end")
     case.near("pull", job.last("RF")[cube.node_sets["HANDLE"], 1].sum(), expected.sum(), 0.02, why="friction leans a little across", time="the end")
     case.done()
+
+
+def fixed_block(name: str, x: Floats, y: Floats, z: Floats, side: tuple[int, float], first: int) -> tuple[str, int]:
+    """The cards of a block of C3D8 whose nodes are held, with the surface of one side; and how many nodes it has."""
+    body = solids.as_kind(block(x, y, z, name), "C3D8")
+    lines = [f"*NODE, NSET={name}_ALL"] + [f"{first + i}, " + ", ".join(f"{v:.15g}" for v in p) for i, p in enumerate(body.nodes, start=1)]
+    lines += [f"*ELEMENT, TYPE=C3D8, ELSET={name}"]
+    lines += [f"{first + e}, " + ", ".join(str(first + n + 1) for n in nodes) for e, nodes in enumerate(body.elements, start=1)]
+    lines += [f"*SURFACE, NAME={name}_SIDE"] + [f"{first + e + 1}, S{f}" for e, f in body.outer_faces(body.where(*side))]
+    return "\n".join(lines) + f"\n*SOLID SECTION, ELSET={name}, MATERIAL=M\n", len(body.nodes)
+
+
+def pressed_cube(kind: str, walls: str, pairs: str, sides: dict[str, Callable[[solids.Solids], solids.Ints]], pressed: list[tuple[int, float]], supports: str) -> tuple[str, Floats]:
+    """A cube of 3 x 3 x 3 cells against walls, 10 on some of its sides; the deck and its nodes. sides: slave surfaces by their corner nodes."""
+    line = np.array([0.0, 0.3, 0.6, 1.0])
+    cube = solids.as_kind(block(line, line, line, "CUBE"), kind)
+    deck = cube.cards().replace("ELSET=ALL", "ELSET=CUBE") + "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.3\n*SOLID SECTION, ELSET=CUBE, MATERIAL=M\n" + walls
+    for name, members in sides.items():
+        deck += f"*SURFACE, NAME={name}\n" + "".join(f"{e + 1}, S{f}\n" for e, f in cube.outer_faces(members(cube)))
+    loads = "".join(f"{e + 1}, P{f}, 10.\n" for axis, value in pressed for e, f in cube.outer_faces(cube.where(axis, value)))
+    return deck + pairs + f"*STEP\n*STATIC\n1., 1.\n{supports}*DLOAD\n{loads}*END STEP\n", cube.nodes
+
+
+@pytest.mark.parametrize("kind", ["C3D4", "C3D10", "C3D20"])
+def test_room_by_surfaces(proof: Proof, kind: str) -> None:
+    """A cube of other elements in the corner of a room, by surface to surface."""
+    case = proof(
+        f"corner-room-{kind.lower()}-s2s",
+        title=f"A cube of {kind} in the corner of a room, surface to surface",
+        model=f"As corner-room: a cube of 3 x 3 x 3 cells of {kind}, the walls meshed otherwise, TYPE=SURFACE TO SURFACE.",
+        formula="Stress -10 in all directions, contact pressure 10 everywhere.",
+        source="equilibrium",
+        proves="Mid-side nodes of edges belong to the faces of two pairs; their transformed basis is one.",
+    )
+    wide, thin, walls, pairs, n = np.array([-0.5, 0.45, 1.5]), np.array([-0.5, 0.0]), "", "", 5000
+    sides = {}
+    for axis, name in enumerate(("WALLX", "WALLY", "FLOOR")):
+        spans = [thin if k == axis else wide for k in range(3)]
+        cards, m = fixed_block(name, *spans, (axis, 0.0), n)
+        walls, n = walls + cards, n + m
+        sides[f"CUBE_{name}"] = lambda body, axis=axis: body.where(axis, 0.0)
+        pairs += pair(f"CUBE_{name}", f"{name}_SIDE", options=TYPES["s2s"])
+    supports = fix("FLOOR_ALL, 1, 3", "WALLX_ALL, 1, 3", "WALLY_ALL, 1, 3")
+    deck, nodes = pressed_cube(kind, walls, pairs, sides, [(0, 1.0), (1, 1.0), (2, 1.0)], supports)
+    job = case.run(deck, asked=1)
+    case.near("normal stresses", job.last("S")[: len(nodes), :3], -10.0, 1e-6, why="in the space of the elements")
+    case.near("shear stresses", job.last("S")[: len(nodes), 3:], 0.0, 1e-6, why="in the space of the elements", scale=10.0)
+    touching = np.flatnonzero((nodes < 1e-9).any(axis=1))
+    case.near("contact pressure", job.last("CPRESS")[touching], 10.0, 1e-6, why="in the space of the elements")
+    case.done()
+
+
+@pytest.mark.parametrize("kind", ["C3D4", "C3D8", "C3D10", "C3D20"])
+@pytest.mark.parametrize("divided", ["masters", "slaves", "both"])
+def test_seam(proof: Proof, kind: str, divided: str) -> None:
+    """A block over the seam of two plates, and a block whose lower side is two surfaces."""
+    case = proof(
+        f"seam-{divided}-{kind.lower()}",
+        title=f"Surface-to-surface pairs side by side: {divided} divided, {kind}",
+        model=f"A cube of 3 x 3 x 3 cells of {kind}, E = 1000, nu = 0.3, on held plates: two masters whose seam is at x = 0.41, inside a row of slave faces, or "
+        "a slave side that is two surfaces with a row of nodes in common, or both; frictionless, a pressure of 10 on the top, one increment.",
+        formula="Stress zz = -10 and nothing else; contact pressure 10 at every node, at those of the seam too.",
+        source="equilibrium",
+        proves="A node that is slave in several surface-to-surface pairs with the same normal has one row of all of them.",
+    )
+    wide, low = np.array([-0.5, 0.45, 1.5]), np.array([-0.5, 0.0])
+    spans = [np.array([-0.5, 0.41]), np.array([0.41, 1.5])] if divided != "slaves" else [wide]
+    walls, n, names = "", 5000, []
+    for k, span in enumerate(spans):
+        cards, m = fixed_block(f"PLATE{k}", span, wide, low, (2, 0.0), n)
+        walls, n, names = walls + cards, n + m, [*names, f"PLATE{k}"]
+    halves = {"FOOT0": (-1.0, 0.6), "FOOT1": (0.6, 2.0)} if divided != "masters" else {"FOOT0": (-1.0, 2.0)}
+    sides = {name: lambda body, a=a, b=b: np.flatnonzero((np.abs(body.nodes[:, 2]) < 1e-9) & (body.nodes[:, 0] > a - 1e-9) & (body.nodes[:, 0] < b + 1e-9))
+             for name, (a, b) in halves.items()}  # fmt: skip
+    meet = [(foot, k) for foot, (a, b) in halves.items() for k, span in enumerate(spans) if a < span[-1] and b > span[0]]
+    pairs = "".join(pair(foot, f"PLATE{k}_SIDE", 0.0, TYPES["s2s"]).replace("ON_", f"{foot}_ON_") for foot, k in meet)
+    supports = fix(*(f"{name}_ALL, 1, 3" for name in names), "X0, 1", "Y0, 2")
+    deck, nodes = pressed_cube(kind, walls, pairs, sides, [(2, 1.0)], supports)
+    held = "".join(solids.node_set(name, np.flatnonzero(np.abs(nodes[:, axis]) < 1e-9)) for name, axis in (("X0", 0), ("Y0", 1)))
+    job = case.run(deck.replace("*STEP\n", held + "*STEP\n", 1), asked=1)
+    n = len(nodes)
+    case.near("stress", job.last("S")[:n], [0.0, 0.0, -10.0, 0.0, 0.0, 0.0], 1e-6, why="in the space of the elements", scale=10.0)
+    case.near("contact pressure", job.last("CPRESS")[:n][nodes[:, 2] < 1e-9], 10.0, 1e-6, why="in the space of the duals")
+    case.done()
+
+
+def test_symmetric_surfaces(proof: Proof) -> None:
+    """A on B and B on A by surface to surface: the second pair is left out."""
+    case = proof(
+        "symmetric-pair-s2s",
+        title="A symmetric pair by surface to surface",
+        model="The cylinder on the block of symmetric-pair, mu = 0.2, NLGEOM, TYPE=SURFACE TO SURFACE: the cylinder slave alone, and both pairs.",
+        formula="The same result.",
+        source="the rule: of two pairs that are each other's mirror images the first counts",
+        proves="Nothing is held twice.",
+    )
+    cylinder, below = flatten(arc(50.0, 40.0, 50.0, 0.6, 16, 14)), flatten(slab(100.0, 200.0, 1.0, 10, 14))
+    first = pair("CYLINDER_BOTTOM", "BLOCK_TOP", 0.2, TYPES["s2s"])
+    second = pair("BLOCK_TOP", "CYLINDER_BOTTOM", 0.2, TYPES["s2s"])
+    jobs = [hertz(case, name, pairs, cylinder, below, True)[0] for name, pairs in (("one", first), ("both", first + second))]
+    case.near("displacements", jobs[1].last("U"), jobs[0].last("U"), 1e-9, why="the same equations")
+    case.done()
+
+
+def test_mixed_types_share_no_mid_sides(run_deck: Callable[..., subprocess.CompletedProcess[str]]) -> None:
+    """Quadratic slave faces of one body in a pair of each type, with an edge in common: told, and what to do."""
+    walls, pairs, n, sides = "", "", 5000, {}
+    for axis, name, options in ((2, "FLOOR", ""), (0, "WALL", TYPES["s2s"])):
+        spans = [np.array([-0.5, 0.0]) if k == axis else np.array([-0.5, 1.5]) for k in range(3)]
+        cards, m = fixed_block(name, *spans, (axis, 0.0), n)
+        walls, n = walls + cards, n + m
+        sides[f"CUBE_{name}"] = lambda body, axis=axis: body.where(axis, 0.0)
+        pairs += pair(f"CUBE_{name}", f"{name}_SIDE", options=options)
+    supports = fix("FLOOR_ALL, 1, 3", "WALL_ALL, 1, 3")
+    for kind, code in (("C3D20", 4), ("C3D8", 0)):
+        deck, _ = pressed_cube(kind, walls, pairs, sides, [(0, 1.0), (2, 1.0)], supports + "*BOUNDARY\n1, 2\n")
+        done = run_deck(deck)
+        assert done.returncode == code, done.stdout
+        assert ("Give both the same TYPE" in done.stdout) == (code == 4)
