@@ -4,7 +4,7 @@
 
 Left: the deformed bodies coloured by the Mises stress (displacements magnified by a round factor that is printed).
 Right: pressure and friction on the slave surface, status of each slave node, its slip scenario, and the sums of normal
-and tangential contact force over time. N counts the increments on file from 0, the initial state; default: the last.
+and tangential contact force over time. Plane bodies are seen along z, and their slaves laid out along x or y. N counts the increments on file from 0, the initial state; default: the last.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -59,6 +59,9 @@ _HEX = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3
 _TET = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
 _WEDGE = [[0, 2, 1], [3, 4, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]]
 FACES = {12: _HEX, 25: _HEX, 10: _TET, 24: _TET, 13: _WEDGE, 26: _WEDGE}
+#: Plane cells are their own faces, bars their own lines.
+PLANE = {5: [[0, 1, 2]], 22: [[0, 1, 2]], 9: [[0, 1, 2, 3]], 23: [[0, 1, 2, 3]]}
+BARS = {3, 21}
 
 
 @dataclass
@@ -68,6 +71,8 @@ class Job:
     name: str
     points: Floats  #: (n, 3) reference coordinates
     skin: list[Ints]  #: outer faces, corner nodes, outward
+    bars: list[Ints]  #: ends of trusses and springs
+    shells: list[Ints]  #: plane cells among solids: rigid surfaces
     times: Floats
     fields: dict[str, Floats]  #: (n_frames, n, ...) by name
     slaves: Ints  #: slave nodes, empty without contact
@@ -91,12 +96,15 @@ def read_job(path: Path) -> Job:
         for name, starts in offsets.items():
             data = grid["PointData"][name]
             fields[name] = np.stack([data[int(o) : int(o) + n] for o in starts])
-        skin = outer_faces(grid["Connectivity"][:], grid["Offsets"][:], grid["Types"][:])
+        cells = grid["Connectivity"][:], grid["Offsets"][:], grid["Types"][:]
         times = grid["Steps/Values"][:]
         text = _text(file)
         slaves = _slaves(file, fields)
         friction = {float(v) for v in re.findall(r"(?im)^\s*\*\s*FRICTION[^\n]*\n\s*([0-9.eE+-]+)", text)}
-        job = Job(path.stem, grid["Points"][:], skin, times, fields, slaves, None, _step_ends(text, times))
+        skin, shells = outer_faces(*cells, FACES), outer_faces(*cells, PLANE)
+        if not skin:
+            skin, shells = shells, []
+        job = Job(path.stem, grid["Points"][:], skin, bar_ends(*cells), shells, times, fields, slaves, None, _step_ends(text, times))
     if len(friction) == 1:
         job.friction = friction.pop()
     return job
@@ -125,15 +133,20 @@ def _step_ends(text: str, times: Floats) -> list[float]:
     return [float(end) for end in ends if end < times[-1] * (1 - 1e-9)]
 
 
-def outer_faces(connectivity: Ints, offsets: Ints, types: Ints) -> list[Ints]:
-    """Faces that belong to one cell only."""
+def outer_faces(connectivity: Ints, offsets: Ints, types: Ints, faces: dict[int, list[list[int]]]) -> list[Ints]:
+    """Faces that belong to one cell only; faces: the corners of those of each type of cell."""
     seen: dict[tuple[int, ...], Ints | None] = {}
     for start, kind in zip(offsets[:-1], types, strict=False):
-        for local in FACES.get(int(kind), []):
+        for local in faces.get(int(kind), []):
             nodes = connectivity[start + np.array(local)]
             key = tuple(sorted(int(v) for v in nodes))
             seen[key] = nodes if key not in seen else None
     return [nodes for nodes in seen.values() if nodes is not None]
+
+
+def bar_ends(connectivity: Ints, offsets: Ints, types: Ints) -> list[Ints]:
+    """First and last corner of the cells that are lines."""
+    return [connectivity[start + np.array([0, 1])] for start, kind in zip(offsets[:-1], types, strict=False) if int(kind) in BARS]
 
 
 # ------------------------------------------------------------------------------------------------ the bodies
@@ -150,8 +163,10 @@ def round_factor(points: Floats, u: Floats) -> float:
 
 
 def camera(points: Floats) -> tuple[Floats, Floats, Floats]:
-    """Right, up, and towards the viewer; flatter for a model that is thin in y."""
+    """Right, up, and towards the viewer; along z on plane bodies, flatter on a model that is thin in y."""
     extent = np.ptp(points, axis=0)
+    if extent[2] == 0:
+        return np.eye(3)[0], np.eye(3)[1], np.eye(3)[2]
     azimuth, elevation = (-62.0, 24.0) if extent[1] > 0.2 * extent.max() else (-80.0, 14.0)
     a, e = math.radians(azimuth), math.radians(elevation)
     towards = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
@@ -159,18 +174,57 @@ def camera(points: Floats) -> tuple[Floats, Floats, Floats]:
     return right, np.cross(towards, right), towards
 
 
-def draw_bodies(axes: Axes, job: Job, k: int) -> float:
-    """Deformed outer faces, those turned away left out, far ones first. Gives the factor of magnification."""
+def draw_bodies(axes: Axes, job: Job, k: int, is_close: bool = False) -> float:
+    """Deformed outer faces, those turned away left out, far ones first. Gives the factor of magnification.
+
+    is_close: only around what is stressed, and at true size where bodies touch: magnified, they would seem to overlap.
+    """
     u = job.frame("U", k)
-    factor = round_factor(job.points, u)
+    factor = 1.0 if is_close and len(job.slaves) else round_factor(job.points, u)
     x = job.points + factor * u
     mises = job.frame("S_mises", k)
+    right, up, towards = camera(job.points)
+    for bar in job.bars:
+        axes.plot(x[bar] @ right, x[bar] @ up, color=INK, lw=1.5)
+    if job.shells:
+        outlines = [np.stack([x[face] @ right, x[face] @ up], axis=1) for face in job.shells]
+        axes.add_collection(PolyCollection(outlines, facecolors="none", edgecolors="#9aa7b1", linewidths=0.4, zorder=3))
+    norm = Normalize(0.0, float(mises.max()) or 1.0)
+    if job.skin:
+        _draw_faces(axes, job, x, mises, norm)
+    axes.set_aspect("equal")
+    axes.autoscale_view()
+    axes.margins(0.01)
+    _look_at(axes, np.stack([x @ right, x @ up], axis=1), mises > (0.05 if is_close else 1e-9) * norm.vmax)
+    axes.axis("off")
+    _triad(axes, right, up)
+    bar = plt.colorbar(
+        plt.cm.ScalarMappable(norm, "viridis"), cax=axes.inset_axes((0.22, -0.07, 0.7, 0.022)), orientation="horizontal"
+    )
+    bar.set_label("Mises stress")
+    bar.outline.set_visible(False)
+    return factor
+
+
+def _look_at(axes: Axes, flat: Floats, is_stressed: NDArray[np.bool_]) -> None:
+    """Rigid bodies may be far larger than what deforms: they are seen only around it."""
+    if not is_stressed.any():
+        return
+    low, high = flat[is_stressed].min(axis=0), flat[is_stressed].max(axis=0)
+    margin = 0.3 * (high - low).max()
+    if (np.ptp(flat, axis=0) > (high - low) + 2 * margin).any():
+        (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+        axes.set_xlim(max(left, low[0] - margin), min(right, high[0] + margin))
+        axes.set_ylim(max(bottom, low[1] - margin), min(top, high[1] + margin))
+
+
+def _draw_faces(axes: Axes, job: Job, x: Floats, mises: Floats, norm: Normalize) -> None:
+    """The faces as shaded pieces, and the edges of the elements."""
     right, up, towards = camera(job.points)
     pieces = cut_faces(job.skin, x, mises)
     facing = pieces.normals @ towards
     order = np.argsort(pieces.corners.mean(axis=1) @ towards)
     order = order[facing[order] > 1e-6]
-    norm = Normalize(0.0, max(float(mises.max()), 1e-300))
     colours = plt.get_cmap("viridis")(norm(pieces.values))
     colours[:, :3] *= (0.72 + 0.28 * np.clip(facing, 0, 1))[:, None]
     shapes, fills, strokes, widths = [], [], [], []
@@ -188,17 +242,6 @@ def draw_bodies(axes: Axes, job: Job, k: int) -> float:
             strokes.append(line)
             widths.append(thin)
     axes.add_collection(PolyCollection(shapes, facecolors=fills, edgecolors=strokes, linewidths=widths))
-    axes.set_aspect("equal")
-    axes.autoscale_view()
-    axes.margins(0.01)
-    axes.axis("off")
-    _triad(axes, right, up)
-    bar = plt.colorbar(
-        plt.cm.ScalarMappable(norm, "viridis"), cax=axes.inset_axes((0.22, -0.07, 0.7, 0.022)), orientation="horizontal"
-    )
-    bar.set_label("Mises stress")
-    bar.outline.set_visible(False)
-    return factor
 
 
 @dataclass
@@ -239,6 +282,8 @@ def _triad(axes: Axes, right: Floats, up: Floats) -> None:
     """The directions of the axes in a corner."""
     inset = axes.inset_axes((0.0, -0.15, 0.16, 0.16))
     for d, name in enumerate("xyz"):
+        if right[d] == 0 and up[d] == 0:
+            continue
         tip = np.array([right[d], up[d]])
         inset.annotate("", xy=tip, xytext=(0, 0), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.1})
         place = tip * (1 + 0.28 / max(float(np.linalg.norm(tip)), 0.3))
@@ -398,9 +443,24 @@ def draw(job: Job, k: int, output: Path) -> float:
     return factor
 
 
+def shape(path: Path) -> tuple[plt.Figure, str]:
+    """The deformed bodies alone at the end of a job, small, and what to write below."""
+    job = read_job(path)
+    k = len(job.times) - 1
+    with plt.rc_context(STYLE):
+        figure = plt.figure(figsize=(6.4, 4.4), layout="constrained")
+        factor = draw_bodies(figure.add_subplot(), job, k, is_close=True)
+        plt.close(figure)
+    magnified = "in true size" if factor == 1 else f"{factor:g} times as large"
+    return figure, f"The end of the job (t = {job.times[k]:.4g}): elements, displacements {magnified}, Mises stress."
+
+
 def _draw_contact(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec, job: Job, k: int) -> None:
     """The four panels on the right."""
     chart = slave_map(job)
+    if not chart.faces:
+        _draw_line_of_slaves(figure, grid, job, k)
+        return
     draw_pressure(figure.add_subplot(grid[0, 1]), job, chart, k)
     status = job.frame("CSTATUS", k).astype(int)
     scenario = job.frame("CSCENARIO", k).astype(int)
@@ -414,6 +474,37 @@ def _draw_contact(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec, job: J
         SCENARIO_NAMES,
         "Slip scenario, last seen",
     )
+    draw_history(figure.add_subplot(grid[1, 2]), job, k)
+
+
+def _draw_line_of_slaves(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec, job: Job, k: int) -> None:
+    """The panels of slaves that have no faces, as those of plane bodies: over the direction in which they reach farthest."""
+    places = job.points[job.slaves]
+    along = int(np.argmax(np.ptp(places, axis=0)))
+    order = np.argsort(places[:, along], kind="stable")
+    nodes, s = job.slaves[order], places[order, along]
+    pressure = job.frame("CPRESS", k)[nodes]
+    shear = np.linalg.norm(np.reshape(job.frame("CSHEAR", k)[nodes], (len(nodes), -1)), axis=1)
+    axes = figure.add_subplot(grid[0, 1:])
+    axes.plot(s, pressure, color="#2f6db3", lw=1.5, marker="o", ms=3, label="pressure")
+    axes.plot(s, shear, color="#f28e2b", lw=1.5, marker="o", ms=3, label="friction")
+    axes.set(xlabel="xyz"[along])
+    axes.set_title("Pressure and friction of the slave nodes")
+    axes.legend(frameon=False, fontsize=8.5)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes = figure.add_subplot(grid[1, 1])
+    for name, colours, names, height in (
+        ("CSTATUS", STATUS_COLOURS, STATUS_NAMES, 1.0),
+        ("CSCENARIO", SCENARIO_COLOURS, SCENARIO_NAMES, 0.0),
+    ):
+        values = job.frame(name, k)[nodes].astype(int)
+        for c, what in enumerate(names):
+            axes.scatter(s[values == c], np.full((values == c).sum(), height), 14, color=colours[c], label=f"{what} ({(values == c).sum()})",
+                         edgecolors="#9aa7b1", linewidths=0.3)  # fmt: skip
+    axes.set(xlabel="xyz"[along], ylim=(-0.6, 1.6), yticks=[0, 1], yticklabels=["scenario", "status"])
+    axes.set_title("Status, and slip scenario last seen")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, frameon=False, fontsize=8)
+    axes.spines[["top", "right", "left"]].set_visible(False)
     draw_history(figure.add_subplot(grid[1, 2]), job, k)
 
 

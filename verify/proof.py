@@ -164,6 +164,8 @@ class Case:
             job.n_iterations / increments,
             (0.0, MOST_ITERATIONS),
             why="failed attempts are counted, and the increments are those that the deck asks for",
+            place="whole model",
+            time="whole job",
         )
         return job
 
@@ -175,8 +177,8 @@ class Case:
         tolerance: float,
         *,
         why: str,
-        place: str = "",
-        time: str = "",
+        place: str,
+        time: str,
         scale: float | None = None,
         order: str = "",
     ) -> None:
@@ -191,9 +193,7 @@ class Case:
             Check(quantity, place, time, f"{reference:.6g}", float(ours), error, tolerance, why, order)
         )
 
-    def within(
-        self, quantity: str, value: float, band: tuple[float, float], *, why: str, place: str = "", time: str = ""
-    ) -> None:
+    def within(self, quantity: str, value: float, band: tuple[float, float], *, why: str, place: str, time: str) -> None:
         """low <= value <= high; the error is how far outside it is."""
         low, high = band
         outside = max(low - value, value - high, 0.0) if math.isfinite(value) else math.inf
@@ -211,13 +211,27 @@ class Case:
         if self.pages is None:
             return
         file = f"{self.name}-{len(self.figures) + 1}.png"
-        figure = draw()
-        figure.savefig(self.pages / file, dpi=110, bbox_inches="tight", metadata={"Software": None})
+        self.save(draw(), self.pages / file)
         self.figures.append((file, caption))
 
+    def save(self, figure: object, path: Path) -> None:
+        """As a PNG of 128 colours: there are many of them, and they are kept."""
+        import io
+
+        from PIL import Image
+
+        store = io.BytesIO()
+        figure.savefig(store, dpi=90, bbox_inches="tight", metadata={"Software": None})
+        Image.open(store).convert("RGB").quantize(128, dither=Image.Dither.NONE).save(path, optimize=True)
+
     def done(self) -> None:
-        """Writes the page and judges."""
+        """Writes the page, with a picture of the last job if the case drew none, and judges."""
         if self.pages is not None:
+            if self.jobs and not self.figures:
+                import picture
+
+                figure, caption = picture.shape(self.jobs[-1].path)
+                self.figure(lambda: figure, f"{self.jobs[-1].name}. {caption}" if len(self.jobs) > 1 else caption)
             (self.pages / f"{self.name}.md").write_text(self.page())
             facts = {"name": self.name, "title": self.title, "checks": [asdict(c) for c in self.checks]}
             facts["effort"] = [(job.n_increments, job.n_iterations, job.n_failed) for job in self.jobs]

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
@@ -56,32 +57,112 @@ def test_patches(proof: Proof) -> None:
     case.done()
 
 
-def test_plane_patches(proof: Proof) -> None:
-    """The same for plane stress and plane strain."""
+def plane_slope(prefix: str, is_nlgeom: bool) -> Floats:
+    """An affine motion of a plane body in three dimensions, the third with what the kind of element asks for; axisymmetric: u_r = a r, u_z = b z."""
+    slope = np.zeros((3, 3))
+    slope[:2, :2] = np.diag([1.0, -0.5]) if prefix == "CAX" else [[1.0, 0.5], [0.2, -0.4]]
+    slope *= 0.1 if is_nlgeom else 1e-3
+    if prefix == "CAX":
+        slope[2, 2] = slope[0, 0]
+    elif prefix == "CPS" and is_nlgeom:
+        deformation = np.eye(2) + slope[:2, :2]
+        slope[2, 2] = np.exp(-NU / (1 - NU) * np.log(np.linalg.det(deformation))) - 1
+    elif prefix == "CPS":
+        slope[2, 2] = -NU / (1 - NU) * np.trace(slope)
+    return slope
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True], ids=["small", "finite"])
+def test_plane_patches(proof: Proof, is_nlgeom: bool) -> None:
+    """The same for plane stress, plane strain and axisymmetric elements."""
+    what = "finite strain" if is_nlgeom else "small strain"
     case = proof(
-        "patch-tests-plane",
-        title="Patch test of plane stress and plane strain elements, distorted",
-        model="A square of 4 x 4 cells whose inner corners are moved at random by up to a fifth of a cell; the rim follows an affine motion with strains of "
-        "0.1 %, one increment. E = 1000, nu = 0.3.",
-        formula="u = A X inside as well; plane stress: sigma_zz = 0; plane strain: eps_zz = 0.",
+        f"patch-tests-plane{'-finite' * is_nlgeom}",
+        title=f"Patch test of plane stress, plane strain and axisymmetric elements, distorted, {what}",
+        model="A square of 4 x 4 cells whose inner corners are moved at random by up to a fifth of a cell; the rim follows an affine motion (axisymmetric: "
+        f"u_r = a r, u_z = b z, the square at radii 1 to 2) with strains of {'5 to 10 %, NLGEOM' if is_nlgeom else '0.1 %'}, one increment. E = 1000, nu = 0.3.",
+        formula="u = A X inside as well; one stress everywhere, "
+        + ("Hencky's for F = 1 + A. " if is_nlgeom else "Hooke's law for sym A. ")
+        + "Plane stress: sigma_zz = 0; plane strain: eps_zz = 0; axisymmetric: eps_theta = a.",
         source="B. M. Irons (1966); closed form",
-        proves="Completeness of every plane element.",
+        proves="Completeness of every plane and axisymmetric element.",
     )
-    slope = 1e-3 * np.array([[1.0, 0.5], [0.2, -0.4]])
-    strain = np.zeros((3, 3))
-    strain[:2, :2] = 0.5 * (slope + slope.T)
-    for prefix in ("CPS", "CPE"):
-        full = strain.copy()
-        if prefix == "CPS":
-            full[2, 2] = -NU / (1 - NU) * np.trace(strain)
+    for prefix in ("CPS", "CPE", "CAX"):
+        slope = plane_slope(prefix, is_nlgeom)
+        stress = hencky_stress(slope) if is_nlgeom else hooke(0.5 * (slope + slope.T))
         for shape in PLANE_SHAPES:
-            body = sheet(prefix, shape, (4, 4), lambda s, t: (s, t), 0.2)
+            body = sheet(prefix, shape, (4, 4), lambda s, t: (1 + s, t), 0.2)
             rim = np.flatnonzero(((body.uv < 1e-9) | (body.uv > 1 - 1e-9)).any(axis=1))
-            u = body.nodes @ slope.T
-            rows = "".join(f"{n + 1}, {d + 1}, {d + 1}, {u[n, d]:.17g}\n" for n in rim for d in (0, 1))
-            job = case.run(body.cards() + ELASTIC + step(TIGHT + "*BOUNDARY\n" + rows, 1), prefix + shape, asked=1)
-            case.near("displacement", job.last("U")[:, :2], u, 1e-9, why="exact but for rounding", place=prefix + shape)
-            case.near("stress", job.last("S"), np.tile(voigt(hooke(full)), (len(u), 1)), 1e-8, why="exact but for rounding", place=prefix + shape)
+            u = body.nodes @ slope[:2, :2].T
+            kind = prefix + shape
+            job = case.run(body.cards() + ELASTIC + step(TIGHT + fix(*rows_of(rim, u)), 1, is_nlgeom), kind, asked=1)
+            case.near("displacement", job.last("U")[:, :2], u, 1e-9, why="exact but for rounding", place=f"all nodes, {kind}", time="the end")
+            wanted = np.tile(voigt(stress), (len(u), 1))
+            case.near("stress", job.last("S"), wanted, 1e-8, why="exact but for rounding", place=f"all nodes, {kind}", time="the end")
+    case.done()
+
+
+def rows_of(nodes: Floats, u: Floats) -> list[str]:
+    """Data lines of BOUNDARY that give nodes of a plane body their displacements."""
+    return [f"{n + 1}, {d + 1}, {d + 1}, {u[n, d]:.17g}" for n in nodes for d in (0, 1)]
+
+
+def test_plane_rotation(proof: Proof) -> None:
+    """A turn by 60 degrees in the plane leaves no stress; nor does a shift along the axis."""
+    case = proof(
+        "rigid-rotation-plane",
+        title="Rigid motion of every plane and axisymmetric element, distorted",
+        model="The square of the patch test; its rim is turned by 60 degrees about the origin along straight ways in 3 increments, NLGEOM; axisymmetric "
+        "elements, which have no other rigid motion, are shifted by 0.7 along the axis.",
+        formula="u = (R - 1) X inside as well, no strain, no stress.",
+        source="closed form",
+        proves="Objectivity: strains on the way leave nothing behind.",
+    )
+    turn = np.array([[0.5, -np.sqrt(0.75)], [np.sqrt(0.75), 0.5]])
+    for prefix in ("CPS", "CPE", "CAX"):
+        for shape in PLANE_SHAPES:
+            body = sheet(prefix, shape, (4, 4), lambda s, t: (1 + s, t), 0.2)
+            rim = np.flatnonzero(((body.uv < 1e-9) | (body.uv > 1 - 1e-9)).any(axis=1))
+            u = np.tile([0.0, 0.7], (len(body.nodes), 1)) if prefix == "CAX" else body.nodes @ turn.T - body.nodes
+            kind = prefix + shape
+            job = case.run(body.cards() + ELASTIC + step(TIGHT + fix(*rows_of(rim, u)), 3, True), kind, asked=3)
+            case.near("displacement", job.last("U")[:, :2], u, 1e-9, why="exact but for rounding", place=f"all nodes, {kind}", time="the end")
+            case.near("stress over E", job.last("S") / YOUNG, 0.0, 1e-8, why="exact but for rounding", place=f"all nodes, {kind}", time="the end",
+                      scale=1.0)  # fmt: skip
+    case.done()
+
+
+@pytest.mark.parametrize("kind", ["T3D2", "T3D3"])
+def test_bars_turned(proof: Proof, kind: str) -> None:
+    """A row of bars of different lengths is stretched and turned."""
+    stretch, area = 1.2, 0.1
+    case = proof(
+        f"patch-bars-{kind.lower()}",
+        title=f"A row of {kind} in space, stretched and turned",
+        model=f"Three {kind} one after the other along (1, 2, 2)/3, 1, 0.5 and 1.5 long, section 0.1, E = 1000; the ends of the row move so that it is 1.2 times as "
+        "long and lies along x, in 5 increments, NLGEOM; the nodes between them are free along x alone. And turned without a stretch.",
+        formula="Force E A ln(l)/l with the stretch l, none without it; the nodes between the ends part the row as before.",
+        source="closed form: Kirchhoff's stress by the logarithmic strain, volume unchanged in the force per reference section",
+        proves="One strain in bars of different lengths; no force from a rotation.",
+    )
+    along = np.array([1.0, 2.0, 2.0]) / 3
+    ends = np.array([0.0, 1.0, 1.5, 3.0])
+    places = ends if kind == "T3D2" else np.sort(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2]))
+    nodes = places[:, None] * along
+    rows = "".join(f"{i}, {x:.15g}, {y:.15g}, {z:.15g}\n" for i, (x, y, z) in enumerate(nodes, start=1))
+    per = 1 if kind == "T3D2" else 2
+    bars = "".join(f"{e + 1}, {', '.join(str(per * e + 1 + i) for i in range(per + 1))}\n" for e in range(3))
+    deck = f"*NODE, NSET=NODES\n{rows}*ELEMENT, TYPE={kind}, ELSET=ALL\n{bars}" + ELASTIC + f"{area}\n"
+    for name, factor in (("stretched", stretch), ("turned", 1.0)):
+        target = factor * places[:, None] * np.array([1.0, 0.0, 0.0])
+        inner = range(1, len(places) - 1)
+        moves = [f"{n + 1}, {d + 1}, {d + 1}, {target[n, d] - nodes[n, d]:.17g}" for n in (0, len(places) - 1) for d in range(3)]
+        moves += [f"{n + 1}, {d + 1}, {d + 1}, {-nodes[n, d]:.17g}" for n in inner for d in (1, 2)]
+        job = case.run(deck + step(TIGHT + fix(*moves), 5, True), name, asked=5)
+        case.near("place", nodes + job.last("U"), target, 1e-8, why="exact but for rounding", place=f"all nodes, {name}", time="the end")
+        wanted = YOUNG * area * np.log(factor) / factor
+        case.near("force over E A", job.last("RF")[-1, 0] / (YOUNG * area), wanted / (YOUNG * area), 1e-8, why="exact but for rounding",
+                  place=f"end of the row, {name}", time="the end", scale=1.0)  # fmt: skip
     case.done()
 
 
@@ -102,8 +183,8 @@ def test_rigid_rotation(proof: Proof) -> None:
         body = distorted(kind)
         u, outside = body.nodes @ turn.T - body.nodes, body.boundary_nodes()
         job = case.run(body.cards() + ELASTIC + step(TIGHT + prescribed(outside, u[outside]), 3, True), kind, asked=3)
-        case.near("displacement", job.last("U"), u, 1e-9, why="exact but for rounding", place=kind)
-        case.near("stress over E", job.last("S") / YOUNG, 0.0, 1e-8, why="exact but for rounding", place=kind, scale=1.0)
+        case.near("displacement", job.last("U"), u, 1e-9, why="exact but for rounding", place=kind, time="the end")
+        case.near("stress over E", job.last("S") / YOUNG, 0.0, 1e-8, why="exact but for rounding", place=kind, scale=1.0, time="the end")
     case.done()
 
 
@@ -135,9 +216,10 @@ def test_thermal(proof: Proof) -> None:
         ("all around", ["Q0, 1", "Q1, 2", "Q2, 3"], [-YOUNG * alpha * heat / (1 - 2 * NU)] * 3),
     ):
         job = case.run(body.cards() + sides + material + start + step(TIGHT + fix(*rollers, *walls) + hot, 2), name, asked=2)
-        case.near("stress", job.last("S")[:, :3], np.tile(wanted, (len(body.nodes), 1)), 1e-9, why="uniform", place=name, scale=YOUNG * alpha * heat)
+        case.near("stress", job.last("S")[:, :3], np.tile(wanted, (len(body.nodes), 1)), 1e-9, why="uniform", place=name, scale=YOUNG * alpha * heat,
+                  time="the end")  # fmt: skip
         if name == "free":
-            case.near("displacement", job.last("U"), alpha * heat * body.nodes, 1e-9, why="uniform", place=name)
+            case.near("displacement", job.last("U"), alpha * heat * body.nodes, 1e-9, why="uniform", place=name, time="the end")
     length = 20.0
     body = as_kind(block(between(0, length, 20), [0.0, 1.0], [-1.0, 0.0, 1.0], "STRIP"), "C3D20R")
     upper = [i for i, nodes in enumerate(body.elements) if body.nodes[nodes, 2].mean() > 0]
@@ -152,7 +234,8 @@ def test_thermal(proof: Proof) -> None:
     n = 0.5
     curvature = 6 * alpha * heat * 4 / (2 * (3 * 4 + (1 + n) * (1 + 1 / n)))
     tip = np.flatnonzero((np.abs(body.nodes - [length, 0, 0]) < 1e-9).all(axis=1))[0]
-    case.near("deflection of the tip", job.last("U")[tip, 2], -curvature * length**2 / 2, 0.005, why="free edges disturb over one height of twenty")
+    case.near("deflection of the tip", job.last("U")[tip, 2], -curvature * length**2 / 2, 0.005, why="free edges disturb over one height of twenty",
+              place="end of the strip", time="the end")  # fmt: skip
     case.done()
 
 
@@ -193,9 +276,9 @@ def test_bolt(proof: Proof) -> None:
     third = TIGHT + f"*CLOAD\n{heads[0]}, 3, 6.\n"
     job = case.run(cards + step(first, 1) + step(second, 1) + step(third, 1), asked=3)
     stress = job.field("S")[:, [i for i in range(12, 16)], 2]
-    case.near("bolt force", stress[1], 10.0, 1e-8, why="uniaxial", time="tightened")
-    case.near("bolt force", stress[2], 10.0, 1e-8, why="uniaxial", time="fixed")
-    case.near("bolt force", stress[3], 10.0 + 6 * 500 / 1000, 1e-8, why="uniaxial", time="loaded")
+    case.near("bolt force", stress[1], 10.0, 1e-8, why="uniaxial", time="tightened", place="all nodes of the bolt")
+    case.near("bolt force", stress[2], 10.0, 1e-8, why="uniaxial", time="fixed", place="all nodes of the bolt")
+    case.near("bolt force", stress[3], 10.0 + 6 * 500 / 1000, 1e-8, why="uniaxial", time="loaded", place="all nodes of the bolt")
     case.done()
 
 
@@ -226,6 +309,7 @@ def test_rigid_end(proof: Proof) -> None:
     ):
         job = case.run(body.cards() + start + sets + tie + material + step(TIGHT + fix("ROOT, 1, 3") + load, 1), name, asked=1)
         u = job.last("U")
-        case.near("deflection", u[axis, 2], -deflection, 1e-6, why="exact", place=f"end of the axis, {name}")
-        case.near("shift of the reference node", u[n, 0], rotation, 1e-6, why="exact: rotation times its distance from the axis", place=name)
+        case.near("deflection", u[axis, 2], -deflection, 1e-6, why="exact", place=f"end of the axis, {name}", time="the end")
+        case.near("shift of the reference node", u[n, 0], rotation, 1e-6, why="exact: rotation times its distance from the axis", place=name,
+                  time="the end")  # fmt: skip
     case.done()

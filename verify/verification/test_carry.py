@@ -79,13 +79,15 @@ def test_fall(proof: Proof, dimension: int, gap: float) -> None:
     force = (job.field("CNORMF") + job.field("CSHEARF")).sum(axis=1)
     n_body = len(flatten(body).nodes) if dimension == 2 else len(body.nodes)
     fall = job.field("U")[landed, :n_body, up]
-    case.near("weight on the table", force[landed, up], weight, 1e-6, why="equilibrium", time="1")
-    case.near("the block's fall", fall.mean(), -gap, 0.01, why="and both give way by about W/E = 5e-5", time="1")
+    case.near("weight on the table", force[landed, up], weight, 1e-6, why="equilibrium", time="1", place="foot of the table")
+    case.near("the block's fall", fall.mean(), -gap, 0.01, why="and both give way by about W/E = 5e-5", time="1", place="all nodes of the block")
     work = carried_work(job.path)
-    case.within("carried work over W times the fall", work[0] / (weight * gap), (0.5, 1.0), why="between the ramp and the whole load", time="1")
-    case.near("carried work afterwards", work[-1], work[0], 1e-9, why="nothing is carried any more", time="2")
-    case.near("weight on the table", force[-1, up], weight, 1e-6, why="equilibrium", time="2")
-    case.near("the block goes with the table", job.last("U")[:n_body, 0].mean() / 0.5, 1.0, 1e-4, why="it sticks", time="2")
+    case.within("carried work over W times the fall", work[0] / (weight * gap), (0.5, 1.0), why="between the ramp and the whole load", time="1",
+                place="whole model")  # fmt: skip
+    case.near("carried work afterwards", work[-1], work[0], 1e-9, why="nothing is carried any more", time="2", place="whole model")
+    case.near("weight on the table", force[-1, up], weight, 1e-6, why="equilibrium", time="2", place="foot of the table")
+    case.near("the block goes with the table", job.last("U")[:n_body, 0].mean() / 0.5, 1.0, 1e-4, why="it sticks", time="2",
+              place="all nodes of the block")  # fmt: skip
     case.done()
 
 
@@ -113,10 +115,11 @@ def test_disc_between_plates(proof: Proof) -> None:
     plane_disc = flatten(disc)
     force = (job.last("CNORMF") + job.last("CSHEARF"))[:, 1]
     total = 50.0 * 21
-    case.near("below", force[plane_disc.node_sets["DISC_BOTTOM"]].sum(), total, 1e-5, why="equilibrium")
-    case.near("above", force[plane_disc.node_sets["DISC_TOP"]].sum(), -total, 1e-5, why="equilibrium")
+    case.near("below", force[plane_disc.node_sets["DISC_BOTTOM"]].sum(), total, 1e-5, why="equilibrium", place="bottom of the disc", time="the end")
+    case.near("above", force[plane_disc.node_sets["DISC_TOP"]].sum(), -total, 1e-5, why="equilibrium", place="top of the disc", time="the end")
     sideways = job.last("U")[plane_disc.node_sets["DISC_BOTTOM"], 0].mean()
-    case.near("it stays in the middle", sideways, 0.0, 1e-3, why="symmetry; nothing but rounding chooses a side before it touches", scale=1.0)
+    case.near("it stays in the middle", sideways, 0.0, 1e-3, why="symmetry; nothing but rounding chooses a side before it touches", scale=1.0,
+              place="all nodes of the disc", time="the end")  # fmt: skip
     case.done()
 
 
@@ -138,9 +141,10 @@ def test_pushed_to_a_wall(proof: Proof) -> None:
     job = case.run(plane([(body, SOFT), (floor, STEEL), (wall, STEEL)], cards + step(loads, 4, True)), asked=4)
     whole = join_planes([flatten(part) for part in (body, floor, wall)])
     held = np.concatenate([whole.node_sets["FLOOR_BOTTOM"], whole.node_sets["WALL_LEFT"]])
-    case.near("reactions", job.last("RF")[held].sum(axis=0)[:2], np.array([25.0, DENSITY * GRAVITY]), 1e-5, why="equilibrium")
+    case.near("reactions", job.last("RF")[held].sum(axis=0)[:2], np.array([25.0, DENSITY * GRAVITY]), 1e-5, why="equilibrium",
+              place="floor and wall", time="the end")  # fmt: skip
     pressed = job.last("U")[flatten(body).node_sets["BODY_LEFT"], 0]
-    case.near("the way to the wall", pressed.mean(), -0.1, 0.02, why="and the wall gives way by 25/E")
+    case.near("the way to the wall", pressed.mean(), -0.1, 0.02, why="and the wall gives way by 25/E", place="side at the wall", time="the end")
     case.done()
 
 

@@ -67,8 +67,9 @@ def test_matching(proof: Proof, mu: float) -> None:
     deck, n = stack(3, 3, mu)
     job = case.run(deck, asked=1)
     stress = job.last("S")
-    case.near("stress", stress, np.tile([0, 0, -10.0, 0, 0, 0], (len(stress), 1)), 1e-6, why="in the space of the elements")
-    case.near("contact pressure", job.last("CPRESS")[:16], 10.0, 1e-6, why="in the space of the elements")
+    case.near("stress", stress, np.tile([0, 0, -10.0, 0, 0, 0], (len(stress), 1)), 1e-6, why="in the space of the elements",
+              place="all nodes", time="the end")  # fmt: skip
+    case.near("contact pressure", job.last("CPRESS")[:16], 10.0, 1e-6, why="in the space of the elements", place="all slave nodes", time="the end")
     case.done()
 
 
@@ -88,8 +89,9 @@ def test_not_matching(proof: Proof, upper: int, lower: int) -> None:
     deck, n = stack(upper, lower, 0.0)
     job = case.run(deck, asked=1)
     total = job.last("CNORMF")[:, 2].sum()
-    case.near("total contact force", total, 10.0, 1e-9, why="equilibrium")
+    case.near("total contact force", total, 10.0, 1e-9, why="equilibrium", place="all slave nodes", time="the end")
     worst = float(np.abs(job.last("S")[:, 2] + 10).max() / 10)
     band = (0.01, 0.45)
-    case.within("worst stress, relative error", worst, band, why="it fails (above 1 %) as other node-to-surface codes do (28 to 45 %)")
+    case.within("worst stress, relative error", worst, band, why="it fails (above 1 %) as other node-to-surface codes do (28 to 45 %)",
+                place="all nodes", time="the end")  # fmt: skip
     case.done()

@@ -73,16 +73,16 @@ def test_nafems_r0094_1(proof: Proof) -> None:
     slaves, middle = rows_of(mesh, "CYLINDER_BOTTOM"), rows_of(mesh, "BLOCK_TOP")[0]
     x, p = jobs[0.0].points[slaves, 0], jobs[0.0].last("CPRESS")[slaves]
     found_a, found_p0 = fitted(x, p)
-    case.near("peak pressure p0", found_p0, p0, 0.03, why="Hertz is 1 to 2 % off at a/R = 0.12")
-    case.near("half width a", found_a, a, 0.03, why="as p0")
-    case.near("edge of contact", x[p > 0].max(), a, 0.6 / a, why="one element")
+    case.near("peak pressure p0", found_p0, p0, 0.03, why="Hertz is 1 to 2 % off at a/R = 0.12", place="x = 0", time="the end")
+    case.near("half width a", found_a, a, 0.03, why="as p0", place="x = a", time="the end")
+    case.near("edge of contact", x[p > 0].max(), a, 0.6 / a, why="one element", place="x = a", time="the end")
     inner = x < 0.9 * a
     expected = p0 * np.sqrt(1 - (x[inner] / a) ** 2)
-    case.near("pressure", p[inner], expected, 0.03, why="as p0", place="x < 0.9 a")
+    case.near("pressure", p[inner], expected, 0.03, why="as p0", place="x < 0.9 a", time="the end")
     uz = {mu: float(job.last("U")[middle, 2]) for mu, job in jobs.items()}
     alone = case.run(block_under_hertz(a, p0), "Hertz's pressure").last("U")[rows_of(r0094_parts()[1], "BLOCK_TOP")[0], 2]
-    case.near("uz", uz[0.0], alone, 0.005, why="a fifth of the error of Hertz", place="top of block")
-    case.near("uz with over without friction", uz[0.1] / uz[0.0], 1.3011 / 1.3069, 0.005, why="as published", place="top of block")
+    case.near("uz", uz[0.0], alone, 0.005, why="a fifth of the error of Hertz", place="top of block", time="the end")
+    case.near("uz with over without friction", uz[0.1] / uz[0.0], 1.3011 / 1.3069, 0.005, why="as published", place="top of block", time="the end")
     case.figure(lambda: pressures(x, p, a, p0), "Contact pressure against Hertz.")
     case.done()
 
@@ -134,13 +134,14 @@ def test_hertz_point(proof: Proof) -> None:
     force = -4 * job.last("RF")[deck.node_sets["BALL_EQUATOR"], 2].sum()
     a = (3 * force * radius / (4 * modulus)) ** (1 / 3)
     p0 = 3 * force / (2 * np.pi * a**2)
-    case.within("P over Hertz's", force / (4 / 3 * modulus * np.sqrt(radius) * 0.5**1.5), (1.0, 1.1), why="the equator is near")
+    case.within("P over Hertz's", force / (4 / 3 * modulus * np.sqrt(radius) * 0.5**1.5), (1.0, 1.1), why="the equator is near",
+                place="equator", time="the end")  # fmt: skip
     slaves = deck.surface_nodes(deck.pairs[0].slave)
     r, p = np.linalg.norm(deck.nodes[slaves, :2], axis=1), job.last("CPRESS")[slaves]
     inner = r < 0.5 * a
     expected = p0 * np.sqrt(1 - (r[inner] / a) ** 2)
-    case.near("pressure", p[inner], expected, 0.01, why="elements of a/7", place="r < a/2", scale=p0)
-    case.near("edge of contact", r[p > 0].max(), a, 0.75 / a, why="one element")
+    case.near("pressure", p[inner], expected, 0.01, why="elements of a/7", place="r < a/2", scale=p0, time="the end")
+    case.near("edge of contact", r[p > 0].max(), a, 0.75 / a, why="one element", place="r = a", time="the end")
     case.figure(lambda: pressures(r, p, a, p0), "Contact pressure at all slave nodes against Hertz.")
     case.done()
 

@@ -152,15 +152,19 @@ def test_patch(proof: Proof, name: str) -> None:
     soft = PRESSURE / 1e7 if "behavior" in options else 0.0   # the overclosure of a law that gives: the stress falls by soft E/2
     tolerance = 1e-8 + 2 * soft * YOUNG / PRESSURE
     stress = job.last("S")
-    case.near("stress", stress, np.tile(STRESS, (len(stress), 1)), tolerance, why="in the space of the elements")
-    case.near("displacement", job.results.displacements[-1], exact(nodes), tolerance, why="in the space of the elements")
+    case.near("stress", stress, np.tile(STRESS, (len(stress), 1)), tolerance, why="in the space of the elements", place="all nodes", time="the end")
+    case.near("displacement", job.results.displacements[-1], exact(nodes), tolerance, why="in the space of the elements",
+              place="all nodes", time="the end")  # fmt: skip
     slope = options.get("slope", 0.0)
     slaves = np.flatnonzero(np.abs(nodes[:n_upper, 2] - 1 - slope * nodes[:n_upper, 0]) < 1e-9)
-    case.near("contact pressure", job.last("CPRESS")[slaves], PRESSURE / (1 + slope**2), tolerance, why="constant: in the space of the duals")
+    case.near("contact pressure", job.last("CPRESS")[slaves], PRESSURE / (1 + slope**2), tolerance, why="constant: in the space of the duals",
+              place="all slave nodes", time="the end")  # fmt: skip
     forces = job.last("RF")
-    case.near("sum of forces", forces.sum(axis=0), 0.0, 1e-9, scale=PRESSURE, why="the weights of a row add up to zero")
+    case.near("sum of forces", forces.sum(axis=0), 0.0, 1e-9, scale=PRESSURE, why="the weights of a row add up to zero",
+              place="all nodes", time="the end")  # fmt: skip
     moments = np.cross(nodes, forces).sum(axis=0)
-    case.near("sum of moments", moments, 0.0, 1e-9, scale=PRESSURE, why="the relative position of a row is zero on a flat interface")
+    case.near("sum of moments", moments, 0.0, 1e-9, scale=PRESSURE, why="the relative position of a row is zero on a flat interface",
+              place="all nodes", time="the end")  # fmt: skip
     case.done()
 
 
@@ -223,10 +227,13 @@ def test_plane_patch(proof: Proof, kinds: tuple[str, str]) -> None:
     job = case.run(deck, asked=1)
     stress = job.last("S")
     expected = np.array([0.0, -PRESSURE, -NU * PRESSURE if is_strain else 0.0, 0.0, 0.0, 0.0])
-    case.near("stress", stress, np.tile(expected, (len(stress), 1)), 1e-8, why="in the space of the elements")
-    case.near("displacement", job.results.displacements[-1][:, :2], wanted, 1e-8, why="in the space of the elements")
-    case.near("contact pressure", job.last("CPRESS")[bottom], PRESSURE, 1e-8, why="constant: in the space of the duals")
-    case.near("sum of forces", job.last("RF")[:, 1].sum(), 0.0, 1e-9, scale=PRESSURE, why="the weights of a row add up to zero")
+    case.near("stress", stress, np.tile(expected, (len(stress), 1)), 1e-8, why="in the space of the elements", place="all nodes", time="the end")
+    case.near("displacement", job.results.displacements[-1][:, :2], wanted, 1e-8, why="in the space of the elements",
+              place="all nodes", time="the end")  # fmt: skip
+    case.near("contact pressure", job.last("CPRESS")[bottom], PRESSURE, 1e-8, why="constant: in the space of the duals",
+              place="all slave nodes", time="the end")  # fmt: skip
+    case.near("sum of forces", job.last("RF")[:, 1].sum(), 0.0, 1e-9, scale=PRESSURE, why="the weights of a row add up to zero",
+              place="all nodes", time="the end")  # fmt: skip
     case.done()
 
 
@@ -269,10 +276,11 @@ def test_overhang(proof: Proof, overhang: float) -> None:
     job = case.run(deck, asked=1)
     points = job.integration_points("S")[-1]
     soft = points[12 * 8 :]
-    case.near("stress of the soft block", soft, np.tile(STRESS, (len(soft), 1)), 1e-6, why="E of the stiff block is finite, and its size costs digits")
+    case.near("stress of the soft block", soft, np.tile(STRESS, (len(soft), 1)), 1e-6, why="E of the stiff block is finite, and its size costs digits",
+              place="all nodes of the soft block", time="the end")  # fmt: skip
     forces = job.last("RF")
-    case.near("sum of forces", forces.sum(axis=0), 0.0, 1e-8, scale=PRESSURE, why="digits lost to the stiff block")
-    case.near("sum of moments", np.cross(nodes, forces).sum(axis=0), 0.0, 1e-8, scale=PRESSURE, why="the same")
+    case.near("sum of forces", forces.sum(axis=0), 0.0, 1e-8, scale=PRESSURE, why="digits lost to the stiff block", place="all nodes", time="the end")
+    case.near("sum of moments", np.cross(nodes, forces).sum(axis=0), 0.0, 1e-8, scale=PRESSURE, why="the same", place="all nodes", time="the end")
     case.done()
 
 

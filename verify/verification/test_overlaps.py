@@ -54,12 +54,13 @@ def test_stacked_blocks(proof: Proof) -> None:
     cards = outline + pair("UPPER_BOTTOM", "ALL_MIDDLE", 0.2) + pair("MIDDLE_BOTTOM", "LOWER_TOP", 0.2)
     cards += step(fix("LOWER_BOTTOM, 2", *sides) + load, 1)
     job = case.run(flat_deck([(part, SOFT) for part in parts], "CPE4", cards), asked=1)
-    case.near("stress yy", job.last("S")[:, 1], -10.0, 1e-6, why="in the space of the elements")
+    case.near("stress yy", job.last("S")[:, 1], -10.0, 1e-6, why="in the space of the elements", place="all nodes", time="the end")
     n = len(parts[0].nodes)
     pressed = np.concatenate([parts[0].node_sets["UPPER_BOTTOM"], n + parts[1].node_sets["MIDDLE_BOTTOM"]])
-    case.near("contact pressure", job.last("CPRESS")[pressed], 10.0, 1e-6, why="in the space of the elements")
+    case.near("contact pressure", job.last("CPRESS")[pressed], 10.0, 1e-6, why="in the space of the elements",
+              place="all slave nodes", time="the end")  # fmt: skip
     top = job.last("U")[parts[0].node_sets["UPPER_TOP"], 1]
-    case.near("uy of the top", top, -30.0 * (1 - NU**2) / YOUNG, 1e-6, why="in the space of the elements")
+    case.near("uy of the top", top, -30.0 * (1 - NU**2) / YOUNG, 1e-6, why="in the space of the elements", place="top", time="the end")
     case.done()
 
 
@@ -89,14 +90,17 @@ def test_chain(proof: Proof, kind: str, form: str) -> None:
     job = case.run(flat_deck([(upper, SOFT), (lower, SOFT), (wall, SOFT)], kind, cards), asked=1)
     at_wall = len(upper.nodes) + lower.node_sets["LOWER_RIGHT"]
     total = job.last("CNORMF")[at_wall, 0].sum()
-    case.near("force on the wall", -total, 10 * NU / (1 - NU), 1e-6, why="in the space of the elements")
+    case.near("force on the wall", -total, 10 * NU / (1 - NU), 1e-6, why="in the space of the elements", place="wall", time="the end")
     if form or not is_quadratic:  # the middle nodes of quadratic slave edges follow their ends, so forces on the master are those of lines
         corners = at_wall[at_wall < n]
-        case.near("pressure at the wall", job.last("CPRESS")[corners], 10 * NU / (1 - NU), 1e-6, why="in the space of the elements")
+        case.near("pressure at the wall", job.last("CPRESS")[corners], 10 * NU / (1 - NU), 1e-6, why="in the space of the elements",
+                  place="corners at the wall", time="the end")  # fmt: skip
         stress = job.last("S")[: len(upper.nodes)]
-        case.near("upper block, stress xx", stress[:, 0], 0.0, 1e-6, why="in the space of the elements", scale=10.0)
+        case.near("upper block, stress xx", stress[:, 0], 0.0, 1e-6, why="in the space of the elements", scale=10.0,
+                  place="all nodes of the upper block", time="the end")  # fmt: skip
         stress = job.last("S")[len(upper.nodes) : n]
-        case.near("lower block, stress xx", stress[:, 0], -10 * NU / (1 - NU), 1e-6, why="in the space of the elements")
+        case.near("lower block, stress xx", stress[:, 0], -10 * NU / (1 - NU), 1e-6, why="in the space of the elements",
+                  place="all nodes of the lower block", time="the end")  # fmt: skip
     case.done()
 
 
@@ -129,12 +133,13 @@ def test_corner(proof: Proof, angle: float, form: str) -> None:
     cards += step(fix("FLOOR_ALL, 1, 2", "WALL_ALL, 1, 2") + load, 1)
     job = case.run(flat_deck([(body, SOFT), (floor, SOFT), (wall, SOFT)], "CPE4", cards), asked=1)
     stress = job.last("S")[: len(body.nodes)]
-    case.near("stress xx, yy", stress[:, :2], -10.0, 1e-6, why="in the space of the elements")
-    case.near("stress xy", stress[:, 3], 0.0, 1e-6, why="in the space of the elements", scale=10.0)
+    case.near("stress xx, yy", stress[:, :2], -10.0, 1e-6, why="in the space of the elements", place="all nodes", time="the end")
+    case.near("stress xy", stress[:, 3], 0.0, 1e-6, why="in the space of the elements", scale=10.0, place="all nodes", time="the end")
     both = np.unique(np.concatenate([body.node_sets["BODY_BOTTOM"], body.node_sets["BODY_LEFT"]]))
-    case.near("contact pressure", job.last("CPRESS")[both], 10.0, 1e-6, why="in the space of the elements")
+    case.near("contact pressure", job.last("CPRESS")[both], 10.0, 1e-6, why="in the space of the elements", place="all slave nodes", time="the end")
     reaction = job.last("RF")[len(body.nodes) :]
-    case.near("reaction of the walls", reaction.sum(axis=0)[:2], [10.0, 10.0 - 10 * lean], 1e-9, why="equilibrium", scale=10.0)
+    case.near("reaction of the walls", reaction.sum(axis=0)[:2], [10.0, 10.0 - 10 * lean], 1e-9, why="equilibrium", scale=10.0,
+              place="floor and wall", time="the end")  # fmt: skip
     case.done()
 
 
@@ -167,10 +172,13 @@ def test_corner_of_three_walls(proof: Proof) -> None:
     supports = fix("FLOOR_ALL, 1, 3", "WALLX_ALL, 1, 3", "WALLY_ALL, 1, 3")
     job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, step(supports + load, 1)), asked=1)
     n = len(cube.nodes)
-    case.near("normal stresses", job.last("S")[:n, :3], -10.0, 1e-6, why="in the space of the elements")
-    case.near("shear stresses", job.last("S")[:n, 3:], 0.0, 1e-6, why="in the space of the elements", scale=10.0)
+    case.near("normal stresses", job.last("S")[:n, :3], -10.0, 1e-6, why="in the space of the elements",
+              place="all nodes of the cube", time="the end")  # fmt: skip
+    case.near("shear stresses", job.last("S")[:n, 3:], 0.0, 1e-6, why="in the space of the elements", scale=10.0,
+              place="all nodes of the cube", time="the end")  # fmt: skip
     touching = np.flatnonzero((cube.nodes < 1e-9).any(axis=1))
-    case.near("contact pressure", job.last("CPRESS")[touching], 10.0, 1e-6, why="in the space of the elements")
+    case.near("contact pressure", job.last("CPRESS")[touching], 10.0, 1e-6, why="in the space of the elements",
+              place="all slave nodes", time="the end")  # fmt: skip
     case.done()
 
 
@@ -208,10 +216,10 @@ def test_symmetric_pair(proof: Proof, mu: float, is_nlgeom: bool) -> None:
         shear = job.last("CSHEARF")
         force += shear[:n, 1].sum() - shear[n:, 1].sum()
         held = job.last("RF")[n + below.node_sets["BLOCK_BOTTOM"], 1].sum()
-        case.near("force between the bodies", force, held, 1e-6, why="equilibrium", time=name)
+        case.near("force between the bodies", force, held, 1e-6, why="equilibrium", time=name, place="both sides")
     mean = 0.5 * (found["cylinder slave"] + found["block slave"])
     for name, sunk in found.items():
-        case.near("the top sinks", sunk, mean, 0.005, why="the meshes", time=name)
+        case.near("the top sinks", sunk, mean, 0.005, why="the meshes", time=name, place="top")
     case.done()
 
 
@@ -236,12 +244,14 @@ def test_coarse_side_first(proof: Proof) -> None:
         force[name] = job.field("RF")[:, upper.node_sets["UPPER_TOP"], :2].sum(axis=1)
         if name == "coarse first":
             fine_nodes = len(upper.nodes) + lower.node_sets["LOWER_TOP"]
-            case.within("fine nodes in contact", int((job.last("CSTATUS")[fine_nodes] > 0).sum()), (4, 20), why="between the four coarse ones")
+            case.within("fine nodes in contact", int((job.last("CSTATUS")[fine_nodes] > 0).sum()), (4, 20), why="between the four coarse ones",
+                        place="the ground's fine nodes", time="the end")  # fmt: skip
     for time, frame in (("pressed", 4), ("drawn", 24)):
         good = force["fine slave"][frame]
         for name in ("coarse first", "fine first"):
-            case.near(f"force, {name}", force[name][frame], good, 0.03, why="the meshes", time=time)
-        case.within("what the coarse slave alone misses", 1 - force["coarse slave"][frame, 1] / good[1], (0.10, 0.20), why="the ground rises", time=time)
+            case.near(f"force, {name}", force[name][frame], good, 0.03, why="the meshes", time=time, place="top")
+        case.within("what the coarse slave alone misses", 1 - force["coarse slave"][frame, 1] / good[1], (0.10, 0.20), why="the ground rises", time=time,
+                    place="top")  # fmt: skip
     case.done()
 
 
@@ -283,11 +293,13 @@ def test_groove(proof: Proof, form: str) -> None:
     shared = np.isin(node, np.intersect1d(node[first], node[~first]))
     normal = np.linalg.norm(force, axis=1)
     expected = np.where(~first & shared, 0.0, mu * normal)
-    case.true("all of it slides", bool((status == 2).all()), why="drawn far enough", time="the end")
-    case.near("friction, slave by slave", np.linalg.norm(shear, axis=1), expected, 1e-6, why="Coulomb", scale=mu * float(normal.max()), time="the end")
+    case.true("all of it slides", bool((status == 2).all()), why="drawn far enough", time="the end", place="all slave nodes")
+    case.near("friction, slave by slave", np.linalg.norm(shear, axis=1), expected, 1e-6, why="Coulomb", scale=mu * float(normal.max()), time="the end",
+              place="all slave nodes")  # fmt: skip
     both = force.sum(axis=0) + shear.sum(axis=0)  # the friction at one leans a little along the normal of the other
-    case.near("force of floor and wall", both[[0, 2]], 10.0, 1e-6, why="equilibrium", time="the end")
-    case.near("pull", job.last("RF")[cube.node_sets["HANDLE"], 1].sum(), expected.sum(), 0.02, why="friction leans a little across", time="the end")
+    case.near("force of floor and wall", both[[0, 2]], 10.0, 1e-6, why="equilibrium", time="the end", place="floor and wall")
+    case.near("pull", job.last("RF")[cube.node_sets["HANDLE"], 1].sum(), expected.sum(), 0.02, why="friction leans a little across", time="the end",
+              place="handle")  # fmt: skip
     case.done()
 
 

@@ -73,7 +73,8 @@ def test_cattaneo_mindlin(proof: Proof) -> None:
     )
     errors = [shear_errors(case, fine) for fine in (0.05, 0.025)]
     for number, (name, _) in enumerate(TURNS):
-        case.within(f"shear ({name}), finer over coarser error", errors[1][number] / errors[0][number], (0.0, 1.2), why="where it sticks")
+        case.within(f"shear ({name}), finer over coarser error", errors[1][number] / errors[0][number], (0.0, 1.2), why="where it sticks",
+                    place="stick zone", time="the end of the step")  # fmt: skip
     case.done()
 
 
@@ -115,11 +116,11 @@ def compare(
     c = a * np.sqrt(1 - abs(last) / 2)
     when = f"{name}, elements of {fine:g}"
     stuck = np.abs(x[job.field("CSTATUS")[frame, slaves] == 1])
-    case.near("edge of stick", stuck.max(), c, fine / c, why="one element", time=when)
+    case.near("edge of stick", stuck.max(), c, fine / c, why="one element", time=when, place="edge of the stick zone")
     near = np.abs(x) < 1.2 * a
     q, expected = job.field("CSHEAR")[frame, slaves, 0][near], mindlin(x[near], a, MU * p0, turns)
     p, ellipse = job.field("CPRESS")[frame, slaves][near], p0 * np.sqrt(np.maximum(0, 1 - (x[near] / a) ** 2))
-    case.near("pressure (L2)", l2(x[near], p, ellipse), 0.0, 0.03, why="a is an element off at most", time=when, scale=1.0)
+    case.near("pressure (L2)", l2(x[near], p, ellipse), 0.0, 0.03, why="a is an element off at most", time=when, scale=1.0, place="x < 1.2 a")
     smooth = np.abs(x[near]) < min(a * np.sqrt(1 - abs(f)) for f in [turns[0], last / 2]) - 1.5 * fine
     why = "the bodies are 6 a wide and 9 a high"
     case.near("shear over mu p0", q[smooth], expected[smooth], 0.03, why=why, place="where it sticks", time=when, scale=MU * p0)
@@ -190,11 +191,11 @@ def test_spence(proof: Proof, nu: float, mu: float, expected: float) -> None:
     for frame in (1, 3, 5):
         status = job.field("CSTATUS")[frame, slaves]
         edge = 0.5 * (x[status == 1].max() + x[status == 2].min())
-        case.near("c/a", edge, expected, 1.0 / n, why="one element", time=f"{job.times[frame]:g}", scale=1.0)
+        case.near("c/a", edge, expected, 1.0 / n, why="one element", time=f"{job.times[frame]:g}", scale=1.0, place="edge of the stick zone")
     force = -job.last("CNORMF")[slaves, 2]
     shear = np.abs(job.last("CSHEARF")[slaves, 0])
     slipping = status == 2
-    case.near("friction over mu N", shear[slipping], mu * np.abs(force[slipping]), 1e-6, why="slip: equality", place="slip zone")
+    case.near("friction over mu N", shear[slipping], mu * np.abs(force[slipping]), 1e-6, why="slip: equality", place="slip zone", time="the end")
     ratio = shear / np.maximum(np.abs(force), 1e-30) / mu
     case.figure(lambda: ratio_figure(x[x <= 1], ratio[x <= 1], expected), "Shear over mu times pressure; the line is c/a.")
     case.done()
@@ -235,6 +236,7 @@ def test_flat_punch(proof: Proof) -> None:
         curves.append((n, x[inner], p[inner] / force))
         case.near("pressure", p[0], expected[0], 0.02, why="elements at the edge", place="x = 0", time=f"{n} elements")
     order = np.log2(errors[0] / errors[1])
-    case.near("pressure", errors[1], 0.0, 0.02, why="first order at a singular edge", place="x < 0.8 a", scale=1.0, order=f"{order:.1f}")
-    case.within("observed order", float(order), (0.75, 2.5), why="first order at a singular edge, two meshes")
+    case.near("pressure", errors[1], 0.0, 0.02, why="first order at a singular edge", place="x < 0.8 a", scale=1.0, order=f"{order:.1f}",
+              time="the end")  # fmt: skip
+    case.within("observed order", float(order), (0.75, 2.5), why="first order at a singular edge, two meshes", place="x < 0.8 a", time="the end")
     case.done()

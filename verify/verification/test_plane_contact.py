@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
 from make_decks import Mesh, graded  # noqa: E402
 from planes import Plane, flat_deck, flatten  # noqa: E402
-from proof import Case  # noqa: E402
+from proof import Case, observed_order  # noqa: E402
 from sheets import Floats, between, fix, pair, plane_deck, sheet, step  # noqa: E402
 from test_hertz import arc, fitted, slab  # noqa: E402
 from test_partial_slip import FAR, MU, NU, RADIUS, YOUNG, cylinders, mindlin  # noqa: E402
@@ -56,9 +56,9 @@ def test_patch(proof: Proof, kind: str, inner: float) -> None:
     job = case.run(flat_deck(parts, kind, cards, thickness), asked=1)
     slaves = parts[0][0].node_sets["ABOVE_BOTTOM"]
     area = np.pi * ((inner + 1) ** 2 - inner**2) if kind.startswith("CAX") else thickness
-    case.near("stress yy", job.last("S")[:, 1], -10.0, 1e-6, why="in the space of the elements")
-    case.near("contact pressure", job.last("CPRESS")[slaves], 10.0, 1e-6, why="in the space of the elements")
-    case.near("normal force", job.last("CNORMF")[slaves, 1].sum(), 10 * area, 1e-9, why="equilibrium")
+    case.near("stress yy", job.last("S")[:, 1], -10.0, 1e-6, why="in the space of the elements", place="all nodes", time="the end")
+    case.near("contact pressure", job.last("CPRESS")[slaves], 10.0, 1e-6, why="in the space of the elements", place="all slave nodes", time="the end")
+    case.near("normal force", job.last("CNORMF")[slaves, 1].sum(), 10 * area, 1e-9, why="equilibrium", place="all slave nodes", time="the end")
     case.done()
 
 
@@ -91,11 +91,11 @@ def test_hertz_line(proof: Proof, kind: str) -> None:
     slaves = slaves[slaves < cylinder.elements[:, :4].max() + 1]
     x, p = job.points[slaves, 0], job.last("CPRESS")[slaves]
     found_a, found_p0 = fitted(x, p)
-    case.near("peak pressure p0", found_p0, p0, 0.03, why="Hertz is 1 to 2 % off at a/R = 0.12")
-    case.near("half width a", found_a, a, 0.03, why="as p0")
+    case.near("peak pressure p0", found_p0, p0, 0.03, why="Hertz is 1 to 2 % off at a/R = 0.12", place="x = 0", time="the end")
+    case.near("half width a", found_a, a, 0.03, why="as p0", place="x = a", time="the end")
     inner = x < 0.9 * a
-    case.near("pressure", p[inner], p0 * np.sqrt(1 - (x[inner] / a) ** 2), 0.03, why="as p0", place="x < 0.9 a")
-    case.near("normal force", job.last("CNORMF")[slaves, 1].sum(), force / 2, 1e-6, why="equilibrium")
+    case.near("pressure", p[inner], p0 * np.sqrt(1 - (x[inner] / a) ** 2), 0.03, why="as p0", place="x < 0.9 a", time="the end")
+    case.near("normal force", job.last("CNORMF")[slaves, 1].sum(), force / 2, 1e-6, why="equilibrium", place="all slave nodes", time="the end")
     case.done()
 
 
@@ -128,9 +128,11 @@ def test_hertz_axisymmetric(proof: Proof) -> None:
         expected = p0 * np.sqrt(1 - (r[inner] / a) ** 2)
         worst.append(float(np.abs(p[inner] - expected).max() / p0))
         when = f"elements of {fine:g}"
-        case.near("normal force", job.last("CNORMF")[slaves, 1].sum(), force, 1e-6, why="equilibrium", time=when)
+        case.near("normal force", job.last("CNORMF")[slaves, 1].sum(), force, 1e-6, why="equilibrium", time=when, place="all slave nodes")
         case.near("pressure", p[inner], expected, 0.02, why=f"{a / fine:.0f} elements over a", place="0.2 a < r < 0.8 a", time=when, scale=p0)
-        case.near("edge of contact", r[p > 0].max(), a, 1.0 * fine / a, why="one element", time=when)
+        case.near("edge of contact", r[p > 0].max(), a, 1.0 * fine / a, why="one element", time=when, place="r = a")
+    case.near("pressure, error over p0", worst[1], 0.0, 0.02, why="of the finer mesh", place="0.2 a < r < 0.8 a", time="the end", scale=1.0,
+              order=f"{observed_order(worst):.1f}")  # fmt: skip
     case.done()
 
 
@@ -162,11 +164,12 @@ def test_cattaneo_mindlin(proof: Proof) -> None:
     a = np.sqrt(2 * P * RADIUS / (np.pi * YOUNG / (1 - NU**2) / 2))
     p0, c = 2 * P / (np.pi * a), a * np.sqrt(1 - Q / (MU * P))
     stuck = np.abs(x[job.last("CSTATUS")[slaves] == 1])
-    case.near("edge of stick", stuck.max(), c, fine / c, why="one element")
+    case.near("edge of stick", stuck.max(), c, fine / c, why="one element", place="edge of the stick zone", time="the end")
     smooth = np.abs(x) < c - 1.5 * fine
     expected = mindlin(x[smooth], a, MU * p0, [Q / (MU * P)])
     why = "the bodies are 6 a wide and 9 a high"
-    case.near("shear over mu p0", np.abs(job.last("CSHEAR")[slaves, 0][smooth]), expected, 0.03, why=why, place="where it sticks", scale=MU * p0)
+    case.near("shear over mu p0", np.abs(job.last("CSHEAR")[slaves, 0][smooth]), expected, 0.03, why=why, place="where it sticks", scale=MU * p0,
+              time="the end")  # fmt: skip
     case.done()
 
 
@@ -192,7 +195,7 @@ def test_flat_punch(proof: Proof) -> None:
     x = job.points[slaves, 0]
     for frame in (1, 3, 5):
         stuck = x[job.field("CSTATUS")[frame, slaves] == 1]
-        case.near("c/a", stuck.max(), expected, 1.5 / n, why="one element and a half", time=f"{frame}/5", scale=1.0)
+        case.near("c/a", stuck.max(), expected, 1.5 / n, why="one element and a half", time=f"{frame}/5", scale=1.0, place="edge of the stick zone")
     case.done()
 
 
@@ -219,7 +222,8 @@ def test_capstan(proof: Proof) -> None:
     force = job.last("RF")
     found = force[strap.node_sets["PULLED"], 0].sum() / force[strap.node_sets["GIVEN"], 1].sum()
     expected = np.exp(0.3 * np.pi / 2 / (1 + 0.5 / 200))
-    case.near("T2/T1", found, expected, 0.01, why="linear elements bend too stiffly; the mesh of solids is off as much")
+    case.near("T2/T1", found, expected, 0.01, why="linear elements bend too stiffly; the mesh of solids is off as much",
+              place="ends of the band", time="the end")  # fmt: skip
     case.done()
 
 
@@ -263,11 +267,14 @@ def test_ironing_equals_solids(proof: Proof, mu: float) -> None:
         jobs[name] = case.run(deck, name, asked=18)
     solids, plane = jobs["solids"], jobs["plane"]
     layer = np.flatnonzero(np.abs(solids.points[:, 1]) < 1e-9)
-    case.true("as many increments", len(solids.times) == len(plane.times), why="the same problem")
-    case.near("u", plane.last("U")[:, :2], solids.last("U")[layer][:, [0, 2]], 1e-4, why="the tolerance of Newton's method", time="the end")
+    case.true("as many increments", len(solids.times) == len(plane.times), why="the same problem", place="whole job", time="the end")
+    case.near("u", plane.last("U")[:, :2], solids.last("U")[layer][:, [0, 2]], 1e-4, why="the tolerance of Newton's method", time="the end",
+              place="all nodes")  # fmt: skip
     force = {name: job.last("CNORMF") + job.last("CSHEARF") for name, job in jobs.items()}
-    case.near("contact force", force["plane"][:, :2], 2 * force["solids"][layer][:, [0, 2]], 2e-3, why="the same", time="the end")
-    case.within("iterations more than the solids", plane.n_iterations / solids.n_iterations, (0.0, 1.1), why="the same tangent")
+    case.near("contact force", force["plane"][:, :2], 2 * force["solids"][layer][:, [0, 2]], 2e-3, why="the same", time="the end",
+              place="all slave nodes")  # fmt: skip
+    case.within("iterations more than the solids", plane.n_iterations / solids.n_iterations, (0.0, 1.1), why="the same tangent",
+                place="whole model", time="whole job")  # fmt: skip
     case.done()
 
 
@@ -291,6 +298,7 @@ def test_lap_of_rings(proof: Proof) -> None:
     job = case.run(flat_deck([(inner, (young, 0.0)), (outer, (young, 0.0))], "CAX4", cards), asked=1)
     slaves = inner.node_sets["INNER_RIGHT"]
     force = np.linalg.norm(job.last("CNORMF")[slaves], axis=1).sum()
-    case.near("mean pressure", force / (2 * np.pi * rm * 0.5), p, 0.005, why="six elements through the walls")
-    case.near("pressure", job.last("CPRESS")[slaves], p, 0.006, why="the radii are d apart; as the mean")
+    case.near("mean pressure", force / (2 * np.pi * rm * 0.5), p, 0.005, why="six elements through the walls",
+              place="all slave nodes", time="the end")  # fmt: skip
+    case.near("pressure", job.last("CPRESS")[slaves], p, 0.006, why="the radii are d apart; as the mean", place="all slave nodes", time="the end")
     case.done()

@@ -66,13 +66,16 @@ def test_indentation_by_a_rigid_body(proof: Proof) -> None:
     n = len(block.nodes)
     rigid, free = jobs["rigid"], jobs["prescribed"]
     m = n + len(tool.nodes)
-    case.near("u", rigid.last("U")[:m], free.last("U")[:m], 1e-5, why="the tolerance of Newton's method")
+    case.near("u", rigid.last("U")[:m], free.last("U")[:m], 1e-5, why="the tolerance of Newton's method",
+              place="all nodes of the ground", time="the end")  # fmt: skip
     contact = rigid.last("CNORMF")[:n] + rigid.last("CSHEARF")[:n]
     reaction = rigid.last("RF")[m]
-    case.near("reaction at the reference node", reaction[:2], contact.sum(axis=0)[:2], 1e-6, why="equilibrium", scale=float(np.abs(contact.sum(axis=0)).max()))
+    case.near("reaction at the reference node", reaction[:2], contact.sum(axis=0)[:2], 1e-6, why="equilibrium", scale=float(np.abs(contact.sum(axis=0)).max()),
+              place="reference node", time="the end")  # fmt: skip
     total = free.last("RF")[n:m].sum(axis=0)
-    case.near("force", reaction[:2], total[:2], 1e-4, why="the tolerance of Newton's method")
-    case.true("the roller drags", abs(float(reaction[0])) > 0.2 * abs(float(reaction[1])), why="friction is at work")
+    case.near("force", reaction[:2], total[:2], 1e-4, why="the tolerance of Newton's method", place="reference node", time="the end")
+    case.true("the roller drags", abs(float(reaction[0])) > 0.2 * abs(float(reaction[1])), why="friction is at work",
+              place="reference node", time="the end")  # fmt: skip
     case.done()
 
 
@@ -98,7 +101,9 @@ def test_turning_rigid_body(proof: Proof) -> None:
     f = normal + shear
     moment = float((arm[:, 0] * f[:, 1] - arm[:, 1] * f[:, 0]).sum())
     expected = 0.3 * RADIUS * float(np.linalg.norm(normal, axis=1).sum())
-    case.near("moment over mu R N", abs(moment) / expected, 1.0, 0.01, why="facets of the roller are 0.1 long", time="the end")
+    case.near("moment over mu R N", abs(moment) / expected, 1.0, 0.01, why="facets of the roller are 0.1 long", time="the end",
+              place="reference node")  # fmt: skip
     status = job.last("CSTATUS")[:n]
-    case.true("all of it slides", bool((status[status > 0] == 2).all() and (status > 0).sum() > 2), why="turned far enough")
+    case.true("all of it slides", bool((status[status > 0] == 2).all() and (status > 0).sum() > 2), why="turned far enough",
+              place="all slave nodes in contact", time="the end")  # fmt: skip
     case.done()

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 from independent.half_space import Punch, solve_punch  # noqa: E402
 from make_decks import Mesh, block, graded  # noqa: E402
 from planes import flat_deck, flatten  # noqa: E402
-from proof import Case, Job  # noqa: E402
+from proof import Case, Job, observed_order  # noqa: E402
 from rounds import quarter_disk  # noqa: E402
 from sheets import Floats, between, fix, pair, sheet, solid_deck, step  # noqa: E402
 
@@ -61,7 +61,7 @@ def judge_punch(case: Case, job: Job, slaves: Floats, nu: float, mu: float, n: i
             status = job.field("CSTATUS")[frame, slaves]
             edge = 0.5 * (r[status == 1].max() + r[(status == 2) & (r > 0)].min())
             when = f"{job.times[frame]:g}, {n} elements"
-            case.near("c/a", edge, reference(nu, mu).stick_radius, 1 / n, why="one element", time=when, scale=1.0)
+            case.near("c/a", edge, reference(nu, mu).stick_radius, 1 / n, why="one element", time=when, scale=1.0, place="edge of the stick zone")
     return r, job.last("CPRESS")[slaves] / (force / np.pi), force
 
 
@@ -91,11 +91,14 @@ def test_flat_punch(proof: Proof, nu: float, mu: float, kind: str) -> None:
         deck, slaves = punch_in_space(n // 2, nu, mu) if kind == "C3D8" else punch_revolved(n, nu, mu)
         r, p, force = judge_punch(case, case.run(deck, f"{n} elements", asked=5), slaves, nu, mu, n)
         forces.append(force / (wanted.force * YOUNG / (2 * (1 + nu)) * DEPTH))
-    case.near("force", forces[1], 1.0, 0.03, why=f"an edge in steps of a/20, a half space of {FAR:g} a", time="20 elements", scale=1.0)
-    case.within("finer over coarser error of the force", (forces[1] - 1) / (forces[0] - 1), (0.0, 1.0), why="convergence")
+    case.near("force", forces[1], 1.0, 0.03, why=f"an edge in steps of a/20, a half space of {FAR:g} a", time="20 elements", scale=1.0,
+              place="all slave nodes", order=f"{observed_order([abs(f - 1) for f in forces]):.1f}")  # fmt: skip
+    case.within("finer over coarser error of the force", (forces[1] - 1) / (forces[0] - 1), (0.0, 1.0), why="convergence",
+                place="all slave nodes", time="the end")  # fmt: skip
     within = (r > 0.1) & (r < 0.7)
     expected = np.interp(r[within], wanted.r, wanted.p) * np.pi / wanted.force
-    case.near("pressure over its mean", p[within], expected, 0.04, why="an edge node stands for half an element outside; as the force", place="0.1 a < r < 0.7 a")
+    case.near("pressure over its mean", p[within], expected, 0.04, why="an edge node stands for half an element outside; as the force", place="0.1 a < r < 0.7 a",
+              time="the end")  # fmt: skip
     inner = r <= 1 + 1e-9
     case.figure(lambda: punch_figure(r[inner], p[inner], wanted), "Pressure over the mean pressure; line: the reference.")
     case.done()
@@ -182,7 +185,7 @@ def test_cattaneo_mindlin_balls(proof: Proof) -> None:
     a = (3 * load * RADIUS * (1 - NU**2) / (4 * young)) ** (1 / 3)
     p0 = 3 * load / (2 * np.pi * a**2)
     r, p = np.hypot(job.points[slaves, 0], job.points[slaves, 1]), job.field("CPRESS")[first, slaves]
-    case.near("a", a, 1.0, 0.01, why="the press was chosen so", time="1")
+    case.near("a", a, 1.0, 0.01, why="the press was chosen so", time="1", place="edge of contact")
     case.near("pressure", p[r < 0.8], p0 * np.sqrt(1 - (r[r < 0.8] / a) ** 2), 0.03, why="elements of a/10", place="r < 0.8 a", time="1", scale=p0)
     turns: list[float] = []
     for number, name in enumerate(("loaded", "reversed", "forth again")):
@@ -192,8 +195,10 @@ def test_cattaneo_mindlin_balls(proof: Proof) -> None:
     lost = 2 * (job.history["friction_work"][-1] - job.history["friction_work"][job.history["step"] == 2][-1])
     f, k = abs(turns[0]), 3 * MU * load * (2 - NU) / (8 * a * SHEAR)
     cycle = 24 / 5 * k * MU * load * (1 - (1 - f) ** (5 / 3) - 5 * f / 6 * (1 + (1 - f) ** (2 / 3)))
-    case.near("work of friction over the cycle", lost, cycle, 0.1, why="goes with the cube of the slip zone's width, known to an element")
-    case.near("Q/(mu P) when reversed", turns[1], -turns[0], 0.01, why="Masing: the loop is symmetric")
+    case.near("work of friction over the cycle", lost, cycle, 0.1, why="goes with the cube of the slip zone's width, known to an element",
+              place="whole contact", time="the cycle")  # fmt: skip
+    case.near("Q/(mu P) when reversed", turns[1], -turns[0], 0.01, why="Masing: the loop is symmetric",
+              place="whole contact", time="the end of the reversal")  # fmt: skip
     case.done()
 
 
@@ -206,7 +211,7 @@ def judge_shear(
     change = abs(turns[-1] - turns[-2]) / 2 if len(turns) > 1 else abs(turns[0])
     c = a * np.cbrt(1 - change)
     stuck = r[job.field("CSTATUS")[frame, slaves] == 1]
-    case.near("edge of stick", stuck.max(), c, fine / c, why="one element", time=name)
+    case.near("edge of stick", stuck.max(), c, fine / c, why="one element", time=name, place="edge of the stick zone")
     q = job.field("CSHEAR")[frame, slaves, 0]
     expected = MU * p0 * mindlin_shear(r, a, turns)
     sign = np.sign((q * expected).sum())

@@ -81,20 +81,22 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
     weight = 2 * DENSITY * GRAVITY
     stuck = case.run(slope_deck(1.0001 * np.tan(SLOPE), False), "sticks", asked=5)
     far = float(np.abs(stuck.last("U")).max())
-    case.within("largest displacement", far, (0.0, 1e-6), why="only elastic: W/(G A) = 2e-8 (near its limit some nodes may slip so far)")
+    case.within("largest displacement", far, (0.0, 1e-6), why="only elastic: W/(G A) = 2e-8 (near its limit some nodes may slip so far)",
+                place="all nodes", time="the end")  # fmt: skip
     total = stuck.last("CSHEARF").sum(axis=0) + stuck.last("CNORMF").sum(axis=0)
     expected = weight * np.array([-np.sin(SLOPE), 0, np.cos(SLOPE)])
-    case.near("contact force", total, expected, 1e-6, why="equilibrium")
+    case.near("contact force", total, expected, 1e-6, why="equilibrium", place="all slave nodes", time="the end")
     mu = 0.8 * np.tan(SLOPE)
     hung = case.run(slope_deck(mu, True), "with a spring", asked=5)
     slip = weight * (np.sin(SLOPE) - mu * np.cos(SLOPE)) / SOFT
     body = np.abs(hung.last("CNORMF")[:, 2]) > 0
-    case.near("slip", hung.last("U")[body, 0], slip, 1e-5, why="the block itself is 2e7 times as stiff as the spring")
-    case.near("friction", hung.last("CSHEARF")[:, 0].sum(), -mu * weight * np.cos(SLOPE), 1e-5, why="mu N")
+    case.near("slip", hung.last("U")[body, 0], slip, 1e-5, why="the block itself is 2e7 times as stiff as the spring",
+              place="all nodes of the block", time="the end")  # fmt: skip
+    case.near("friction", hung.last("CSHEARF")[:, 0].sum(), -mu * weight * np.cos(SLOPE), 1e-5, why="mu N", place="all slave nodes", time="the end")
     (tmp_path / "gone.inp").write_text(slope_deck(mu, False))
     done = run(["gone"], cwd=tmp_path)
-    case.true("exit code 5 alone", done.returncode == 5, why="nothing holds the block")
-    case.true("and it says FREE BODY", "FREE BODY" in done.stdout, why="a clear reason")
+    case.true("exit code 5 alone", done.returncode == 5, why="nothing holds the block", place="the job without a spring", time="the end")
+    case.true("and it says FREE BODY", "FREE BODY" in done.stdout, why="a clear reason", place="the job without a spring", time="the end")
     case.done()
 
 
@@ -120,11 +122,12 @@ def test_reversal(proof: Proof) -> None:
     deck = solid_deck([(body, (1000.0, 0.0)), (table, (1000.0, 0.0))], pair("BODY_BOTTOM", "TABLE_TOP", mu), steps)
     job = case.run(deck, asked=32)
     normal, shear = job.field("CNORMF")[:, :, 2].sum(axis=1), job.field("CSHEARF")[:, :, 0].sum(axis=1)
-    case.near("N", normal[job.frame(1.0)], 1000 * press / 0.5, 1e-9, why="uniform pressure, nu = 0", time="1")
+    case.near("N", normal[job.frame(1.0)], 1000 * press / 0.5, 1e-9, why="uniform pressure, nu = 0", time="1", place="all slave nodes")
     for time, sign in ((2.0, -1), (3.0, 1), (4.0, -1)):
         frame = job.frame(time)
-        case.near("T/(mu N)", shear[frame] / (mu * normal[frame]), sign, 5e-6, why="default controls: 1e-6 of the largest force", time=f"{time:g}")
-        case.true("all slide", bool((job.field("CSTATUS")[frame][:25] == 2).all()), why="gross sliding", time=f"{time:g}")
+        case.near("T/(mu N)", shear[frame] / (mu * normal[frame]), sign, 5e-6, why="default controls: 1e-6 of the largest force", time=f"{time:g}",
+                  place="all slave nodes")  # fmt: skip
+        case.true("all slide", bool((job.field("CSTATUS")[frame][:25] == 2).all()), why="gross sliding", time=f"{time:g}", place="all slave nodes")
     case.figure(lambda: loop_figure(job.field("U")[:, -60:, 0], shear, normal, job.times), "Friction over time.")
     case.done()
 
@@ -193,10 +196,11 @@ def test_capstan(proof: Proof) -> None:
         found = force[ends["PULLED"], 0].sum() / force[ends["GIVEN"], 2].sum()
         errors.append(abs(found / expected - 1))
         stuck = job.last("CSTATUS")[strap.node_sets["STRAP_BOTTOM"]] == 1
-        case.true("no node sticks", not stuck.any(), why="drawn far enough", time=f"the end, {n} elements")
+        case.true("no node sticks", not stuck.any(), why="drawn far enough", time=f"the end, {n} elements", place="all slave nodes")
     order = f"{np.log2(errors[0] / errors[1]):.1f}"
-    case.near("T2/T1", found, expected, 0.005, why="linear elements bend too stiffly: first order", order=order)
-    case.within("finer over coarser error", errors[1] / errors[0], (0.0, 0.9), why="convergence")
+    case.near("T2/T1", found, expected, 0.005, why="linear elements bend too stiffly: first order", order=order,
+              place="ends of the band", time="the end")  # fmt: skip
+    case.within("finer over coarser error", errors[1] / errors[0], (0.0, 0.9), why="convergence", place="ends of the band", time="the end")
     case.done()
 
 
@@ -258,12 +262,12 @@ def test_shrink_fit(proof: Proof) -> None:
     middle = slaves[np.abs(inner.nodes[slaves, 1] - length / 2) < 1e-9]
     normal = np.linalg.norm(job.field("CNORMF")[:, slaves], axis=2).sum(axis=1)
     area = 2 * np.pi * rm * length
-    case.near("mean pressure", normal[job.frame(1.0)] / area, p, 0.005, why="four elements through each ring", time="1")
+    case.near("mean pressure", normal[job.frame(1.0)] / area, p, 0.005, why="four elements through each ring", time="1", place="all slave nodes")
     pressure = job.field("CPRESS")[job.frame(1.0), middle]
-    case.near("pressure is the same all around", pressure, pressure.mean(), 1e-6, why="symmetry of the mesh", time="1")
+    case.near("pressure is the same all around", pressure, pressure.mean(), 1e-6, why="symmetry of the mesh", time="1", place="all slave nodes")
     pull = job.last("RF")[handle, 1].sum()
-    case.near("pull-out force over mu N", pull / (mu * normal[-1]), 1.0, 1e-5, why="all of it slides", time="2")
-    case.near("pull-out force", pull, mu * p * area, 0.01, why="the pulled end is bent", time="2")
+    case.near("pull-out force over mu N", pull / (mu * normal[-1]), 1.0, 1e-5, why="all of it slides", time="2", place="all slave nodes")
+    case.near("pull-out force", pull, mu * p * area, 0.01, why="the pulled end is bent", time="2", place="pulled end")
     case.done()
 
 
@@ -298,13 +302,14 @@ def test_shallow_ironing(proof: Proof) -> None:
     force = job.field("RF")[:, join([iron, ground]).node_sets["IRON_TOP"]].sum(axis=1)
     v, h = -force[:, 2], force[:, 0]
     at = [int(np.argmin(np.abs(job.times - t))) for t in (1.0, 1.5)]
-    case.within("V", v[at[0]], (268, 332), why="band of the published codes", time="1")
-    case.within("V", v[at[1]], (337, 421), why="band of the published codes", time="1.5")
-    case.within("H/V", abs(h[at[1]]) / v[at[1]], (0.30, 0.53), why="band of the published codes", time="1.5")
+    case.within("V", v[at[0]], (268, 332), why="band of the published codes", time="1", place="top of the block")
+    case.within("V", v[at[1]], (337, 421), why="band of the published codes", time="1.5", place="top of the block")
+    case.within("H/V", abs(h[at[1]]) / v[at[1]], (0.30, 0.53), why="band of the published codes", time="1.5", place="top of the block")
     steady = (job.times > 1.3) & (job.times < 1.8)
     trend = np.polyval(np.polyfit(job.times[steady], v[steady], 2), job.times[steady])
-    case.within("ripple of V", float(np.abs(v[steady] / trend - 1).max()), (0.0, 0.03), why="one facet after the other", time="1.3 to 1.8")
-    case.true("the stroke is done", bool(abs(job.times[-1] - 2.0) < 1e-9), why="in 220 increments", time="2")
+    case.within("ripple of V", float(np.abs(v[steady] / trend - 1).max()), (0.0, 0.03), why="one facet after the other", time="1.3 to 1.8",
+                place="top of the block")  # fmt: skip
+    case.true("the stroke is done", bool(abs(job.times[-1] - 2.0) < 1e-9), why="in 220 increments", time="2", place="top of the block")
     case.figure(lambda: ironing_figure(job.times, v, h), "Vertical and horizontal force on the block.")
     case.done()
 
@@ -366,10 +371,11 @@ def test_stuck_block_turns(proof: Proof, degrees: float) -> None:
     worst = max(
         float(np.abs(forces[first + k] @ turn(np.radians(degrees * k)) - forces[first]).max()) for k in range(1, n_steps + 1)
     )
-    case.near("contact force, turned back", worst / scale, 0.0, 1e-6, why="the default controls", scale=1.0, time="all increments")
+    case.near("contact force, turned back", worst / scale, 0.0, 1e-6, why="the default controls", scale=1.0, time="all increments",
+              place="all slave nodes")  # fmt: skip
     still = (job.field("CSTATUS")[first:] == job.field("CSTATUS")[first]).all()
-    case.true("every status stays", bool(still), why="a rigid rotation", time="all increments")
-    case.true("some nodes stick", bool(stuck.any()), why="else nothing is shown")
+    case.true("every status stays", bool(still), why="a rigid rotation", time="all increments", place="all slave nodes")
+    case.true("some nodes stick", bool(stuck.any()), why="else nothing is shown", place="all slave nodes", time="the end")
     case.done()
 
 
@@ -401,10 +407,11 @@ def test_shrink_fit_quarter(proof: Proof) -> None:
     job = case.run(plane_deck(parts, pair("INNER_TOP", "OUTER_BOTTOM", 0.1), step(supports, 1)), asked=1)
     slaves = inner.node_sets["INNER_TOP"]
     radial = np.linalg.norm((inner.nodes + job.last("U")[: len(inner.nodes)])[slaves][:, [0, 2]], axis=1)
-    case.near("radius of the fit", radial, radial.mean(), 1e-9, why="every sector is a mirror image of the next", place="all slave nodes")
+    case.near("radius of the fit", radial, radial.mean(), 1e-9, why="every sector is a mirror image of the next", place="all slave nodes",
+              time="the end")  # fmt: skip
     pressure = job.last("CPRESS")[slaves]
-    case.true("it presses", bool(pressure.min() > 0), why="an interference of 0.02")
-    case.near("pressure", pressure, pressure.mean(), 1e-6, why="every sector is a mirror image of the next", place="all slave nodes")
+    case.true("it presses", bool(pressure.min() > 0), why="an interference of 0.02", place="all slave nodes", time="the end")
+    case.near("pressure", pressure, pressure.mean(), 1e-6, why="every sector is a mirror image of the next", place="all slave nodes", time="the end")
     case.done()
 
 
@@ -431,8 +438,9 @@ def test_led_by_supports(proof: Proof) -> None:
     job = case.run(plane_deck(parts, pair("BODY_LEFT", "WALL_RIGHT", 0.3), steps, sets), asked=5)
     force = job.field("CNORMF")[:, :, 0].sum(axis=1)
     expected = 2000 * -np.log(0.99) / 0.99
-    case.near("force on the wall", force[job.frame(1.0)], expected, 1e-6, why="uniaxial, Kirchhoff's stress by Hencky's strain", time="1")
-    case.near("force on the wall", force[-1] / force[job.frame(1.0)], 1.0, 1e-6, why="the wall is flat; Newton's tolerance", time="2")
+    case.near("force on the wall", force[job.frame(1.0)], expected, 1e-6, why="uniaxial, Kirchhoff's stress by Hencky's strain", time="1",
+              place="wall")  # fmt: skip
+    case.near("force on the wall", force[-1] / force[job.frame(1.0)], 1.0, 1e-6, why="the wall is flat; Newton's tolerance", time="2", place="wall")
     slides = job.last("CSTATUS")[body.node_sets["BODY_LEFT"]] == 2
-    case.true("all that touch slide", bool(slides.all()), why="supports move them", time="2")
+    case.true("all that touch slide", bool(slides.all()), why="supports move them", time="2", place="all slave nodes")
     case.done()
