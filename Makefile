@@ -247,16 +247,19 @@ fill = sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' $(1) > $(2)
 # What is built already goes to its places.
 place:
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/lib/cmake/amontons
-	install -d $(DESTDIR)$(PREFIX)/include/amontons $(SHARE)/man/man1 $(SHARE)/bash-completion/completions $(SHARE)/zsh/site-functions
+	install -d $(DESTDIR)$(PREFIX)/include/amontons $(SHARE)/man/man1 $(SHARE)/bash-completion/completions $(SHARE)/zsh/site-functions \
+	  $(SHARE)/fish/vendor_completions.d
 	install $(BIN)/amontons $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(LIB)/libamontons.a $(LIB)/libamontons.so $(DESTDIR)$(PREFIX)/lib
 	install -m 644 src/amontons.h $(DESTDIR)$(PREFIX)/include
 	install -m 644 $(B)/amontons_*.mod $(DESTDIR)$(PREFIX)/include/amontons
 	$(call fill,share/amontons.pc.in,$(DESTDIR)$(PREFIX)/lib/pkgconfig/amontons.pc)
 	$(call fill,share/amontonsConfig.cmake.in,$(DESTDIR)$(PREFIX)/lib/cmake/amontons/amontonsConfig.cmake)
+	$(call fill,share/amontonsConfigVersion.cmake.in,$(DESTDIR)$(PREFIX)/lib/cmake/amontons/amontonsConfigVersion.cmake)
 	$(call fill,share/amontons.1,$(SHARE)/man/man1/amontons.1)
 	install -m 644 share/amontons.bash $(SHARE)/bash-completion/completions/amontons
 	install -m 644 share/_amontons $(SHARE)/zsh/site-functions/_amontons
+	install -m 644 share/amontons.fish $(SHARE)/fish/vendor_completions.d/amontons.fish
 
 clean: ## Remove all that make built, but not .venv
 	rm -rf build bin lib results

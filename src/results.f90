@@ -30,7 +30,8 @@ module amontons_results
   use amontons_version, only: VERSION
   use amontons_topology, only: element_kind, kind_type, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, set_type
-  use amontons_materials, only: LAW_HENCKY
+  use amontons_materials, only: material_type, LAW_HENCKY, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, &
+    ELASTIC_FOAM, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_NONE
   use amontons_surfaces, only: surface_type
   use amontons_steps, only: is_output_due, step_type
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
@@ -77,6 +78,7 @@ module amontons_results
   end type results_type
 
   integer, parameter :: LONGEST_NAME = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
+  integer, parameter :: LONGEST_LAW = 64               !< longest name of a law
   integer, parameter :: REASON_LENGTH = 240            !< longest reason why an attempt failed
   real(DP), parameter :: UNTOLD = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
 
@@ -487,18 +489,18 @@ contains
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: ROOT = '/AMONTONS/materials/'
     character(LONGEST_NAME), allocatable :: names(:)
-    character(13), allocatable :: laws(:)
+    character(LONGEST_LAW), allocatable :: laws(:)
     integer :: i, n
     n = size(model%materials)
     allocate (names(n), laws(n))
     do i = 1, n
       names(i) = model%materials(i)%name
-      laws(i) = merge('Hencky       ', 'Saint-Venant ', model%materials(i)%law == LAW_HENCKY)
+      laws(i) = law_of(model%materials(i))
     end do
     call create_group(store, '/AMONTONS/materials', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'name', names, '[-]', 'Name of each material.', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'law', laws, &
-      '[-]', 'Elastic law at finite strain.', error)
+      '[-]', 'Law: the elastic one at finite strain, and what is added to it.', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'youngs_modulus', (model%materials%youngs_modulus), &
       '[stress]', &
       'Young''s modulus.', error)
@@ -508,6 +510,36 @@ contains
     if (.not. allocated(error)) call write_data(store, ROOT // 'density', (model%materials%density), &
       '[mass/length^3]', 'Density.', error)
   end subroutine write_materials
+
+
+  !> The law of a material in words.
+  pure function law_of(material) result(words)
+    type(material_type), intent(in) :: material
+    character(LONGEST_LAW) :: words
+    if (material%is_user) then
+      words = 'UMAT'
+      return
+    else if (material%has_deformation_plasticity) then
+      words = 'Ramberg-Osgood'
+      return
+    end if
+    words = merge('Hencky      ', 'Saint-Venant', material%law == LAW_HENCKY)
+    select case (material%elastic_kind)
+    case (ELASTIC_ORTHOTROPIC)
+      words = trim(words) // ', orthotropic'
+    case (ELASTIC_ANISOTROPIC)
+      words = trim(words) // ', anisotropic'
+    case (ELASTIC_FOAM)
+      words = 'hyperfoam'
+    case (ELASTIC_HYPER)
+      words = 'hyperelastic, polynomial'
+      if (material%hyper_kind == HYPER_OGDEN) words = 'hyperelastic, Ogden'
+      if (material%hyper_kind == HYPER_ARRUDA_BOYCE) words = 'hyperelastic, Arruda-Boyce'
+    end select
+    if (allocated(material%isotropic)) words = trim(words) // ', plastic'
+    if (allocated(material%kinematic)) words = trim(words) // ', kinematic hardening'
+    if (material%creep_law /= CREEP_NONE) words = trim(words) // ', creep'
+  end function law_of
 
 
   !> /AMONTONS/pairs: surfaces, friction and facets of the master of each contact pair.

@@ -9,6 +9,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -50,3 +51,16 @@ def test_scripts_that_are_named_are_there() -> None:
     for page in PAGES:
         for name in re.findall(r"`(?:python3? )?(verify/[\w/]+\.py)", page.read_text()):
             assert (ROOT / name).exists(), f"{page.name} names {name}"
+
+
+def test_study_figure_comes_from_its_table(tmp_path: Path) -> None:
+    """The bars of doc/study/line_search.png are the cells of the table above it."""
+    sys.path.insert(0, str(ROOT / "verify" / "study"))
+    from line_search_table import MODES, draw, rows_of
+
+    cases, bars = rows_of((ROOT / "doc" / "study" / "line_search.md").read_text())
+    assert len(cases) == 6
+    assert [len(bars[mode]) for mode in MODES] == [6] * len(MODES)
+    assert rows_of("| flat | 0.3 | 0.4 | 1.5 (0) | stopped at 1.20 | 3.0 (1) | 4.0 (0) | 5.0 (0) |\n")[1]["GLOBAL"] == [3.0]
+    draw(cases, bars, tmp_path / "line_search.png")
+    assert (tmp_path / "line_search.png").exists()

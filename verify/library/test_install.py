@@ -54,10 +54,11 @@ def test_pkg_config(prefix: Path, root: Path, run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not shutil.which("cmake"), reason="there is no CMake")
-def test_cmake(prefix: Path, tmp_path: Path) -> None:
-    """find_package finds it."""
+@pytest.mark.parametrize("version", ["", "0.1", "0.1.0"])
+def test_cmake(prefix: Path, tmp_path: Path, version: str) -> None:
+    """find_package finds it, whether it asks for a version or not."""
     (tmp_path / "CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.16)\nproject(user C)\nfind_package(amontons REQUIRED)\n"
+        f"cmake_minimum_required(VERSION 3.16)\nproject(user C)\nfind_package(amontons {version} REQUIRED)\n"
         f"add_executable(coupled {HERE / 'coupled_jobs.c'})\ntarget_link_libraries(coupled amontons::amontons m)\n")  # fmt: skip
     do(["cmake", "-S", ".", "-B", "out", f"-DCMAKE_PREFIX_PATH={prefix}"], tmp_path)
     do(["cmake", "--build", "out"], tmp_path)
@@ -93,16 +94,26 @@ int main(void) {
     assert do([tmp_path / "a"], tmp_path) == f"{4 * 52.5 / 210000:.9f}\n"
 
 
+@pytest.mark.skipif(not shutil.which("cmake"), reason="there is no CMake")
+@pytest.mark.parametrize("version", ["0.2", "1.0", "0.0.1"])
+def test_cmake_refuses_other_versions(prefix: Path, tmp_path: Path, version: str) -> None:
+    """Interfaces may change with the middle number."""
+    (tmp_path / "CMakeLists.txt").write_text(f"cmake_minimum_required(VERSION 3.16)\nproject(user C)\nfind_package(amontons {version} REQUIRED)\n")
+    done = subprocess.run(["cmake", "-S", ".", "-B", "out", f"-DCMAKE_PREFIX_PATH={prefix}"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "compatible with requested" in done.stderr.replace("\n", " ")
+
+
 def options_of(run: Run) -> set[str]:
     """The options that --help tells."""
     return set(re.findall(r"^  (--[a-z-]+)", run(["--help"]).stdout, re.MULTILINE))
 
 
 @pytest.mark.parametrize("place", ["share/man/man1/amontons.1", "share/bash-completion/completions/amontons",
-                                   "share/zsh/site-functions/_amontons"])  # fmt: skip
+                                   "share/zsh/site-functions/_amontons", "share/fish/vendor_completions.d/amontons.fish"])  # fmt: skip
 def test_every_option_is_told(prefix: Path, run: Run, place: str) -> None:
     """Man page and completions know every option of --help, and no other; nothing is left to fill in."""
-    text = (prefix / place).read_text().replace("\\-", "-")
+    text = re.sub(r" -l ([a-z])", r" --\1", (prefix / place).read_text().replace("\\-", "-"))
     assert "@" not in re.sub(r"@\(", "", text)
     assert set(re.findall(r"(?<![-\w])--[a-z]+(?:-[a-z]+)*", text)) == options_of(run)
 
@@ -129,3 +140,23 @@ try() { COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=(); _amontons; echo
 try amontons --res; try amontons --dialect = ca; try amontons --progress p; try amontons pl
 """
     assert do(["bash", "-c", script], tmp_path).splitlines() == ["--resume", "calculix", "plain", "plate.inp"]
+
+
+@pytest.mark.skipif(not shutil.which("zsh"), reason="there is no zsh")
+def test_zsh_completion_is_well_formed(prefix: Path, tmp_path: Path) -> None:
+    """zsh can read it."""
+    do(["zsh", "-n", prefix / "share/zsh/site-functions/_amontons"], tmp_path)
+
+
+@pytest.mark.skipif(not shutil.which("fish"), reason="there is no fish")
+def test_fish_completes(prefix: Path, tmp_path: Path) -> None:
+    """Options, their values, and decks."""
+    (tmp_path / "plate.inp").write_text("")
+    (tmp_path / "plate.dat").write_text("")
+    script = f"source {prefix / 'share/fish/vendor_completions.d/amontons.fish'}\n" + """
+for words in "amontons --res" "amontons --dialect=ca" "amontons --progress p" "amontons pl"
+  complete -C $words
+end
+"""
+    found = [line.split("\t")[0] for line in do(["fish", "-N", "-c", script], tmp_path).splitlines()]
+    assert found == ["--resume", "--dialect=calculix", "plain", "plate.inp"]

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 import pytest
 import pyvista
+from conftest import Run
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
@@ -277,3 +278,31 @@ def test_points_and_slaves_per_frame(folder: Path) -> None:
         assert contact["pair"][:].tolist() == [0, 0, 0, 0, 1]
         assert contact["facet"][-5:].tolist() == [1, 0, 0, -1, 0]
         assert contact["gap"][-5:].tolist() == [0, 0, 0.25, 0, -0.5]
+
+
+LAWS = {
+    "A": ("*ELASTIC\n1000., 0.3\n*PLASTIC\n5., 0.\n", "Hencky, plastic"),
+    "B": ("*ELASTIC, TYPE=ENGINEERING CONSTANTS\n1000., 900., 800., 0.3, 0.3, 0.3, 400., 400.\n400.\n", "Hencky, orthotropic"),
+    "C": ("*HYPERELASTIC, NEO HOOKE\n0.5, 0.02\n", "hyperelastic, polynomial"),
+    "D": ("*HYPERELASTIC, OGDEN, N=1\n0.8, 1.8, 0.02\n", "hyperelastic, Ogden"),
+    "E": ("*HYPERELASTIC, ARRUDA-BOYCE\n1., 2.8, 0.02\n", "hyperelastic, Arruda-Boyce"),
+    "F": ("*HYPERFOAM, N=1\n0.6, 4., 0.2\n", "hyperfoam"),
+    "G": ("*ELASTIC\n1000., 0.3\n*CREEP\n1e-9, 2., 0.\n", "Hencky, creep"),
+    "H": ("*DEFORMATION PLASTICITY\n1000., 0.3, 10., 5., 0.3\n", "Ramberg-Osgood"),
+}
+
+
+def test_laws_have_their_names(run_deck: Run, tmp_path: Path) -> None:
+    """What materials/law says of each kind of material."""
+    deck = ""
+    for k, (name, (cards, _)) in enumerate(LAWS.items()):
+        place = [(x + 3 * k, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        deck += "*NODE\n" + "".join(f"{8 * k + i}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(place, start=1))
+        deck += f"*ELEMENT, TYPE=C3D8, ELSET={name}\n{k + 1}, " + ", ".join(str(8 * k + i) for i in range(1, 9)) + "\n"
+        deck += f"*MATERIAL, NAME={name}\n{cards}*SOLID SECTION, ELSET={name}, MATERIAL={name}\n"
+    held = "".join(f"{8 * k + i}, 1, 3\n" for k in range(len(LAWS)) for i in range(1, 5))
+    done = run_deck(deck + f"*STEP, NLGEOM\n*STATIC\n*BOUNDARY\n{held}*END STEP\n", "--quiet")
+    assert done.returncode == 0, done.stdout + done.stderr
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        laws = file["AMONTONS/materials/law"][:]
+    assert [law.decode() for law in laws] == [name for _, name in LAWS.values()]
