@@ -22,6 +22,7 @@ sys.path[:0] = [str(HERE / "decks"), str(HERE.parent / "python")]
 
 import make_decks  # noqa: E402
 from amontons.report import main, make_report, round_factor, sections, view_data  # noqa: E402
+from amontons.report.charts import number  # noqa: E402
 from amontons.report.data import Job, read_job  # noqa: E402
 from solids import KINDS, as_kind, node_set  # noqa: E402
 
@@ -197,3 +198,8 @@ def test_pair_sums(cubes: Path) -> None:
     for value in job.pair_history["CFN"][-1]:
         if abs(value) > 1e-12 * np.abs(total).max():
             assert sections.number(float(value)) in text
+
+
+def test_numbers_are_short() -> None:
+    """They fit beside an axis."""
+    assert [number(v) for v in (0.00025, 0.0015, 1e-3, -2.5e-4, 1.234567e-7, 12345.6, 0.0)] == ["2.5e-4", "0.0015", "0.001", "-2.5e-4", "1.235e-7", "1.235e4", "0"]

@@ -28,6 +28,9 @@ def number(value: float) -> str:
     if value == 0 or not math.isfinite(value):
         return "0" if value == 0 else "-"
     text = f"{value:.4g}"
+    if abs(value) < 1e-3 and "e" not in text:
+        power = math.floor(math.log10(abs(value)) + 1e-12)
+        text = f"{value / 10.0**power:.4g}e{power}"
     return text.replace("e+0", "e").replace("e-0", "e-").replace("e+", "e")
 
 

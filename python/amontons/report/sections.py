@@ -178,8 +178,9 @@ def convergence(job: Job) -> str:
     h = {name: column[rows] for name, column in job.history.items() if getattr(column, "shape", ())}
     good = np.asarray(h["is_converged"]) == 1
     total = int(np.sum(h["n_iterations"]))
-    text += (f"<p>{int(good.sum())} increments, {int((~good).sum())} attempts that failed, {total} iterations, "
-             f"{total / max(int(good.sum()), 1):.2f} per increment; {int(np.sum(h['n_factorisations']))} factorisations, "
+    each = f"{total} iterations, {total / int(good.sum()):.2f} per increment" if good.any() else f"{total} iterations"
+    text += (f"<p>{counted(int(good.sum()), 'increment')}, {counted(int((~good).sum()), 'attempt')} that failed, {each}; "
+             f"{int(np.sum(h['n_factorisations']))} factorisations, "
              f"{int(np.sum(h['n_krylov']))} Krylov iterations.</p>")  # fmt: skip
     text += charts.columns(["iterations that converged", "iterations that failed"],
                            np.stack([h["n_iterations"] * good, h["n_iterations"] * ~good], axis=1), "attempt", "iterations",
@@ -190,7 +191,14 @@ def convergence(job: Job) -> str:
             ("step", "increment", "attempt", "time", "dt", "iterations", "why"),
             ((int(h["step"][i]), int(h["increment"][i]), int(h["attempt"][i]), float(h["total_time"][i]), float(h["dt"][i]),
               int(h["n_iterations"][i]), str(h["reason"][i])) for i in bad[:60]))  # fmt: skip
+    if len(bad) and not good[-1]:
+        text += '<p class="note">The terminal told the worst nodes and a remedy; the page "Messages" of the manual has a paragraph on each reason.</p>'
     return text
+
+
+def counted(n: int, what: str) -> str:
+    """How many, in words: no increment, 1 increment, 2 increments."""
+    return f"no {what}" if n == 0 else f"1 {what}" if n == 1 else f"{n} {what}s"
 
 
 def scenarios(job: Job) -> str:
@@ -279,6 +287,8 @@ def maps(job: Job) -> str:
     """Pressure, friction, slip and status on the slave side of each pair at the last frame."""
     if not len(job.slave_node):
         return '<p class="none">The job has no contact pair.</p>'
+    if job.times[-1] == 0:
+        return '<p class="none">No increment has converged: only the initial state is on file.</p>'
     text = pair_sums(job)
     for i in range(len(job.pairs["slave"])):
         nodes = np.unique(job.slave_node[job.slave_pair == i])
