@@ -71,14 +71,14 @@ def run_deck(run: Run, tmp_path: Path) -> Run:
 
 
 @pytest.fixture
-def proof(run: Run, tmp_path: Path) -> Callable[..., Case]:
+def proof(run: Run, tmp_path: Path, request: pytest.FixtureRequest) -> Callable[..., Case]:
     """Makes a verification case: proof(name, title=..., model=..., formula=..., source=..., proves=...)."""
     pages = Path(PAGES).resolve() if PAGES else None
     if pages:
         pages.mkdir(parents=True, exist_ok=True)
 
     def make(name: str, **words: str) -> Case:
-        return Case(name, runner=run, work=tmp_path, pages=pages, **words)
+        return Case(name, runner=run, work=tmp_path, pages=pages, file=request.module.__name__, **words)
 
     return make
 

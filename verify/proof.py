@@ -28,6 +28,21 @@ from numpy.typing import NDArray
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 MOST_OVER_ALL = 6.0  #: the same over all cases together
+#: Chapters of the index, in their order, by the file of the tests.
+CHAPTERS = {
+    "Patches, rigid motions, heat, joined bodies": ("test_assemblies",),
+    "Elastic bodies": ("test_bodies", "test_membranes", "test_thermal"),
+    "Plasticity and creep": ("test_inelastic",),
+    "Rubber and foam": ("test_rubber",),
+    "Contact: pressure and partial slip": (
+        "test_contact_patch", "test_hertz", "test_plane_contact", "test_partial_slip", "test_plane_friction", "test_round_contact",
+    ),
+    "Contact: sliding, free bodies, several pairs": ("test_sliding", "test_carry", "test_overlaps"),
+    "Rigid masters": ("test_analytic_masters", "test_rigid_masters"),
+    "Surface-to-surface contact": ("test_mortar",),
+    "Default settings": ("test_defaults",),
+}  # fmt: skip
+EFFORT = "Newton iterations per increment"  #: quantity of the checks that tell no result
 MOST_ITERATIONS = 8.0  #: mean of the Newton iterations per increment, failed attempts included, that a case may take
 
 
@@ -143,6 +158,7 @@ class Case:
     runner: Run
     work: Path  #: where the jobs run
     pages: Path | None  #: where the page goes
+    file: str = ""  #: of the test, without its suffix
     checks: list[Check] = field(default_factory=list)
     jobs: list[Job] = field(default_factory=list)
     figures: list[tuple[str, str]] = field(default_factory=list)
@@ -160,7 +176,7 @@ class Case:
         self.wanted[job.name] = asked
         increments = asked or job.n_increments
         self.within(
-            f"Newton iterations per increment ({name})",
+            f"{EFFORT} ({name})",
             job.n_iterations / increments,
             (0.0, MOST_ITERATIONS),
             why="failed attempts are counted, and the increments are those that the deck asks for",
@@ -233,7 +249,7 @@ class Case:
                 figure, caption = picture.shape(self.jobs[-1].path)
                 self.figure(lambda: figure, f"{self.jobs[-1].name}. {caption}" if len(self.jobs) > 1 else caption)
             (self.pages / f"{self.name}.md").write_text(self.page())
-            facts = {"name": self.name, "title": self.title, "checks": [asdict(c) for c in self.checks]}
+            facts = {"name": self.name, "title": self.title, "file": self.file, "checks": [asdict(c) for c in self.checks]}
             facts["effort"] = [(job.n_increments, job.n_iterations, job.n_failed) for job in self.jobs]
             facts["asked"] = [self.wanted.get(job.name) or job.n_increments for job in self.jobs]
             (self.pages / f"{self.name}.json").write_text(json.dumps(facts, indent=1) + "\n")
@@ -288,34 +304,58 @@ def mean_effort(cases: Sequence[dict]) -> float:
     return iterations / max(asked, 1)
 
 
+def chapter_of(case: dict) -> str:
+    """Where a case stands in the index."""
+    return next((chapter for chapter, files in CHAPTERS.items() if case.get("file") in files), "Other cases")
+
+
+def index_rows(case: dict) -> list[str]:
+    """A row of the index for each quantity of a case: the check that is nearest to what is allowed. The effort has a table of its own."""
+    worst: dict[str, dict] = {}
+    for c in case["checks"]:
+        name = c["quantity"]
+        if name.startswith(EFFORT):
+            continue
+        near = c["error"] / c["tolerance"] if c["tolerance"] else c["error"]
+        if name not in worst or near > worst[name]["near"]:
+            worst[name] = c | {"near": near, "order": c["order"] or worst.get(name, {}).get("order", "")}
+        elif c["order"]:
+            worst[name]["order"] = c["order"]
+    rows, title = [], f"[{case['title']}]({case['name']}.md)"
+    for name, c in worst.items():
+        mark = "" if all(o["error"] <= o["tolerance"] for o in case["checks"] if o["quantity"] == name) else " **fails**"
+        numbers = f"{c['reference']} | {c['ours']:.6g} | {c['error']:.1e}{mark} | {c['tolerance']:.0e}"
+        rows.append(f"| {title} | {name}, {c['place']} | {numbers} | {c['order']} |")
+        title = ""
+    return rows
+
+
 def write_index(pages: Path) -> float:
     """index.md from the .json files of the cases, which it takes away; a row per check. Gives the mean effort."""
     files = sorted(pages.glob("*.json"))
     cases = [json.loads(file.read_text()) for file in files]
     has_decks = (pages / "calculix-decks.md").exists()
     n_increments, n_iterations, n_failed = (sum(e[i] for c in cases for e in c["effort"]) for i in range(3))
+    failing = sum(c["error"] > c["tolerance"] for case in cases for c in case["checks"])
     lines = [
         "# Verification",
         "",
-        "Written by `make verify`; each case is a test in `verify/verification` of the same name. Error: the difference over the",
-        "largest expected value, or how far a number is outside its band.",
+        "Written by `make verify`; each case is a test in `verify/verification`. A case has a page: the model in words, the formula and its source,",
+        "every check with its place, time, tolerance and why, a picture, and what it proves. Below, for each quantity of a case the check that is",
+        "nearest to what is allowed. Error: the difference over the largest expected value, or how far a number is outside its band. Order: of",
+        "convergence, observed on two or more meshes.",
         "",
-        f"{len(cases)} cases, {sum(len(c['checks']) for c in cases)} checks, {n_increments} increments, {n_iterations} Newton",
+        f"{len(cases)} cases, {sum(len(c['checks']) for c in cases)} checks, of which {failing or 'none'} fail{'' if failing > 1 else 's'}; {n_increments} increments, {n_iterations} Newton",
         f"iterations ({n_iterations / max(n_increments, 1):.2f} per increment), {n_failed} failed attempts.",
         "",
         *(["The decks of CalculiX's own suite have [a page of their own](calculix-decks.md).", ""] * has_decks),
-        "| case | quantity | reference | ours | error | allowed | order |",
-        "|---|---|---|---|---|---|---|",
     ]
-    for case in cases:
-        title = f"[{case['title']}]({case['name']}.md)"
-        for c in case["checks"]:
-            mark = "" if c["error"] <= c["tolerance"] else " **fails**"
-            where = f" {c['place']}" if c["place"] else ""
-            numbers = f"{c['reference']} | {c['ours']:.6g} | {c['error']:.1e}{mark} | {c['tolerance']:.0e}"
-            lines.append(f"| {title} | {c['quantity']}{where} | {numbers} | {c['order']} |")
-            title = ""
-    lines += ["", "## Effort", "", *effort_table(cases)]
+    for chapter in [*CHAPTERS, "Other cases"]:
+        rows = [row for case in cases if chapter_of(case) == chapter for row in index_rows(case)]
+        if rows:
+            head = ["| case | quantity | reference | ours | error | allowed | order |", "|---|---|---|---|---|---|---|"]
+            lines += [f"## {chapter}", "", *head, *rows, ""]
+    lines += ["## Effort", "", *effort_table(cases)]
     (pages / "index.md").write_text("\n".join(lines) + "\n")
     for file in files:
         file.unlink()

@@ -6,10 +6,11 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
-from proof import MOST_OVER_ALL, write_index
+from proof import CHAPTERS, MOST_OVER_ALL, Case, Check, write_index
 
 
 def test_mean_effort(tmp_path: Path) -> None:
@@ -22,3 +23,34 @@ def test_mean_effort(tmp_path: Path) -> None:
     assert mean > MOST_OVER_ALL
     assert not list(tmp_path.glob("*.json"))
     assert "| all | 12 | 84 | 2 | 7.0 |" in (tmp_path / "index.md").read_text()
+
+
+def test_index_tells_the_worst(tmp_path: Path) -> None:
+    """One row for each quantity, under the chapter of its file; a check that fails is marked, whatever its place."""
+    first = Check("stress", "A", "the end", "1", 1.01, 0.01, 0.02, "mesh", "2.0")
+    second = Check("stress", "B", "the end", "1", 1.05, 0.05, 0.02, "mesh")
+    facts = {"name": "x", "title": "X", "file": "test_rubber", "checks": [asdict(first), asdict(second)], "effort": [(1, 1, 0)], "asked": [1]}
+    (tmp_path / "x.json").write_text(json.dumps(facts))
+    write_index(tmp_path)
+    text = (tmp_path / "index.md").read_text()
+    assert "## Rubber and foam\n" in text
+    assert "| [X](x.md) | stress, B | 1 | 1.05 | 5.0e-02 **fails** | 2e-02 | 2.0 |" in text
+    assert "stress, A" not in text
+
+
+def test_every_case_has_a_chapter() -> None:
+    """The files that write cases are in CHAPTERS."""
+    here = Path(__file__).parent / "verification"
+    writers = {path.stem for path in here.glob("test_*.py") if "proof: Proof" in path.read_text()}
+    assert writers == {file for files in CHAPTERS.values() for file in files}
+
+
+@pytest.mark.parametrize("missing", ["place", "time", "why"])
+def test_checks_say_all(missing: str, tmp_path: Path) -> None:
+    """A check without its place, time or reason cannot be written."""
+    case = Case("x", "X", "", "", "", "", runner=None, work=tmp_path, pages=None)
+    words = {"place": "A", "time": "the end", "why": "exact"}
+    case.near("stress", 1.0, 1.0, 0.1, **words)
+    del words[missing]
+    with pytest.raises(TypeError, match=missing):
+        case.near("stress", 1.0, 1.0, 0.1, **words)
