@@ -27,7 +27,8 @@ module amontons_analysis
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
   use amontons_newton, only: newton_type, begin_newton, iterate
   use amontons_derived, only: inelastic_work, n_nodal_slaves
-  use amontons_stepper, only: stepper_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
+  use amontons_forensics, only: n_changed_since_first
+  use amontons_stepper, only: stepper_type, course_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
     STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
   use amontons_failure, only: failure_reason, failure_lines
   use amontons_store, only: mend_store
@@ -355,6 +356,7 @@ contains
         dt = min(propose_time(analysis%stepper, step), until - analysis%stepper%step_time)
         call begin_trial(analysis, dt, error)
         analysis%newton%may_be_cut = may_cut(analysis%stepper, step, dt)
+        analysis%newton%may_snap = .not. analysis%newton%may_be_cut .or. analysis%stepper%attempt > 1
         do
           call iterate_trial(analysis, journal, verdict, error)
           if (allocated(error)) return
@@ -406,6 +408,7 @@ contains
     if (allocated(error)) return
     call start_attempt(analysis, dt)
     analysis%newton%may_be_cut = .false.
+    analysis%newton%may_snap = .true.
     call begin_newton(analysis%newton, analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), &
       analysis%is_step_start, analysis%state)
   end subroutine begin_trial
@@ -436,11 +439,13 @@ contains
     associate (record => analysis%records(analysis%n_records))
       record%is_converged = .true.
       record%n_carried = analysis%newton%n_carried
+      record%n_snapped = analysis%newton%n_snapped
       call close_damping(analysis%system%share, step, analysis%state, damped)
       call close_ledger(analysis%model, analysis%state, record, damped)
       call close_record(analysis, record)
       call commit_state(analysis%state)
-      call accept_increment(analysis%stepper, step, record%dt, record%n_iterations, outcome)
+      call accept_increment(analysis%stepper, step, record%dt, course_type(record%n_iterations, record%n_unforeseen, &
+        record%n_cycles), outcome)
       analysis%is_step_start = outcome == STEP_DONE
     end associate
   end subroutine accept
@@ -683,6 +688,8 @@ contains
       total%n_status = record%n_status
       total%n_scenario = total%n_scenario + record%n_scenario
       total%smallest_step_length = min(total%smallest_step_length, record%step_length)
+      total%n_cycles = analysis%newton%n_cycles
+      total%n_unforeseen = n_changed_since_first(analysis%newton%forensics)
       total%residual = record%residual
       total%correction = record%correction
       call journal%show_iteration(record)

@@ -20,7 +20,7 @@ module amontons_carry
   use amontons_system, only: system_type, evaluate, find_direction, carry_bodies, TROUBLE_NONE, TROUBLE_SOLVER
   implicit none
   private
-  public :: is_carried_off, find_carried_direction, model_extent
+  public :: is_carried_off, find_carried_direction, find_snap_direction, model_extent
 
   real(DP), parameter :: LEAST = 1.0e-9_DP         !< part of the stiffness that carries at first [-]
   real(DP), parameter :: MOST = 1.0_DP             !< at most [-]
@@ -28,6 +28,8 @@ module amontons_carry
   real(DP), parameter :: IN_SIGHT = 2.5_DP         !< but not more than this many edges of a master [-]
   real(DP), parameter :: ENOUGH = 2.0_DP           !< a direction may exceed its way by this [-]
   integer, parameter :: MOST_TRIES = 6
+  real(DP), parameter :: LEAST_SNAP = 1.0e-3_DP    !< part of the stiffness that holds nodes through a snap, at first [-]
+  real(DP), parameter :: SNAP_RATIO = 6.0_DP       !< of one part tried to the next [-]
 
 contains
 
@@ -88,6 +90,35 @@ contains
     end do
     if (.not. allocated(ahead)) ahead = state%new%slaves
   end subroutine find_carried_direction
+
+
+  !> A direction along which contact settles, where it does not with K as it is: friction lets go faster than the bodies follow, so
+  !! that no balance is near. Each node is held by a part of its own stiffness, the least that is tried with which contact settles.
+  !! system%is_settled tells whether it does; the state stands at u in any case.
+  subroutine find_snap_direction(system, model, step, state, part, du, ahead, trouble, error)
+    type(system_type), intent(inout), target :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    real(DP), intent(inout) :: part                !< that was enough in the iteration before, 0: none; out: in this one [-]
+    real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
+    type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at its end
+    integer, intent(out) :: trouble                !< TROUBLE_...
+    type(error_type), allocatable, intent(out) :: error
+    integer :: n_rounds
+    part = max(LEAST_SNAP, part / SNAP_RATIO)
+    do
+      call evaluate(system, model, step, .true., state, trouble)
+      if (trouble /= TROUBLE_NONE) return
+      call carry_bodies(system, model, state%new, part)
+      call find_direction(system, model, step, state, du, trouble, error)
+      if (allocated(error) .or. trouble /= TROUBLE_NONE) return
+      call settle_contact(system, model, step, state, du, ahead, n_rounds, error)
+      if (allocated(error)) return
+      if (system%is_settled .or. part >= MOST) exit
+      part = min(MOST, SNAP_RATIO * part)
+    end do
+  end subroutine find_snap_direction
 
 
   !> How far a direction may go: to where the first slave node touches and some way beyond, and never out of sight.

@@ -89,7 +89,7 @@ module amontons_columns
     column_type('XS', 3, '[length]', 'Centre of the friction, likewise.')]
   integer, parameter :: N_PAIR_INTEGERS = 6, N_PAIR_REALS = 20
 
-  type(column_type), parameter :: HISTORY_COLUMNS(29) = [ &
+  type(column_type), parameter :: HISTORY_COLUMNS(31) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1; 0 is the state before the first.', .true.), &
     column_type('increment', 1, '[-]', 'Increment in the step, counted from 1.', .true.), &
     column_type('attempt', 1, '[-]', 'Attempt at the increment, counted from 1.', .true.), &
@@ -100,6 +100,9 @@ module amontons_columns
     column_type('n_scenario', 4, '[-]', 'Slave nodes in scenario I to IV, summed over iterations.', .true.), &
     column_type('n_factorisations', 1, '[-]', 'Factorisations.', .true.), &
     column_type('n_krylov', 1, '[-]', 'Krylov iterations.', .true.), &
+    column_type('n_cycles', 1, '[-]', 'Cycles of slave nodes that were acted on.', .true.), &
+    column_type('n_unforeseen', 1, '[-]', &
+      'Slave nodes whose status at the end was not that after the first iteration.', .true.), &
     column_type('frame', 1, '[-]', 'Frame that holds the fields of this row; -1: not written.', .true.), &
     column_type('total_time', 1, '[time]', 'Time since the start of the job, at the end of the increment.'), &
     column_type('step_time', 1, '[time]', 'Time since the start of the step, at the end of the increment.'), &
@@ -122,7 +125,7 @@ module amontons_columns
       'Taken while bodies that nothing held were carried to where they touch, since the start of the job.'), &
     column_type('damped_work', 1, '[energy]', 'Dissipated by the damping of STABILIZE since the start of the job.'), &
     column_type('plastic_work', 1, '[energy]', 'Taken by plastic and creep strains since the start of the job.')]
-  integer, parameter :: N_HISTORY_INTEGERS = 16, N_HISTORY_REALS = 25 + N_PHASES
+  integer, parameter :: N_HISTORY_INTEGERS = 18, N_HISTORY_REALS = 25 + N_PHASES
 
   type(column_type), parameter :: ITERATION_COLUMNS(16) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1.', .true.), &

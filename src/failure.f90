@@ -10,6 +10,7 @@
 !! | CYCLE, STICK-SLIP FLIP | the hash of all slave nodes returns | smaller increments, a finer master |
 !! | PENETRATION JUMP | a slave node went deep inside at once | smaller increments |
 !! | LIMIT POINT | the stiffness is not positive while contact rests, or is singular and was not before | drive by displacement |
+!! | LIMIT POINT ... first at node | contact does not settle along the directions of the last iterations | drive by displacement, damp |
 !! | SLOW | none of these | smaller increments |
 module amontons_failure
   use amontons_kinds, only: DP
@@ -28,6 +29,8 @@ module amontons_failure
   integer, parameter :: N_NAMED = 8                !< nodes named in the reason
   character(*), parameter :: LIMIT_POINT = 'LIMIT POINT: the stiffness is not positive: the structure buckles, snaps ' // &
     'through, or softens.'
+  character(*), parameter :: LIMIT_OF_CONTACT = 'LIMIT POINT: contact finds no balance near by: it lets go faster than ' // &
+    'the bodies follow, first at '
 
 contains
 
@@ -39,7 +42,8 @@ contains
     type(newton_type), intent(in) :: newton
     integer, intent(in) :: verdict                 !< VERDICT_... of the last iteration
     character(:), allocatable :: reason
-    if (newton%is_carried .and. newton%farthest > 0 .and. any(newton%trouble == [TROUBLE_NONE, TROUBLE_SOLVER])) then
+    if (newton%is_carried .and. newton%n_snapped == 0 .and. newton%farthest > 0 .and. &
+      any(newton%trouble == [TROUBLE_NONE, TROUBLE_SOLVER])) then
       reason = 'FREE BODY: nothing holds a body against its load, wherever it goes; it went farthest at node ' // &
         text_of(model%mesh%node_label(newton%farthest)) // '.'
       return
@@ -63,6 +67,8 @@ contains
         ' passed through its master within the increment.'
     case default
       reason = contact_reason(model, system, state, newton)
+      if (newton%n_unsettled > 1 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
+        reason = LIMIT_OF_CONTACT // names_of(model, state%new%slaves, unbalanced_slaves(system, state)) // '.'
       if (reason == '' .and. system%n_shifted > newton%n_shifted) reason = LIMIT_POINT
       if (reason == '' .and. verdict == VERDICT_DIVERGES) &
         reason = 'SLOW: the force imbalance grows from iteration to iteration.'
@@ -103,6 +109,19 @@ contains
       reason = 'CONTACT UNSETTLED: status or facet still changes at ' // names_of(model, state%new%slaves, slaves) // '.'
     end if
   end function contact_reason
+
+
+  !> The closed slave nodes that are least in balance: those with at least half of the largest imbalance among them.
+  function unbalanced_slaves(system, state) result(slaves)
+    type(system_type), intent(in) :: system
+    type(state_type), intent(in) :: state
+    integer, allocatable :: slaves(:)              !< indices
+    real(DP) :: size_of(size(state%new%slaves))    ! [force]
+    integer :: s
+    size_of = [(norm2(system%residual(:, state%new%slaves(s)%node)), s=1, size(size_of))]
+    where (state%new%slaves%status == STATUS_OPEN) size_of = 0.0_DP
+    slaves = pack([(s, s=1, size(size_of))], size_of > 0.0_DP .and. size_of >= 0.5_DP * maxval(size_of))
+  end function unbalanced_slaves
 
 
   !> The labels of slave nodes: the first of them, and how many more.

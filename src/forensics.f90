@@ -6,7 +6,7 @@ module amontons_forensics
   implicit none
   private
   public :: forensics_type, note_slaves, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of, &
-    least_merit, last_facet, DEPTH
+    least_merit, last_facet, n_changed_since_first, DEPTH
 
   integer, parameter :: DEPTH = 8                  !< iterations whose nodes are kept
   integer, parameter :: MOST = 128                 !< iterations whose hashes are kept
@@ -96,6 +96,15 @@ contains
     end do
     slaves = pack([(s, s=1, size(is_in))], is_in)
   end function cycle_nodes
+
+
+  !> How many slave nodes have another status than after the first iteration; of longer attempts than are remembered, than in the
+  !! first iteration that is.
+  pure integer function n_changed_since_first(forensics) result(n)
+    type(forensics_type), intent(in) :: forensics
+    n = 0
+    if (forensics%n > 2) n = count(forensics%status(:, 1) /= forensics%status(:, min(forensics%n - 1, DEPTH)))
+  end function n_changed_since_first
 
 
   !> The iteration of the least merit among the last ones, counted back from 1, the newest.

@@ -53,7 +53,10 @@ module amontons_history
     real(DP) :: external_work = 0              !< of loads and prescribed displacements since the start [energy]
     real(DP) :: friction_work = 0              !< dissipated since the start [energy]
     real(DP) :: plastic_work = 0               !< of plastic and creep strains since the start [energy]
+    integer :: n_cycles = 0                    !< cycles of slave nodes that were acted on
+    integer :: n_unforeseen = 0                !< slave nodes whose status at the end was not that after the first iteration
     integer :: n_carried = 0                   !< iterations in which bodies that nothing held were carried
+    integer :: n_snapped = 0                   !< of them, those on the way from one balance to another
     real(DP) :: carried_now = 0                !< work that this took in this increment [energy]
     real(DP) :: carried_work = 0               !< taken while bodies that nothing held were carried, since the start [energy]
     real(DP) :: damped_work = 0                !< dissipated by the damping of STABILIZE since the start [energy]

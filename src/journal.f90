@@ -213,8 +213,15 @@ contains
       text_of(record%total_time), text_of(record%dt), record%n_iterations, record%n_status, &
       int(100 * fraction + 0.01_DP), ' %', duration(self%elapsed()), time_left(self)
     call put(self, trim(line))
-    if (record%is_converged .and. record%n_carried > 0) call put(self, '        Bodies that nothing held were carried to ' // &
-      'where they touch in ' // plural(record%n_carried, 'iteration') // ', work ' // text_of(record%carried_now) // '.')
+    if (record%n_cycles > 0) call put(self, '        Slave nodes went in cycles, which were acted on for those nodes alone: ' // &
+      plural(record%n_cycles, 'time') // '.')
+    if (record%is_converged .and. record%n_snapped > 0) then
+      call put(self, '        There was no balance near by: bodies were carried on to the next one in ' // &
+        plural(record%n_snapped, 'iteration') // ', work ' // text_of(record%carried_now) // '.')
+    else if (record%is_converged .and. record%n_carried > 0) then
+      call put(self, '        Bodies that nothing held were carried to ' // &
+        'where they touch in ' // plural(record%n_carried, 'iteration') // ', work ' // text_of(record%carried_now) // '.')
+    end if
     if (record%is_converged) return
     if (allocated(record%reason)) then
       call put(self, '        This attempt failed: ' // harmless(record%reason))

@@ -15,7 +15,7 @@ module amontons_newton
     VERDICT_CONVERGED, VERDICT_TOO_SLOW
   use amontons_line_search, only: search_type, search_line
   use amontons_settle, only: settle_contact
-  use amontons_carry, only: is_carried_off, find_carried_direction, model_extent
+  use amontons_carry, only: is_carried_off, find_carried_direction, find_snap_direction, model_extent
   use amontons_system, only: system_type, begin_increment, evaluate, find_direction, carry_bodies, TROUBLE_NONE, &
     TROUBLE_ELEMENT
   implicit none
@@ -41,6 +41,10 @@ module amontons_newton
     integer :: n_carried = 0                       !< iterations in which bodies had to be carried
     logical :: may_be_cut = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
     logical :: is_carried = .false.                !< bodies were carried in the last iteration
+    integer :: n_snapped = 0                       !< iterations in which bodies were carried from one balance to the next
+    integer :: n_unsettled = 0                     !< last iterations running along whose direction contact did not settle
+    real(DP) :: snap_part = 0                      !< part of their stiffness that held nodes in the last of them [-]
+    logical :: may_snap = .false.                  !< a shorter increment did not do: bodies are carried
     integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
     type(forensics_type) :: forensics
@@ -66,8 +70,12 @@ contains
     newton%n_shifted = system%n_shifted
     newton%n_carried = 0
     newton%n_cycles = 0
+    newton%n_snapped = 0
+    newton%n_unsettled = 0
+    newton%snap_part = 0.0_DP
     system%contact%hold = HOLD_NEVER
     newton%is_carried = .false.
+    if (system%carry > 0.0_DP) call carry_bodies(system, model, state%new, 0.0_DP)   ! an attempt ended in the midst of it
     call begin_increment(system, model, step, is_step_start, state)
     newton%trouble = TROUBLE_ELEMENT
     if (.not. is_step_start) then
@@ -117,6 +125,14 @@ contains
     if (newton%is_carried) call find_carried_direction(system, model, step, state, du, ahead, newton%record%n_rounds, &
       newton%trouble, error)
     if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
+    newton%n_unsettled = merge(newton%n_unsettled + 1, 0, is_unsettled(system, step, newton))
+    if (newton%may_snap .and. newton%n_unsettled > 0) then
+      call find_snap_direction(system, model, step, state, newton%snap_part, du, ahead, newton%trouble, error)
+      newton%may_snap = system%is_settled
+      newton%is_carried = .true.
+      newton%n_snapped = newton%n_snapped + 1
+      if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
+    end if
     u = state%new%u
     residual = system%residual
     call search_line(system, model, step, du, ahead, state, search, newton%trouble)
@@ -128,12 +144,24 @@ contains
     call note_residual(newton, system, step%controls%r_n)
     call note_step(newton, system, state, search, system%n_krylov - n_krylov)
     verdict = judge(step%controls, newton%progress)
+    if (newton%n_unsettled > 0 .and. newton%may_snap .and. verdict /= VERDICT_CONVERGED .and. &
+      newton%progress%iteration < step%controls%i_c) verdict = VERDICT_GO_ON   ! through a snap imbalances grow
     if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. any(state%new%slaves%status /= STATUS_OPEN) .and. &
       .not. newton%is_carried) call judge_early(newton%progress, verdict)
     if (step%line_search == SEARCH_AUTO) call watch_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)
   end subroutine iterate
+
+
+  !> Whether contact did not settle along the direction.
+  pure logical function is_unsettled(system, step, newton)
+    type(system_type), intent(in) :: system
+    type(step_type), intent(in) :: step
+    type(newton_type), intent(in) :: newton
+    is_unsettled = step%line_search == SEARCH_AUTO .and. system%is_condensed .and. .not. system%is_settled .and. &
+      .not. newton%is_carried .and. size(system%contact%view%status) > 0
+  end function is_unsettled
 
 
   !> Cycles are acted on as they are found; nodes that were held for one are let go when all else is in balance, and the verdict

@@ -23,7 +23,7 @@ module amontons_restart
   public :: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint, pack_state, unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it tells the byte order too
-  integer(I64), parameter :: FORMAT_VERSION = 9
+  integer(I64), parameter :: FORMAT_VERSION = 10
   integer, parameter :: N_HEAD = 4                 !< words before those of carry_all
 
   !> All that the next increment depends on.
@@ -318,6 +318,7 @@ contains
     call parcel%carry(stepper%total_time)
     call parcel%carry(stepper%dt)
     call parcel%carry(stepper%n_fast)
+    call parcel%carry(stepper%has_failed)
   end subroutine carry_stepper
 
 

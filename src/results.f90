@@ -870,7 +870,7 @@ contains
     real(DP) :: reals(N_HISTORY_REALS, 1)
     integers(:, 1) = [record%step, record%increment, record%attempt, merge(1, 0, record%is_converged), &
       record%n_iterations, record%n_cutbacks, record%n_status, record%n_scenario, record%n_factorisations, &
-      record%n_krylov, frame]
+      record%n_krylov, record%n_cycles, record%n_unforeseen, frame]
     reals(:, 1) = [record%total_time, record%step_time, record%dt, record%smallest_step_length, record%residual, &
       record%correction, record%seconds, record%applied_force, record%reaction_force, record%contact_force, &
       record%slave_force, record%external_work, record%friction_work, record%strain_energy, &

@@ -8,7 +8,7 @@ module amontons_stepper
   use amontons_converge, only: VERDICT_DIVERGES
   implicit none
   private
-  public :: stepper_type, open_step, propose_time, accept_increment, reject_increment, may_cut
+  public :: stepper_type, course_type, open_step, propose_time, accept_increment, reject_increment, may_cut
   public :: STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
 
   integer, parameter :: STEP_GOES_ON = 0           !< after an accepted increment: more to come in this step
@@ -17,7 +17,15 @@ module amontons_stepper
   integer, parameter :: CUT_BACK = 3               !< after a failed attempt: try again with the smaller increment
   integer, parameter :: GIVE_UP = 4                !< no smaller increment is allowed
 
+  integer, parameter :: FEW = 4                    !< iterations
   real(DP), parameter :: SNAP = 1.0e-6_DP          !< an increment that ends this near to the end of the step ends there [-]
+
+  !> What happened in an attempt that converged.
+  type :: course_type
+    integer :: n_iterations = 0
+    integer :: n_unforeseen = 0                    !< slave nodes whose status at the end was not that after the first iteration
+    integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
+  end type course_type
 
   !> Where the job is in time. Times are those committed.
   type :: stepper_type
@@ -28,6 +36,7 @@ module amontons_stepper
     real(DP) :: total_time = 0                     !< [time]
     real(DP) :: dt = 0                             !< wanted for the next increment [time]
     integer :: n_fast = 0                          !< increments running that converged within i_g iterations
+    logical :: has_failed = .false.                !< an attempt failed in this step
   end type stepper_type
 
 contains
@@ -43,6 +52,7 @@ contains
     if (step%is_clock_set) stepper%total_time = step%clock
     stepper%dt = min(step%dt_initial, step%period)
     stepper%n_fast = 0
+    stepper%has_failed = .false.
   end subroutine open_step
 
 
@@ -58,29 +68,41 @@ contains
 
 
   !> A converged increment: time goes on, and the next one may be longer or shorter.
-  pure subroutine accept_increment(stepper, step, dt, n_iterations, outcome)
+  pure subroutine accept_increment(stepper, step, dt, course, outcome)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the increment [time]
-    integer, intent(in) :: n_iterations            !< of the attempt that converged
+    type(course_type), intent(in) :: course
     integer, intent(out) :: outcome                !< STEP_...
     stepper%total_time = stepper%total_time + dt
     stepper%step_time = stepper%step_time + dt
     if (abs(step%period - stepper%step_time) <= SNAP * step%period) stepper%step_time = step%period
-    stepper%n_fast = merge(stepper%n_fast + 1, 0, n_iterations <= step%controls%i_g)
-    if (.not. step%is_direct) then
-      if (n_iterations > step%controls%i_l) then
-        stepper%dt = max(step%dt_min, step%controls%d_b * stepper%dt)
-      else if (stepper%n_fast >= 2) then
-        stepper%dt = min(step%dt_max, step%controls%d_d * stepper%dt)
-      end if
-    end if
+    if (.not. step%is_direct) call adapt(stepper, step, course)
     stepper%attempt = 1
     outcome = STEP_DONE
     if (stepper%step_time >= step%period) return
     stepper%increment = stepper%increment + 1
     outcome = merge(STEP_OUT_OF_INCREMENTS, STEP_GOES_ON, stepper%increment > step%max_increments)
   end subroutine accept_increment
+
+
+  !> Length of the next increment from what happened in the last one. It grows after two fast ones running, and shrinks after a slow
+  !! one. After cycles it does not grow, nor, in a step in which an attempt failed, where contact was not as foreseen: statuses
+  !! changed after the first iteration, and it took more than a FEW.
+  pure subroutine adapt(stepper, step, course)
+    type(stepper_type), intent(inout) :: stepper
+    type(step_type), intent(in) :: step
+    type(course_type), intent(in) :: course
+    logical :: is_fast, is_foreseen
+    is_foreseen = course%n_unforeseen == 0 .or. course%n_iterations <= FEW
+    is_fast = course%n_iterations <= step%controls%i_g .and. course%n_cycles == 0 .and. (is_foreseen .or. .not. stepper%has_failed)
+    stepper%n_fast = merge(stepper%n_fast + 1, 0, is_fast)
+    if (course%n_iterations > step%controls%i_l) then
+      stepper%dt = max(step%dt_min, step%controls%d_b * stepper%dt)
+    else if (stepper%n_fast >= 2) then
+      stepper%dt = min(step%dt_max, step%controls%d_d * stepper%dt)
+    end if
+  end subroutine adapt
 
 
   !> Whether an attempt that fails can be tried again with a smaller increment, and more than once.
@@ -101,6 +123,7 @@ contains
     integer, intent(out) :: outcome                !< CUT_BACK or GIVE_UP
     outcome = GIVE_UP
     if (step%is_direct .or. stepper%attempt > step%controls%i_a) return
+    stepper%has_failed = .true.
     stepper%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
     if (stepper%dt < step%dt_min) then
       if (dt <= step%dt_min * (1.0_DP + SNAP)) return

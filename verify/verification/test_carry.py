@@ -157,3 +157,67 @@ def test_slides_away(run: Run, tmp_path: Path) -> None:
     assert done.returncode == 5, done.stdout + done.stderr
     assert "FREE BODY" in done.stdout, done.stdout
     assert "hold the body by supports" in done.stdout
+
+
+def pole(mu: float, ways: tuple[float, ...]) -> str:
+    """A node on a table, pressed by an inclined bar and pulled by a level one; its small displacements, each way in one increment."""
+    c, s = np.cos(LEAN), np.sin(LEAN)
+    table = [(x, y, z) for z in (-1, 0) for x, y in ((-2, -2), (6, -2), (6, 2), (-2, 2))]
+    points = [(0, 0, 0), (-10 * c, 0, 10 * s), (10, 0, 0), *table]
+    deck = "*NODE\n" + "".join(f"{i}, {x:.15g}, {y:.15g}, {z:.15g}\n" for i, (x, y, z) in enumerate(points, start=1))
+    deck += "*ELEMENT, TYPE=T3D2, ELSET=LEANING\n1, 2, 1\n*ELEMENT, TYPE=T3D2, ELSET=LEVEL\n2, 1, 3\n*ELEMENT, TYPE=C3D8, ELSET=TABLE\n"
+    deck += "3, " + ", ".join(str(i) for i in range(4, 12)) + "\n*NSET, NSET=TIP\n1\n*NSET, NSET=FIXED, GENERATE\n4, 11\n"
+    deck += "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n*SOLID SECTION, ELSET=TABLE, MATERIAL=M\n"
+    for name, stiffness in (("LEANING", STIFF), ("LEVEL", WEAK)):
+        deck += f"*SOLID SECTION, ELSET={name}, MATERIAL=M\n{stiffness / 100:.15g}\n"
+    deck += "*SURFACE, NAME=TIP_S, TYPE=NODE\nTIP,\n*SURFACE, NAME=TOP\nTABLE, S2\n"
+    deck += pair("TIP_S", "TOP", mu, ", SMALL SLIDING")
+    press = fix("FIXED, 1, 3", "1, 2", "3, 1, 3", "2, 2", f"2, 1, 1, {PRESS * c:.15g}", f"2, 3, 3, {-PRESS * s:.15g}")
+    static = "*STEP\n*STATIC, DIRECT\n1., 1.\n"
+    return deck + static + press + "*END STEP\n" + "".join(f"{static}{fix(f'3, 1, 1, {way:.15g}')}*END STEP\n" for way in ways)
+
+
+LEAN, STIFF, WEAK, PRESS = np.pi / 3, 100.0, 20.0, 0.01
+
+
+def test_snap_of_friction(proof: Proof) -> None:
+    """A node that lets go at once when friction is used up, since its pressure falls faster than its pull: the next balance is in the air."""
+    mu = 1.5
+    case = proof(
+        "snap-of-friction",
+        title="A pole on a rough table that is pulled until it snaps",
+        model="A node on a rigid table under a bar that leans by 60 degrees (stiffness 100), pressed along itself by 0.01; a level bar (stiffness 20) pulls it; "
+        "mu = 1.5, small displacements, DIRECT: pressed in one increment, pulled to 0.95 and 1.05 of where friction ends in one increment each.",
+        formula="It sticks while (N the pressure of the leaning bar, w the pull) cos(60) k1 e + k2 w < mu sin(60) k1 e. Beyond, each slip takes more from mu N "
+        "than from the pull: mu k1 s c > k1 c^2 + k2, so no slip balances. What balances next is the node in the air with both bars slack: x = w, "
+        "z = (c w - e)/s.",
+        source="statics of three bars",
+        proves="Where contact finds no balance near by, bodies are carried on to the next one; what is left there is balance alone.",
+    )
+    c, s = np.cos(LEAN), np.sin(LEAN)
+    end = (mu * s - c) * STIFF * PRESS / WEAK
+    assert mu * STIFF * s * c > STIFF * c**2 + WEAK
+    job = case.run(pole(mu, (0.95 * end, 1.05 * end)), asked=3)
+    u = job.field("U")[:, 0]
+    way = 1.05 * end
+    case.near("slip before", np.abs(u[2]).max(), 0.0, 1e-12, why="it sticks", time="0.95 of the end", scale=end)
+    case.near("displacement", u[3], np.array([way, 0.0, (c * way - PRESS) / s]), 1e-9, why="linear after the snap", time="1.05 of the end")
+    case.near("forces of the supports", np.abs(job.last("RF")).max(), 0.0, 1e-6, why="both bars are slack", scale=STIFF * PRESS, time="1.05 of the end")
+    stored = 0.5 * (STIFF * PRESS**2 + WEAK * way**2)
+    case.within("work of the snap", carried_work(job.path)[-1], (1e-3 * stored, stored), why="friction takes a part of what both bars have stored")
+    case.true("the snap is told in .cvg", "carried to another balance" in job.path.with_suffix(".cvg").read_text(), why="who reads it later has to know")
+    case.done()
+
+
+@pytest.mark.parametrize("size", [0.05, 1.0])
+def test_block_that_snaps_on(run: Run, tmp_path: Path, size: float) -> None:
+    """A soft block dragged over eight facets with mu = 1: its rear lifts, its front sticks and lets go at once; any size of increment gets to the end."""
+    body, table = sheet("BODY", between(0, 1, 6), between(0, 1, 6)), sheet("TABLE", between(-1, 4, 20), between(-1, 0, 4))
+    press = fix("TABLE_BOTTOM, 1, 2", "BODY_TOP, 1", "BODY_TOP, 2, 2, -0.05")
+    steps = "".join(f"*STEP, NLGEOM, INC=1000\n*STATIC\n{size}, 1., 1e-6, 1.\n{load}*END STEP\n" for load in (press, fix("BODY_TOP, 1, 1, 2.")))
+    deck = flat_deck([(flatten(body), STEEL), (flatten(table), STEEL)], "CPE4", pair("BODY_BOTTOM", "TABLE_TOP", 1.0) + steps)
+    (tmp_path / "job.inp").write_text(deck)
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "carried on to the next one" in done.stdout, done.stdout
+    assert "carried to another balance" in (tmp_path / "job.cvg").read_text()
