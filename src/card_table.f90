@@ -619,12 +619,17 @@ contains
     integer :: i
     do i = 1, size(NAMES)
       call table%card(trim(NAMES(i)), IN_STEP, 'Asks for results: job.vtkhdf always holds all fields; under the calculix ' // &
-        'dialect job.frd holds those asked for.', data='variables: U, RF, NT; S, E, PEEQ, ENER; CDIS, CSTR')
+        'dialect job.frd holds those asked for.', data='variables: U, RF, NT; S, E, ME, THE, PEEQ, ENER, SDV, ERR; CDIS, ' // &
+        'CSTR, CELS')
       call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
       call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
       call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=STATUS_NOTED)
-      call table%option('NSET|ELSET|SET|SLAVE|MASTER|SURFACE|INTERACTION', VALUE_NAME, ALL_FIELDS, status=STATUS_NOTED)
-      call table%option('GLOBAL|OUTPUT|OUTPUT ALL|POSITION|VARIABLE|DIRECTIONS|LAST ITERATIONS|CONTACT ELEMENTS|' // &
+      call table%option('GLOBAL', VALUE_WORD, 'NO: job.frd has vectors in the directions of *TRANSFORM, tensors in the axes ' // &
+        'of the section.', allowed='YES|NO', default='YES')
+      call table%option('NSET', VALUE_NAME, 'Calculix dialect: job.frd has these variables at these nodes alone.', &
+        default='all nodes')
+      call table%option('ELSET|SET|SLAVE|MASTER|SURFACE|INTERACTION', VALUE_NAME, ALL_FIELDS, status=STATUS_NOTED)
+      call table%option('OUTPUT|OUTPUT ALL|POSITION|VARIABLE|DIRECTIONS|LAST ITERATIONS|CONTACT ELEMENTS|' // &
         'EXTERIOR|SECTION FORCES|TOTALS|MODE|REBAR|ELASTIC', VALUE_TEXT, '', status=STATUS_NOTED)
     end do
     call table%card('OUTPUT', IN_STEP, 'Asks for results in the file; it always holds all fields.', data='none')

@@ -19,7 +19,7 @@ module amontons_deck_steps
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, controls_type, print_request_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, &
     SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, SOLVER_AUTO, SOLVER_ITERATIVE, &
-    PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, N_FRD
+    PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, frd_request_type, N_FRD
   use amontons_text, only: text_of, squeezed, parse_integer, parse_real, is_one_of, joined_words, NUMBER_OK
   use amontons_ties, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
   use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC
@@ -28,10 +28,11 @@ module amontons_deck_steps
   public :: read_steps
 
   character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
-    'CSTATUS|CFORCE|CNORMF|CSHEARF|PEEQ|CEEQ|ENER|ME|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD|ALLSD' !< what the result files hold
-  character(*), parameter :: FRD_WORDS(N_FRD) = [character(9) :: 'U', 'NT', 'S', 'E', 'ME', 'RF', 'PEEQ|CEEQ', 'ENER', &
-    'CDIS|CSTR']                                          !< what asks for the fields of the .frd file
-  integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 2, 2, 2, 1, 2, 2, 3]   !< cards of nodes, elements, contact
+    'CSTATUS|CFORCE|CNORMF|CSHEARF|CELS|PEEQ|CEEQ|PE|CE|ENER|ME|THE|SDV|ERR|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD|' // &
+    'ALLSD'                                               !< what the result files hold
+  character(*), parameter :: FRD_WORDS(N_FRD) = [character(15) :: 'U', 'NT', 'S', 'E|THE', 'ME|THE', 'THE', 'RF', &
+    'PEEQ|CEEQ|PE|CE', 'ENER', 'CDIS|CSTR', 'CELS', 'SDV', 'ERR|S']   !< what asks for the fields of the .frd file
+  integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 2, 2, 2, 2, 1, 2, 2, 3, 3, 2, 2]   !< cards of nodes, elements, contact
 
   !> What is known while the steps are read.
   type :: progress_type
@@ -711,20 +712,28 @@ contains
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: unknown, word
+    type(frd_request_type) :: request
     integer :: i, group
     call open_card(reader, c, parameters, row)
     if (has_parameter(parameters, 'HISTORY')) return
+    request%is_wanted = .true.
+    request%is_local = parameter_word(parameters, 'GLOBAL', 'YES') == 'NO'
+    if (reader%dialect == DIALECT_CALCULIX .and. has_parameter(parameters, 'NSET')) then
+      request%set = reader%node_sets%find(parameter_text(parameters, 'NSET'))
+      if (request%set == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no node set ''' // &
+        parameter_text(parameters, 'NSET') // '''.')
+    end if
     call read_frequency(reader, c, parameters, progress%step%file_frequency, progress%file_list)
     group = file_group(reader%cards%cards(c)%key)
     if (group > 0) then
-      if (.not. progress%has_files(group)) where (FRD_GROUPS == group) progress%step%frd = .false.
+      if (.not. progress%has_files(group)) where (FRD_GROUPS == group) progress%step%frd%is_wanted = .false.
       progress%has_files(group) = .true.
     end if
     unknown = ''
     do while (next_row(reader%cards, row))
       do i = 1, row%n
         word = field_text(reader%cards, row, i)
-        call ask_frd(word, progress%step%frd)
+        call ask_frd(word, request, progress%step%frd)
         if (is_one_of(word, FILE_VARIABLES) .or. is_one_of(without_digits(word), FILE_VARIABLES)) cycle
         if (unknown /= '') unknown = unknown // ', '
         unknown = unknown // word
@@ -753,13 +762,14 @@ contains
   end function file_group
 
 
-  !> Marks the field of the .frd file that a variable stands for, if there is one.
-  subroutine ask_frd(word, frd)
+  !> Asks for the fields of the .frd file that a variable stands for, if there are any. Stress brings its error along, as in CalculiX.
+  subroutine ask_frd(word, request, frd)
     character(*), intent(in) :: word
-    logical, intent(inout) :: frd(:)             !< (N_FRD)
+    type(frd_request_type), intent(in) :: request
+    type(frd_request_type), intent(inout) :: frd(:)   !< (N_FRD)
     integer :: i
     do i = 1, N_FRD
-      if (is_one_of(word, trim(FRD_WORDS(i)))) frd(i) = .true.
+      if (is_one_of(word, trim(FRD_WORDS(i)))) frd(i) = request
     end do
   end subroutine ask_frd
 

@@ -148,7 +148,7 @@ uses_columns = kinds errors history store
 uses_shown = kinds profiles topology model analytic
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state derived columns shown
 uses_printed = kinds errors text tensor history posix topology mesh materials steps model state derived
-uses_frd = kinds errors version text history posix topology mesh steps model state derived printed
+uses_frd = kinds errors version text history posix topology mesh materials steps model state derived printed
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state reduced system newton stepper

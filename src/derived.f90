@@ -15,8 +15,10 @@
 !! Trusses become bars of 8 points, of 27 with a middle node, whose tensors stand in global axes.
 module amontons_derived
   use amontons_kinds, only: DP, PI
-  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, FAMILY_SPRING, &
-    KIND_C3D6, MAX_NODES, MAX_POINTS, N_KINDS, FAMILY_SOLID, MAX_FACE_NODES, KIND_CAX4R, KIND_CPE4_FULL, KIND_T3D2, KIND_T3D3
+  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, kind_type, FAMILY_AXISYMMETRIC, FAMILY_SOLID, &
+    FAMILY_SPRING, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, &
+    KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE6, KIND_CPE8, &
+    KIND_CPE8R, KIND_CPS4, KIND_CPS6, KIND_CPS8, KIND_CPS8R, KIND_T3D2, KIND_T3D3, MAX_FACE_NODES, MAX_NODES, MAX_POINTS, N_KINDS
   use amontons_mesh, only: mesh_type, element_nodes, is_out
   use amontons_shapes, only: extrapolation_matrix, quadrature, shape_functions, face_rule, facet_shapes, facet_quadrature, &
     MAX_FACET_POINTS
@@ -24,13 +26,13 @@ module amontons_derived
   use amontons_material_point, only: thermal_strain_of
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_SLIP
-  use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, von_mises
+  use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, symmetric_eigen, von_mises
   use amontons_surfaces, only: surface_type, is_compliant, BEHAVIOR_LINEAR
   use amontons_dual, only: is_transformed, ALPHA
   use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC
   implicit none
   private
-  public :: average_at_nodes, point_volumes, point_places
+  public :: average_at_nodes, estimate_error, point_volumes, point_places
   public :: mechanical_strain
   public :: section_type, measure_section
   public :: sector_share, take_sector, turn_trusses, bar_points
@@ -147,6 +149,122 @@ contains
       averages(:N_TENSOR, nodes(a)) = here
     end do
   end subroutine add_tensors
+
+
+  !> An estimate of the error of the stress at the nodes, in per cent of it, as CalculiX makes it.
+  !!
+  !! Of each element the spread over its points of the principal stress that is the largest in size, over that stress; the largest
+  !! spread of the elements at a corner becomes an error by lines fitted to known solutions, max(a x, b x - c), which depend on the
+  !! kind of element; a node on an edge has the mean of the edge's ends. Elements of one point, wedges of six nodes and trusses
+  !! have no lines and give nothing.
+  !! Reference: CalculiX (2.20), errorestimator.f, for the figures of the lines.
+  subroutine estimate_error(mesh, stress, errors)
+    type(mesh_type), intent(in) :: mesh
+    real(DP), intent(in) :: stress(:, :)           !< (6, n_points)
+    real(DP), intent(out) :: errors(:)             !< (n_nodes) [%]
+    real(DP) :: spread(mesh%n_nodes)
+    integer :: e, a, n, n_corners, pass, nodes(MAX_NODES), ends(2, MAX_NODES)
+    type(kind_type) :: entry
+    spread = 0
+    errors = 0
+    do pass = 1, 3
+      do e = 1, mesh%n_elements
+        entry = element_kind(mesh%kind(e))
+        if (is_out(mesh, e) .or. entry%family > FAMILY_AXISYMMETRIC) cycle
+        call element_nodes(mesh, e, n, nodes)
+        call find_edges(entry, n_corners, ends)
+        select case (pass)
+        case (1)
+          spread(nodes(:n_corners)) = max(spread(nodes(:n_corners)), &
+            spread_of(stress(:, mesh%point_first(e):mesh%point_first(e + 1) - 1)))
+        case (2)
+          errors(nodes(:n_corners)) = max(errors(nodes(:n_corners)), error_of(mesh%kind(e), spread(nodes(:n_corners))))
+        case (3)
+          do a = n_corners + 1, n
+            errors(nodes(a)) = 0.5_DP * sum(errors(nodes(ends(:, a))))
+          end do
+        end select
+      end do
+    end do
+  end subroutine estimate_error
+
+
+  !> How many corners an element has, and the corners at both ends of the edge of each mid-side node.
+  pure subroutine find_edges(entry, n_corners, ends)
+    type(kind_type), intent(in) :: entry
+    integer, intent(out) :: n_corners
+    integer, intent(out) :: ends(2, MAX_NODES)     !< local nodes; 0 for corners
+    type(facet_kind_type) :: facet
+    integer :: i, j
+    ends = 0
+    do i = 1, entry%n_faces
+      facet = facet_kind(entry%face_kind(i))
+      do j = 1, facet%n_nodes - facet%n_corners
+        ends(:, entry%face_nodes(facet%n_corners + j, i)) = entry%face_nodes([j, mod(j, facet%n_corners) + 1], i)
+      end do
+    end do
+    n_corners = entry%n_nodes - count(ends(1, :) > 0)
+  end subroutine find_edges
+
+
+  !> The spread over the points of an element of the principal stress with the largest size, over that.
+  pure real(DP) function spread_of(stress) result(spread)
+    real(DP), intent(in) :: stress(:, :)           !< (6, n_points)
+    real(DP) :: values(3), vectors(3, 3), low(2), high(2)
+    integer :: p, k
+    low = huge(1.0_DP)
+    high = -huge(1.0_DP)
+    do p = 1, size(stress, 2)
+      call symmetric_eigen(stress(:, p), values, vectors)
+      low = min(low, [minval(values), maxval(values)])
+      high = max(high, [minval(values), maxval(values)])
+    end do
+    k = merge(2, 1, high(2) >= -low(1))
+    spread = 0
+    if (max(abs(low(k)), abs(high(k))) > tiny(1.0_DP)) spread = (high(k) - low(k)) / max(abs(low(k)), abs(high(k)))
+  end function spread_of
+
+
+  !> The error of the stress that goes with a spread.
+  elemental real(DP) function error_of(kind, spread) result(error)
+    integer, intent(in) :: kind
+    real(DP), intent(in) :: spread                 !< [-]
+    real(DP) :: a, b, c
+    a = 0
+    b = 0
+    c = 0
+    select case (kind)
+    case (KIND_C3D10)
+      a = 30.0_DP
+    case (KIND_C3D15, KIND_CPS6, KIND_CPE6, KIND_CAX6)
+      a = 46.189_DP
+    case (KIND_C3D20)
+      a = 5.115_DP
+      b = 27.792_DP
+      c = 5.895_DP
+    case (KIND_C3D20R)
+      a = 20.278_DP
+      b = 74.318_DP
+      c = 9.727_DP
+    case (KIND_C3D8I)
+      a = 30.303_DP
+      b = 139.535_DP
+      c = 18.023_DP
+    case (KIND_C3D8, KIND_C3D8_FULL)
+      a = 31.847_DP
+      b = 85.324_DP
+      c = 8.396_DP
+    case (KIND_CPS4, KIND_CPE4, KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL)
+      a = 74.074_DP
+    case (KIND_CPS8, KIND_CPE8, KIND_CAX8)
+      a = 9.538_DP
+      b = 53.695_DP
+      c = 14.351_DP
+    case (KIND_CPS8R, KIND_CPE8R, KIND_CAX8R)
+      a = 54.054_DP
+    end select
+    error = max(a * spread, b * spread - c)
+  end function error_of
 
 
   !> The places of the integration points for given places of the nodes. Points of springs and masses are in the middle.

@@ -13,23 +13,25 @@
 module amontons_frd
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use amontons_text, only: rows_as_text
   use amontons_posix, only: cut_file, sync_file
+  use amontons_text, only: rows_as_text, text_of
   use amontons_topology, only: element_kind, kind_type, FAMILY_MASS, FAMILY_SOLID
+  use amontons_materials, only: USER_STATE
   use amontons_mesh, only: mesh_type, is_out
-  use amontons_steps, only: is_output_due, step_type, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_FORC, FRD_MESTRAIN, &
-    FRD_NDTEMP, FRD_PE, FRD_STRESS, FRD_TOSTRAIN, N_FRD
+  use amontons_steps, only: frd_request_type, is_output_due, step_type, FRD_CELS, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_ERROR, &
+    FRD_FORC, FRD_MESTRAIN, FRD_NDTEMP, FRD_PE, FRD_SDV, FRD_STRESS, FRD_THSTRAIN, FRD_TOSTRAIN, N_FRD
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN
-  use amontons_derived, only: list_followers, nodal_slaves, n_nodal_slaves, shown_slip, turn_trusses, mechanical_strain, &
-    average_at_nodes
-  use amontons_printed, only: contact_axes, printed_forces, inelastic_strain
+  use amontons_derived, only: average_at_nodes, estimate_error, list_followers, mechanical_strain, nodal_slaves, n_nodal_slaves, &
+    shown_energy, shown_slip, turn_trusses
+  use amontons_printed, only: contact_axes, in_axes, in_directions, inelastic_strain, printed_forces
   use amontons_version, only: VERSION
   implicit none
   private
   public :: frd_type, open_frd, resume_frd, write_frd, measure_frd, sync_frd, close_frd
 
+  integer, parameter :: IN_A_LINE = 6              !< values
   integer, parameter :: KIND_SCALAR = 1, KIND_VECTOR = 2, KIND_TENSOR = 4   !< of CGX
 
   !> A file that is being written; the unit is 0 if none is.
@@ -45,7 +47,7 @@ module amontons_frd
     integer :: status = 0                          !< of the first line that could not be written
   end type frd_type
 
-  !> The head of a block: a scalar, a vector with its length, or a symmetric tensor.
+  !> The head of a block: a scalar or several, a vector with its length, or a symmetric tensor.
   type :: head_type
     character(8) :: name = ''
     integer :: n = 1                               !< components that are written
@@ -59,10 +61,14 @@ module amontons_frd
     head_type('STRESS', 6, KIND_TENSOR, [character(8) :: 'SXX', 'SYY', 'SZZ', 'SXY', 'SYZ', 'SZX']), &
     head_type('TOSTRAIN', 6, KIND_TENSOR, [character(8) :: 'EXX', 'EYY', 'EZZ', 'EXY', 'EYZ', 'EZX']), &
     head_type('MESTRAIN', 6, KIND_TENSOR, [character(8) :: 'MEXX', 'MEYY', 'MEZZ', 'MEXY', 'MEYZ', 'MEZX']), &
+    head_type('THSTRAIN', 6, KIND_TENSOR, [character(8) :: 'THXX', 'THYY', 'THZZ', 'THXY', 'THYZ', 'THZX']), &
     head_type('FORC', 3, KIND_VECTOR, [character(8) :: 'F1', 'F2', 'F3', 'ALL', '', '']), &
     head_type('PE', 1, KIND_SCALAR, [character(8) :: 'PE', '', '', '', '', '']), &
     head_type('ENER', 1, KIND_SCALAR, [character(8) :: 'ENER', '', '', '', '', '']), &
-    head_type('CONTACT', 6, KIND_TENSOR, [character(8) :: 'COPEN', 'CSLIP1', 'CSLIP2', 'CPRESS', 'CSHEAR1', 'CSHEAR2'])]
+    head_type('CONTACT', 6, KIND_TENSOR, [character(8) :: 'COPEN', 'CSLIP1', 'CSLIP2', 'CPRESS', 'CSHEAR1', 'CSHEAR2']), &
+    head_type('CELS', 1, KIND_SCALAR, [character(8) :: 'CELS', '', '', '', '', '']), &
+    head_type('SDV', 0, KIND_SCALAR, ''), &
+    head_type('ERROR', 1, KIND_SCALAR, [character(8) :: 'STR(%)', '', '', '', '', ''])]
 
 contains
 
@@ -138,7 +144,7 @@ contains
     is_wanted = options%has_frd
     if (model%dialect /= DIALECT_CALCULIX) return
     do i = 1, size(model%steps)
-      is_wanted = is_wanted .or. any(model%steps(i)%frd)
+      is_wanted = is_wanted .or. any(model%steps(i)%frd%is_wanted)
     end do
   end function is_wanted
 
@@ -275,6 +281,8 @@ contains
     type(increment_record_type), intent(in) :: record
     type(error_type), allocatable, intent(out) :: error
     logical :: shown(N_FRD)
+    type(frd_request_type) :: request
+    type(head_type) :: head
     integer :: i
     if (frd%unit == 0 .or. record%increment == 0) return
     associate (step => model%steps(record%step))
@@ -283,10 +291,15 @@ contains
     end associate
     if (.not. any(shown)) return
     frd%n_frames = frd%n_frames + 1
-    frd%present = nodes_of(model%mesh, .true.)
     do i = 1, N_FRD
-      if (shown(i)) call write_block(frd, HEADS(i), model%mesh%node_label, block_values(model, fields, i), &
-        fields%total_time, record)
+      if (.not. shown(i)) cycle
+      request = model%steps(record%step)%frd(i)
+      frd%present = nodes_of(model%mesh, .true.)
+      if (request%set > 0 .and. .not. frd%is_all) frd%present = those_in(model%mesh, frd%present, request%set)
+      head = HEADS(i)
+      if (i == FRD_SDV) head%n = n_states(fields)
+      call write_block(frd, head, model%mesh%node_label, block_values(model, fields, i, request%is_local), fields%total_time, &
+        record)
     end do
     call check(frd, error)
   end subroutine write_frd
@@ -299,47 +312,111 @@ contains
     type(fields_type), intent(in) :: fields
     integer, intent(in) :: n_slaves                !< nodes that may touch
     logical :: is_shown(N_FRD)
-    is_shown = step%frd
+    is_shown = step%frd%is_wanted
     if (frd%is_all) then
       is_shown = .true.
-      is_shown(FRD_NDTEMP) = any(fields%temperature /= 0) .or. step%frd(FRD_NDTEMP)
-      is_shown(FRD_MESTRAIN) = is_shown(FRD_NDTEMP) .or. step%frd(FRD_MESTRAIN)
-      is_shown(FRD_PE) = size(fields%history, 1) > 0 .or. step%frd(FRD_PE)
+      is_shown(FRD_NDTEMP) = any(fields%temperature /= 0) .or. step%frd(FRD_NDTEMP)%is_wanted
+      is_shown(FRD_MESTRAIN) = is_shown(FRD_NDTEMP) .or. step%frd(FRD_MESTRAIN)%is_wanted
+      is_shown(FRD_THSTRAIN) = step%frd(FRD_THSTRAIN)%is_wanted
+      is_shown(FRD_PE) = size(fields%history, 1) > 0 .or. step%frd(FRD_PE)%is_wanted
+      is_shown(FRD_CELS) = step%frd(FRD_CELS)%is_wanted
     end if
-    is_shown(FRD_CONTACT) = is_shown(FRD_CONTACT) .and. n_slaves > 0
+    is_shown(FRD_SDV) = is_shown(FRD_SDV) .and. n_states(fields) > 0
+    is_shown([FRD_CONTACT, FRD_CELS]) = is_shown([FRD_CONTACT, FRD_CELS]) .and. n_slaves > 0
   end function is_shown
 
 
+  !> Of some nodes those of a set.
+  pure function those_in(mesh, nodes, set) result(chosen)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: nodes(:)
+    integer, intent(in) :: set                     !< index
+    integer, allocatable :: chosen(:)
+    logical :: is_in(mesh%n_nodes)
+    is_in = .false.
+    is_in(mesh%node_sets(set)%members) = .true.
+    chosen = pack(nodes, is_in(nodes))
+  end function those_in
+
+
+  !> How many variables materials of the user keep.
+  pure integer function n_states(fields) result(n)
+    type(fields_type), intent(in) :: fields
+    n = max(0, size(fields%history, 1) - USER_STATE + 1)
+  end function n_states
+
+
   !> The values of a field at all nodes.
-  function block_values(model, fields, field) result(values)
+  function block_values(model, fields, field, is_local) result(values)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     integer, intent(in) :: field                   !< FRD_...
-    real(DP) :: values(HEADS(field)%n, model%mesh%n_nodes)
-    logical :: is_there                            ! as CalculiX brings values to the nodes
-    is_there = model%dialect == DIALECT_CALCULIX
-    select case (field)
-    case (FRD_DISP)
-      values = fields%u
-    case (FRD_FORC)
-      values = printed_forces(model, fields, is_field=.true.)
-    case (FRD_NDTEMP)
-      values(1, :) = fields%temperature
-    case (FRD_STRESS)
-      call average_at_nodes(model%mesh, turn_trusses(model, fields, model%steps(max(1, fields%step))%is_nlgeom, &
-        fields%stress), values, is_there)
-    case (FRD_TOSTRAIN)
-      call average_at_nodes(model%mesh, turn_trusses(model, fields, .false., fields%strain), values, is_there)
-    case (FRD_MESTRAIN)
-      call average_at_nodes(model%mesh, turn_trusses(model, fields, .false., mechanical_strain(model, fields)), values, is_there)
-    case (FRD_PE)
-      call average_at_nodes(model%mesh, reshape(inelastic_strain(model, fields), [1, model%mesh%n_points]), values, is_there)
-    case (FRD_ENER)
-      call average_at_nodes(model%mesh, reshape(fields%energy, [1, model%mesh%n_points]), values, is_there)
-    case (FRD_CONTACT)
-      values = contact_values(model, nodal_slaves(model, fields%slaves))
-    end select
+    logical, intent(in) :: is_local                !< in the directions of TRANSFORM or ORIENTATION
+    real(DP), allocatable :: values(:, :)          !< (components, n_nodes)
+    integer :: n_components
+    n_components = HEADS(field)%n
+    if (field == FRD_SDV) n_components = n_states(fields)
+    allocate (values(n_components, model%mesh%n_nodes))
+    associate (is_nlgeom => model%steps(max(1, fields%step))%is_nlgeom)
+      select case (field)
+      case (FRD_DISP)
+        values = in_directions(model, fields%u, is_local)
+      case (FRD_FORC)
+        values = in_directions(model, printed_forces(model, fields, is_field=.true.), is_local)
+      case (FRD_NDTEMP)
+        values(1, :) = fields%temperature
+      case (FRD_STRESS)
+        call bring_tensors(turn_trusses(model, fields, is_nlgeom, fields%stress))
+      case (FRD_TOSTRAIN)
+        call bring_tensors(turn_trusses(model, fields, .false., fields%strain))
+      case (FRD_MESTRAIN)
+        call bring_tensors(turn_trusses(model, fields, .false., mechanical_strain(model, fields)))
+      case (FRD_THSTRAIN)
+        call bring_tensors(turn_trusses(model, fields, .false., fields%strain - mechanical_strain(model, fields)))
+      case (FRD_PE)
+        call bring(reshape(inelastic_strain(model, fields), [1, model%mesh%n_points]))
+      case (FRD_ENER)
+        call bring(reshape(fields%energy, [1, model%mesh%n_points]))
+      case (FRD_SDV)
+        call bring(fields%history(USER_STATE:, :))
+      case (FRD_ERROR)
+        call estimate_error(model%mesh, fields%stress, values(1, :))
+      case (FRD_CONTACT)
+        values = contact_values(model, nodal_slaves(model, fields%slaves))
+      case (FRD_CELS)
+        values(1, :) = contact_energies(model, nodal_slaves(model, fields%slaves))
+      end select
+    end associate
+
+  contains
+
+    !> Means at the nodes, as CalculiX takes them under its dialect.
+    subroutine bring(at_points)
+      real(DP), intent(in) :: at_points(:, :)      !< (components, n_points)
+      call average_at_nodes(model%mesh, at_points, values, model%dialect == DIALECT_CALCULIX)
+    end subroutine bring
+
+    !> The same of tensors.
+    subroutine bring_tensors(at_points)
+      real(DP), intent(in) :: at_points(:, :)      !< (6, n_points) global
+      call bring(in_axes(fields, at_points, is_local))
+    end subroutine bring_tensors
+
   end function block_values
+
+
+  !> The energies of the springs of contact at the closed slave nodes, 0 elsewhere.
+  pure function contact_energies(model, slaves) result(energy)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)
+    real(DP) :: energy(model%mesh%n_nodes)         !< [energy]
+    integer :: i
+    energy = 0
+    do i = 1, size(slaves)
+      if (slaves(i)%status == STATUS_OPEN) cycle
+      energy(slaves(i)%node) = energy(slaves(i)%node) + shown_energy(model, slaves(i))
+    end do
+  end function contact_energies
 
 
   !> Gap, slip, pressure and shear stress of the closed slave nodes in the axes of the .dat file; 0 elsewhere. Of two
@@ -404,7 +481,11 @@ contains
     write (line, '(a,a8,2i5)') ' -4  ', head%name, head%n + merge(1, 0, head%kind == KIND_VECTOR), 1
     call put(frd, line)
     do i = 1, head%n
-      write (line, '(a,a8,4i5)') ' -5  ', head%components(i), 1, head%kind, place(head, i)
+      if (head%components(1) /= '') then
+        write (line, '(a,a8,4i5)') ' -5  ', head%components(i), 1, head%kind, place(head, i)
+      else
+        write (line, '(a,a8,4i5)') ' -5  ', trim(head%name) // text_of(i), 1, head%kind, place(head, i)
+      end if
       call put(frd, line)
     end do
     if (head%kind == KIND_VECTOR) call put(frd, ' -5  ALL         1    2    0    0    1ALL')
@@ -435,11 +516,36 @@ contains
     integer :: i, status
     do i = 1, size(nodes), AT_A_TIME
       associate (some => nodes(i:min(i + AT_A_TIME - 1, size(nodes))))
+        if (size(values, 1) > IN_A_LINE) then
+          call put_long_rows(frd, some, labels, values)
+          cycle
+        end if
         write (frd%unit, '(a)', iostat=status) rows_as_text(labels(some), values(:, some))
       end associate
       if (frd%status == 0) frd%status = status
     end do
   end subroutine put_rows
+
+
+  !> A row per node, of so many values that it goes on in further lines.
+  subroutine put_long_rows(frd, nodes, labels, values)
+    type(frd_type), intent(inout) :: frd
+    integer, intent(in) :: nodes(:)
+    integer, intent(in) :: labels(:)               !< (n_nodes)
+    real(DP), intent(in) :: values(:, :)           !< (width, n_nodes)
+    character(90) :: line
+    character(:), allocatable :: text
+    integer :: i, j
+    do i = 1, size(nodes)
+      write (line, '(a,i10)') ' -1', labels(nodes(i))
+      text = rows_as_text([1], values(:, nodes(i:i)))
+      text = text(14:)
+      do j = 1, len(text), 12 * IN_A_LINE
+        call put(frd, line(:13) // text(j:min(j + 12 * IN_A_LINE - 1, len(text))))
+        line = ' -2'
+      end do
+    end do
+  end subroutine put_long_rows
 
 
   !> Writes a line; the first trouble is kept.

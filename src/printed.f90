@@ -25,7 +25,7 @@ module amontons_printed
   implicit none
   private
   public :: printed_type, open_printed, resume_printed, sync_printed, measure_printed, check_printed, print_iteration, &
-    print_increment, print_fields, close_printed, contact_axes, printed_forces, inelastic_strain
+    print_increment, print_fields, close_printed, contact_axes, printed_forces, inelastic_strain, in_directions, in_axes
 
   !> The text files of a job that are being written. Units are 0 if not open.
   type :: printed_type
@@ -359,9 +359,9 @@ contains
     select case (variable)
     case ('U')
       call print_node_rows(unit, 'displacements (vx,vy,vz)', model%mesh, set, fields, &
-        in_directions(model, request, fields%u))
+        in_directions(model, fields%u, request%is_local))
     case ('RF')
-      force = in_directions(model, request, printed_forces(model, fields))
+      force = in_directions(model, printed_forces(model, fields), request%is_local)
       if (.not. request%is_only_totals) &
         call print_node_rows(unit, 'forces (fx,fy,fz)', model%mesh, set, fields, force)
       if (.not. (request%is_totals .or. request%is_only_totals)) return
@@ -388,15 +388,15 @@ contains
   end function places_of
 
 
-  !> Vectors at the nodes in the directions that a request asks for.
-  pure function in_directions(model, request, values) result(turned)
+  !> Vectors at the nodes, in the directions of TRANSFORM if a card asks for these.
+  pure function in_directions(model, values, is_local) result(turned)
     type(model_type), intent(in) :: model
-    type(print_request_type), intent(in) :: request
     real(DP), intent(in) :: values(:, :)           !< (3, n_nodes) global
+    logical, intent(in) :: is_local
     real(DP) :: turned(3, size(values, 2))
     integer :: i
     turned = values
-    if (.not. (request%is_local .and. allocated(model%frame_of))) return
+    if (.not. (is_local .and. allocated(model%frame_of))) return
     do i = 1, size(values, 2)
       if (model%frame_of(i) > 0) turned(:, i) = matmul(values(:, i), model%frames(:, :, model%frame_of(i)))
     end do
@@ -455,18 +455,17 @@ contains
     type(set_type) :: set
     real(DP), allocatable :: places(:, :)
     set = set_of(model%mesh, request)
-    associate (time => fields%total_time, mesh => model%mesh)   ! CalculiX prints xx yy zz xy xz yz
+    associate (time => fields%total_time, mesh => model%mesh)
       select case (variable)
       case ('S')
         call print_head(unit, 'stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)', set, time)
-        call print_point_rows(unit, model, set, in_axes(fields, request, turn_trusses(model, fields, is_nlgeom, fields%stress)))
+        call print_tensors(turn_trusses(model, fields, is_nlgeom, fields%stress))
       case ('ME')
         call print_head(unit, 'mechanical strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
-        call print_point_rows(unit, model, set, in_axes(fields, request, &
-          turn_trusses(model, fields, .false., mechanical_strain(model, fields))))
+        call print_tensors(turn_trusses(model, fields, .false., mechanical_strain(model, fields)))
       case ('E', 'LE')
         call print_head(unit, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
-        call print_point_rows(unit, model, set, in_axes(fields, request, turn_trusses(model, fields, .false., fields%strain)))
+        call print_tensors(turn_trusses(model, fields, .false., fields%strain))
       case ('PEEQ')
         if (model%dialect == DIALECT_CALCULIX .and. size(fields%history, 1) == 0) return   ! nothing flows
         call print_head(unit, 'equivalent plastic strain (elem, integ.pnt.,pe)', set, time)
@@ -493,6 +492,18 @@ contains
         call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], model, request, time)
       end select
     end associate
+
+  contains
+
+    !> A tensor as CalculiX prints it: xx yy zz xy xz yz.
+    subroutine print_tensors(values)
+      real(DP), intent(in) :: values(:, :)         !< (6, n_points) xx yy zz xy yz xz, global
+      integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
+      real(DP), allocatable :: turned(:, :)
+      turned = in_axes(fields, values, request%is_local)
+      call print_point_rows(unit, model, set, turned(ORDER, :))
+    end subroutine print_tensors
+
   end subroutine print_element_variable
 
 
@@ -506,22 +517,20 @@ contains
   end function inelastic_strain
 
 
-  !> Tensors at the points in the axes that a request asks for, components ordered as they are printed.
-  pure function in_axes(fields, request, values) result(turned)
+  !> Tensors at the points, in the axes of their orientation if a card asks for these.
+  pure function in_axes(fields, values, is_local) result(turned)
     type(fields_type), intent(in) :: fields
-    type(print_request_type), intent(in) :: request
     real(DP), intent(in) :: values(:, :)           !< (6, n_points) xx yy zz xy yz xz, global
+    logical, intent(in) :: is_local
     real(DP) :: turned(6, size(values, 2))
-    integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
     integer :: p
-    turned = values(ORDER, :)
-    if (.not. (request%is_local .and. allocated(fields%frame))) return
+    turned = values
+    if (.not. (is_local .and. allocated(fields%frame))) return
     do p = 1, size(values, 2)
       associate (R => fields%frame(:, :, p))
         turned(:, p) = pack_voigt(matmul(transpose(R), matmul(unpack_voigt(values(:, p)), R)))
       end associate
     end do
-    turned = turned(ORDER, :)
   end function in_axes
 
 

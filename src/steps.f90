@@ -6,18 +6,19 @@ module amontons_steps
   use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, temperature_type
   implicit none
   private
-  public :: step_type, controls_type, print_request_type, calculix_controls, is_output_due, next_stop
+  public :: step_type, controls_type, print_request_type, frd_request_type, calculix_controls, is_output_due, next_stop
   public :: SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
   public :: SOLVER_AUTO, SOLVER_ITERATIVE
-  public :: N_FRD, FRD_DISP, FRD_FORC, FRD_NDTEMP, FRD_STRESS, FRD_TOSTRAIN, FRD_MESTRAIN, FRD_PE, FRD_ENER, FRD_CONTACT
+  public :: N_FRD, FRD_DISP, FRD_FORC, FRD_NDTEMP, FRD_STRESS, FRD_TOSTRAIN, FRD_MESTRAIN, FRD_THSTRAIN, FRD_PE, FRD_ENER, &
+    FRD_CONTACT, FRD_CELS, FRD_SDV, FRD_ERROR
 
   integer, parameter :: SEARCH_NONE = 0, SEARCH_ALL = 1, SEARCH_GLOBAL = 2, SEARCH_NODAL = 3, SEARCH_AUTO = 4
   integer, parameter :: SOLVER_AUTO = 0, SOLVER_ITERATIVE = 1
   integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4
   ! Fields of the .frd file, in their order there, which is CalculiX's.
-  integer, parameter :: N_FRD = 9, FRD_DISP = 1, FRD_NDTEMP = 2, FRD_STRESS = 3, FRD_TOSTRAIN = 4, FRD_MESTRAIN = 5, &
-    FRD_FORC = 6, FRD_PE = 7, FRD_ENER = 8, FRD_CONTACT = 9
+  integer, parameter :: N_FRD = 13, FRD_DISP = 1, FRD_NDTEMP = 2, FRD_STRESS = 3, FRD_TOSTRAIN = 4, FRD_MESTRAIN = 5, &
+    FRD_THSTRAIN = 6, FRD_FORC = 7, FRD_PE = 8, FRD_ENER = 9, FRD_CONTACT = 10, FRD_CELS = 11, FRD_SDV = 12, FRD_ERROR = 13
 
   !> Controls in CalculiX's slots (CONTROLS, PARAMETERS=...), with Amontons's defaults.
   type :: controls_type
@@ -57,6 +58,13 @@ module amontons_steps
     logical :: is_local = .false.          !< GLOBAL=NO: in the directions of TRANSFORM, or of ORIENTATION
   end type print_request_type
 
+  !> What FILE and OUTPUT cards ask of one field of the .frd file.
+  type :: frd_request_type
+    logical :: is_wanted = .false.
+    logical :: is_local = .false.          !< GLOBAL=NO: in the directions of TRANSFORM, or of ORIENTATION
+    integer :: set = 0                     !< NSET: index of the node set; 0: all nodes
+  end type frd_request_type
+
   !> One load step with everything that acts in it.
   type :: step_type
     character(:), allocatable :: title     !< text line after *STEP, may be empty
@@ -94,7 +102,7 @@ module amontons_steps
     integer :: file_frequency = 1          !< the same for the result file
     real(DP), allocatable :: print_times(:)   !< TIME POINTS of the prints, ascending, in place of print_frequency [step time]
     real(DP), allocatable :: file_times(:)    !< the same for the result file
-    logical :: frd(N_FRD) = .false.        !< fields that FILE and OUTPUT cards ask for, for the .frd file
+    type(frd_request_type) :: frd(N_FRD)   !< what FILE and OUTPUT cards ask for, for the .frd file
   end type step_type
 
 contains
