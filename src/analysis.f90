@@ -26,7 +26,7 @@ module amontons_analysis
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
   use amontons_newton, only: newton_type, begin_newton, iterate
-  use amontons_derived, only: inelastic_work, n_nodal_slaves
+  use amontons_derived, only: add_inelastic_work, n_nodal_slaves
   use amontons_forensics, only: n_changed_since_first
   use amontons_stepper, only: stepper_type, course_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
     STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
@@ -754,7 +754,7 @@ contains
     integer :: s
     call commit_slip(state%old, state%new)
     associate (old => state%old, new => state%new, is_abstract => model%mesh%is_abstract)
-      new%plastic_work = old%plastic_work + inelastic_work(model, old, new)
+      call add_inelastic_work(model, old, new)
       new%external_work = old%external_work + 0.5_DP * sum((new%u - old%u) * &
         (old%applied_force + old%reaction_force + new%applied_force + new%reaction_force)) - damped
       record%applied_force = sum(new%applied_force, dim=2, mask=spread(.not. is_abstract, 1, 3))

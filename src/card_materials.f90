@@ -217,9 +217,9 @@ contains
       'set, temperature. STRESS, PLASTIC STRAIN: element or element set, in the calculix dialect integration point, ' // &
       'six components 11 22 33 12 13 23. HARDENING: element or element set, equivalent plastic strain, six back ' // &
       'stresses. SOLUTION: element or element set, the STATEV of its points, in further lines of eight')
-    call table%option('TYPE', VALUE_WORD, 'What is given.', allowed='TEMPERATURE|STRESS|PLASTIC STRAIN|HARDENING|SOLUTION', &
-      default='required')
-    call table%refuse_words('DISPLACEMENT|VELOCITY|FLUID VELOCITY|PRESSURE|MASS FLOW|TOTAL PRESSURE|FIELD|' // &
+    call table%option('TYPE', VALUE_WORD, 'What is given. DISPLACEMENT, which CalculiX takes too, changes nothing in a static ' // &
+      'step.', allowed='TEMPERATURE|STRESS|PLASTIC STRAIN|HARDENING|SOLUTION|DISPLACEMENT', default='required')
+    call table%refuse_words('VELOCITY|FLUID VELOCITY|PRESSURE|MASS FLOW|TOTAL PRESSURE|FIELD|' // &
       'RATIO|SATURATION|PORE PRESSURE|SPECIFIC ENERGY|SPUD EMBEDMENT|SPUD PRELOAD|RELATIVE DENSITY|CONCENTRATION|' // &
       'ENRICHMENT|FLUID PRESSURE|ROTATING VELOCITY|NODE REF COORDINATE|REF COORDINATE|REBAR STRESS|POROSITY|' // &
       'INITIAL GAP|ACOUSTIC STATIC PRESSURE', 'A quasi-static job starts at rest and undeformed.')

@@ -384,8 +384,8 @@ contains
   subroutine describe_loads(table)
     type(card_table_type), intent(inout) :: table
     character(*), parameter :: LATER = 'The amplitude runs this much later.'
-    call table%card('BOUNDARY', IN_BOTH, 'Prescribes displacements; before the first step it holds from the first ' // &
-      'step on.', data='node or node set, first and last degree of freedom (1 to 3), displacement; or node, ' // &
+    call table%card('BOUNDARY', IN_BOTH, 'Prescribes displacements; before the first step it goes to them over ' // &
+      'the first step.', data='node or node set, first and last degree of freedom (1 to 3), displacement; or node, ' // &
       'PINNED, ENCASTRE, XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM or ZASYMM')
     call table%option('OP', VALUE_WORD, 'NEW releases what earlier steps prescribed.', allowed='MOD|NEW', default='MOD')
     call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the displacement grows linearly over ' // &
@@ -464,8 +464,8 @@ contains
       allowed='RAMP|STEP', default='RAMP')
     call table%option('NAME', VALUE_TEXT, '', status=STATUS_NOTED)
     call table%option('UNSYMM|CONVERT SDI|EXTRAPOLATION|SOLVER', VALUE_TEXT, NOT_NEEDED, status=STATUS_NOTED)
-    call table%option('PERTURBATION', VALUE_NONE, 'Write a general step: its loads, and all those that the step before had.', &
-      status=STATUS_REFUSED)
+    call table%option('PERTURBATION', VALUE_NONE, 'The step shows what its own loads do to the body at rest, and is forgotten ' // &
+      'when it is over; of linear models, before any general step. Calculix dialect: the only step.')
     call table%option('THERMAL STEADY STATE', VALUE_TEXT, 'There is no flow of heat.', status=STATUS_NOTED)
 
     call table%card('STATIC', IN_STEP, 'The step is quasi-static.', &
@@ -619,7 +619,7 @@ contains
     integer :: i
     do i = 1, size(NAMES)
       call table%card(trim(NAMES(i)), IN_STEP, 'Asks for results: job.vtkhdf always holds all fields; under the calculix ' // &
-        'dialect job.frd holds those asked for.', data='variables: U, RF, NT; S, E, ME, THE, PEEQ, ENER, SDV, ERR; CDIS, ' // &
+        'dialect job.frd holds those asked for.', data='variables: U, RF, NT; S, E, ME, THE, PEEQ, ENER, SDV, ERR, NOE; CDIS, ' // &
         'CSTR, CELS')
       call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
       call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')

@@ -141,6 +141,7 @@ contains
     call read_initial_conditions(reader, model)
     call read_steps(reader, model)
     call finish_materials(model)
+    call check_perturbations(reader, model)
     if (reader%remarks%n_errors == 0) call take_whole_steps(model)
     call read_restart(reader, model)
     call publish_remarks(reader%cards, reader%remarks, complaints)
@@ -333,13 +334,43 @@ contains
   end subroutine check_parameters
 
 
+  !> PERTURBATION: a step that shows what its loads alone do. That of a body at rest which is linear is what we have; CalculiX goes
+  !! on from it in ways of its own, so there it must be the only one.
+  subroutine check_perturbations(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: trouble
+    integer :: c, n
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'STEP')) cycle
+      call read_parameters(reader%cards, reader%cards%cards(c), parameters)
+      if (.not. any([(parameters(n)%key == 'PERTURBATION', n=1, size(parameters))])) cycle
+      n = reader%step_of_card(c)
+      trouble = ''
+      if (.not. all(model%steps(:n)%is_perturbation)) then
+        trouble = 'after a general step: it would show the response of the loaded body alone'
+      else if (reader%dialect == DIALECT_CALCULIX .and. size(model%steps) > 1) then
+        trouble = 'with other steps: there CalculiX goes on from a state of its own'
+      else if (model%steps(n)%is_nlgeom .or. model%steps(n)%is_creeping .or. .not. is_linear(model)) then
+        trouble = 'where contact, a material, a constraint or NLGEOM makes the step nonlinear'
+      else if (reader%dialect == DIALECT_CALCULIX .and. size(model%steps(n)%temperatures) > 0) then
+        trouble = 'with *TEMPERATURE, which CalculiX leaves out in such a step'
+      end if
+      if (trouble /= '') call complain(reader, reader%cards%cards(c)%line, 'PERTURBATION is not supported ' // trouble // &
+        '. Write a general step: its loads, and all those that the step before had.')
+    end do
+  end subroutine check_perturbations
+
+
   !> Makes each linear step of a linear model one increment.
   pure subroutine take_whole_steps(model)
     type(model_type), intent(inout) :: model
     integer :: i
-    if (model%dialect /= DIALECT_CALCULIX .or. .not. is_linear(model)) return
+    if (.not. is_linear(model)) return
     do i = 1, size(model%steps)
       associate (step => model%steps(i))
+        if (model%dialect /= DIALECT_CALCULIX .and. .not. step%is_perturbation) cycle
         if (step%is_nlgeom .or. step%is_creeping .or. allocated(step%is_absent)) cycle
         step%dt_initial = step%period
         step%dt_max = step%period

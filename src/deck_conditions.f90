@@ -5,7 +5,7 @@ module amontons_deck_conditions
   use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_real
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_integer, need_at_most, &
-    need_no_data, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
+    need_no_data, note, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
   use amontons_loads, only: temperature_type, load_value
   use amontons_lookup, only: name_table_type
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
@@ -220,6 +220,8 @@ contains
       if (.not. is_card(reader, c, 'INITIALCONDITIONS')) cycle
       call open_card(reader, c, parameters, row)
       what = parameter_word(parameters, 'TYPE', '')
+      if (what == 'DISPLACEMENT') call note(reader, reader%cards%cards(c)%line, 'Initial displacements have no effect in a ' // &
+        'static step: the loads and supports of the first increment decide where it ends, as in CalculiX.')
       if (what == 'TEMPERATURE' .and. .not. allocated(model%initial_temperature)) &
         allocate (model%initial_temperature(model%mesh%n_nodes), source=0.0_DP)
       if (what == 'STRESS' .and. .not. allocated(model%initial_stress)) &

@@ -105,6 +105,7 @@ contains
       associate (held => standing%held(i))
         held%was_active = held%is_active
         held%is_from_current = .false.
+        if (standing%step == 1) cycle            ! of the model: it goes to its value over the first step
         call keep_value(model, period, total_time, held%load_type, held%before)
       end associate
     end do

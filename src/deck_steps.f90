@@ -19,7 +19,7 @@ module amontons_deck_steps
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, controls_type, print_request_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, &
     SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, SOLVER_AUTO, SOLVER_ITERATIVE, &
-    PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, frd_request_type, N_FRD
+    PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, frd_request_type, N_FRD, FRD_ERROR
   use amontons_text, only: text_of, squeezed, parse_integer, parse_real, is_one_of, joined_words, NUMBER_OK
   use amontons_ties, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
   use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC
@@ -28,7 +28,7 @@ module amontons_deck_steps
   public :: read_steps
 
   character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
-    'CSTATUS|CFORCE|CNORMF|CSHEARF|CELS|PEEQ|CEEQ|PE|CE|ENER|ME|THE|SDV|ERR|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD|' // &
+    'CSTATUS|CFORCE|CNORMF|CSHEARF|CELS|PEEQ|CEEQ|PE|CE|ENER|ME|THE|SDV|ERR|NOE|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD|' // &
     'ALLSD'                                               !< what the result files hold
   character(*), parameter :: FRD_WORDS(N_FRD) = [character(15) :: 'U', 'NT', 'S', 'E|THE', 'ME|THE', 'THE', 'RF', &
     'PEEQ|CEEQ|PE|CE', 'ENER', 'CDIS|CSTR', 'CELS', 'SDV', 'ERR|S']   !< what asks for the fields of the .frd file
@@ -39,6 +39,8 @@ module amontons_deck_steps
     type(step_type) :: step                      !< present step; what is sticky stays in it for the next one
     type(thermal_type) :: thermal
     type(standing_type) :: standing
+    type(standing_type) :: base                  !< loads before the first PERTURBATION step
+    type(thermal_type) :: base_thermal           !< temperatures before it
     integer :: n = 0                             !< steps begun
     real(DP) :: total_time = 0                   !< at the end of the step before [time]
     logical :: has_static = .false.
@@ -138,6 +140,7 @@ contains
     end do
     if (has_parameter(parameters, 'NLGEOM')) progress%step%is_nlgeom = parameter_word(parameters, 'NLGEOM', 'YES') == &
       'YES'
+    call begin_perturbation(parameters, progress)
     progress%step%max_increments = 100
     if (has_parameter(parameters, 'INC')) then
       call parse_integer(parameter_text(parameters, 'INC'), progress%step%max_increments, status)
@@ -160,6 +163,23 @@ contains
     call begin_thermal_step(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == &
       'STEP', progress%thermal)
   end subroutine open_step
+
+
+  !> PERTURBATION: what such a step loads is forgotten when it is over.
+  subroutine begin_perturbation(parameters, progress)
+    type(parameter_type), intent(in) :: parameters(:)
+    type(progress_type), intent(inout) :: progress
+    if (progress%step%is_perturbation) then
+      progress%standing = progress%base
+      progress%thermal = progress%base_thermal
+      progress%standing%step = progress%n - 1
+      progress%thermal%step = progress%n - 1
+    else
+      progress%base = progress%standing
+      progress%base_thermal = progress%thermal
+    end if
+    progress%step%is_perturbation = has_parameter(parameters, 'PERTURBATION')
+  end subroutine begin_perturbation
 
 
   !> Puts the finished step into the model.
@@ -713,6 +733,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: unknown, word
     type(frd_request_type) :: request
+    logical :: has_no_error                      ! NOE: stress brings no error along
     integer :: i, group
     call open_card(reader, c, parameters, row)
     if (has_parameter(parameters, 'HISTORY')) return
@@ -730,15 +751,18 @@ contains
       progress%has_files(group) = .true.
     end if
     unknown = ''
+    has_no_error = .false.
     do while (next_row(reader%cards, row))
       do i = 1, row%n
         word = field_text(reader%cards, row, i)
         call ask_frd(word, request, progress%step%frd)
+        has_no_error = has_no_error .or. is_one_of(word, 'NOE')
         if (is_one_of(word, FILE_VARIABLES) .or. is_one_of(without_digits(word), FILE_VARIABLES)) cycle
         if (unknown /= '') unknown = unknown // ', '
         unknown = unknown // word
       end do
     end do
+    if (has_no_error) progress%step%frd(FRD_ERROR)%is_wanted = .false.
     if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'job.vtkhdf always holds the same fields, and ' // &
       'job.frd those asked for; what is in neither: ' // unknown // '.')
   end subroutine read_file_request
@@ -762,7 +786,8 @@ contains
   end function file_group
 
 
-  !> Asks for the fields of the .frd file that a variable stands for, if there are any. Stress brings its error along, as in CalculiX.
+  !> Asks for the fields of the .frd file that a variable stands for, if there are any. Stress brings its error along, as in
+  !! CalculiX.
   subroutine ask_frd(word, request, frd)
     character(*), intent(in) :: word
     type(frd_request_type), intent(in) :: request

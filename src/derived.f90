@@ -38,7 +38,7 @@ module amontons_derived
   public :: sector_share, take_sector, turn_trusses, bar_points
   public :: nodal_slaves, n_nodal_slaves, shown_slip, shown_energy
   public :: pair_sums_type, list_followers, sum_pair
-  public :: inelastic_work
+  public :: add_inelastic_work, shown_density
 
   real(DP), parameter :: OUT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point if it were one of three [-]
   real(DP), parameter :: IN_TURN(6) = [OUT, 1 - OUT, OUT, 1 - OUT, OUT, 1 - OUT]
@@ -162,10 +162,10 @@ contains
     type(mesh_type), intent(in) :: mesh
     real(DP), intent(in) :: stress(:, :)           !< (6, n_points)
     real(DP), intent(out) :: errors(:)             !< (n_nodes) [%]
-    real(DP) :: spread(mesh%n_nodes)
+    real(DP) :: scatter(mesh%n_nodes)              ! largest spread of the elements at a corner [-]
     integer :: e, a, n, n_corners, pass, nodes(MAX_NODES), ends(2, MAX_NODES)
     type(kind_type) :: entry
-    spread = 0
+    scatter = 0
     errors = 0
     do pass = 1, 3
       do e = 1, mesh%n_elements
@@ -175,10 +175,10 @@ contains
         call find_edges(entry, n_corners, ends)
         select case (pass)
         case (1)
-          spread(nodes(:n_corners)) = max(spread(nodes(:n_corners)), &
+          scatter(nodes(:n_corners)) = max(scatter(nodes(:n_corners)), &
             spread_of(stress(:, mesh%point_first(e):mesh%point_first(e + 1) - 1)))
         case (2)
-          errors(nodes(:n_corners)) = max(errors(nodes(:n_corners)), error_of(mesh%kind(e), spread(nodes(:n_corners))))
+          errors(nodes(:n_corners)) = max(errors(nodes(:n_corners)), error_of(mesh%kind(e), scatter(nodes(:n_corners))))
         case (3)
           do a = n_corners + 1, n
             errors(nodes(a)) = 0.5_DP * sum(errors(nodes(ends(:, a))))
@@ -768,16 +768,18 @@ contains
   end subroutine list_followers
 
 
-  !> The work of the stresses on the plastic and creep strains between two states, by the trapezoidal rule: q (dp + dc) where the
-  !! flow follows von Mises, T : d_eps_p with kinematic hardening, where rotations within the increment are taken as small [energy].
+  !> Adds the work of the stresses on the plastic and creep strains between two states, by the trapezoidal rule: q (dp + dc) where
+  !! the flow follows von Mises, T : d_eps_p with kinematic hardening, where rotations within the increment are taken as small.
   !! Materials of the user and linear bodies give nothing. Cost: linear in the points.
-  pure real(DP) function inelastic_work(model, old, new) result(work)
+  pure subroutine add_inelastic_work(model, old, new)
     type(model_type), intent(in) :: model
-    type(fields_type), intent(in) :: old, new
-    real(DP) :: change(size(old%history, 1))
+    type(fields_type), intent(in) :: old
+    type(fields_type), intent(inout) :: new        !< out: dissipated, plastic_work
+    real(DP) :: change(size(old%history, 1)), work
     integer :: e, p
-    work = 0.0_DP
-    if (size(old%history, 1) < HISTORY_INELASTIC + 5) return
+    new%plastic_work = old%plastic_work
+    if (size(new%dissipated) == 0) return
+    new%dissipated = old%dissipated
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) == 0) cycle
       associate (material => model%materials(model%mesh%material(e)))
@@ -785,15 +787,26 @@ contains
         do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
           change = new%history(:, p) - old%history(:, p)
           if (allocated(material%kinematic)) then
-            work = work + 0.5_DP * new%volume(p) * double_dot(old%stress(:, p) + new%stress(:, p), &
-              change(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
+            work = 0.5_DP * double_dot(old%stress(:, p) + new%stress(:, p), change(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
           else
-            work = work + 0.5_DP * new%volume(p) * (von_mises(old%stress(:, p)) + von_mises(new%stress(:, p))) * &
+            work = 0.5_DP * (von_mises(old%stress(:, p)) + von_mises(new%stress(:, p))) * &
               (change(HISTORY_PEEQ) + change(HISTORY_CEEQ))
           end if
+          new%dissipated(p) = new%dissipated(p) + work
+          new%plastic_work = new%plastic_work + new%volume(p) * work
         end do
       end associate
     end do
-  end function inelastic_work
+  end subroutine add_inelastic_work
+
+
+  !> ENER as tables and fields show it: the energy in the strain; in CalculiX with the work that plastic and creep strains took.
+  pure function shown_density(model, fields) result(density)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP) :: density(model%mesh%n_points)       !< [energy/volume]
+    density = fields%energy
+    if (model%dialect == DIALECT_CALCULIX .and. size(fields%dissipated) > 0) density = density + fields%dissipated
+  end function shown_density
 
 end module amontons_derived

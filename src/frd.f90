@@ -24,7 +24,7 @@ module amontons_frd
   use amontons_history, only: increment_record_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN
   use amontons_derived, only: average_at_nodes, estimate_error, list_followers, mechanical_strain, nodal_slaves, n_nodal_slaves, &
-    shown_energy, shown_slip, turn_trusses
+    shown_density, shown_energy, shown_slip, turn_trusses
   use amontons_printed, only: contact_axes, in_axes, in_directions, inelastic_strain, printed_forces
   use amontons_version, only: VERSION
   implicit none
@@ -376,7 +376,7 @@ contains
       case (FRD_PE)
         call bring(reshape(inelastic_strain(model, fields), [1, model%mesh%n_points]))
       case (FRD_ENER)
-        call bring(reshape(fields%energy, [1, model%mesh%n_points]))
+        call bring(reshape(shown_density(model, fields), [1, model%mesh%n_points]))
       case (FRD_SDV)
         call bring(fields%history(USER_STATE:, :))
       case (FRD_ERROR)

@@ -13,8 +13,8 @@ module amontons_printed
   use amontons_text, only: upper_case
   use amontons_tensor, only: cross_product, pack_voigt, unpack_voigt
   use amontons_topology, only: MAX_POINTS, N_SOLID_KINDS
-  use amontons_derived, only: mechanical_strain, pair_sums_type, sum_pair, shown_slip, shown_energy, point_volumes, point_places, &
-    sector_share, take_sector, turn_trusses, bar_points, section_type, measure_section
+  use amontons_derived, only: bar_points, measure_section, mechanical_strain, pair_sums_type, point_places, point_volumes, &
+    section_type, sector_share, shown_density, shown_energy, shown_slip, sum_pair, take_sector, turn_trusses
   use amontons_mesh, only: mesh_type, set_type, is_out
   use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, &
     PRINT_SECTION
@@ -479,7 +479,7 @@ contains
         call print_point_rows(unit, model, set, fields%history(USER_STATE:, :))
       case ('ENER')
         call print_head(unit, 'internal energy density (elem, integ.pnt.,energy)', set, time)
-        call print_point_rows(unit, model, set, reshape(fields%energy, [1, size(fields%energy)]))
+        call print_point_rows(unit, model, set, reshape(shown_density(model, fields), [1, mesh%n_points]))
       case ('COOR')
         allocate (places(3, mesh%n_points))
         call point_places(mesh, places_of(mesh, fields, is_nlgeom), places)
@@ -487,7 +487,7 @@ contains
         call print_point_rows(unit, model, set, places)
       case ('ELSE')
         call print_element_rows(unit, ['internal energy (element, energy)', 'total internal energy            '], &
-          model, request, time, fields%energy)
+          model, request, time, shown_density(model, fields))
       case ('EVOL')
         call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], model, request, time)
       end select

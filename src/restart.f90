@@ -396,6 +396,7 @@ contains
     call parcel%carry(fields%stress)
     call parcel%carry(fields%strain)
     call parcel%carry(fields%energy)
+    call parcel%carry(fields%dissipated)
     call parcel%carry(fields%volume)
     call parcel%carry(fields%history)
     call parcel%carry(fields%temperature)

@@ -66,6 +66,7 @@ module amontons_state
     real(DP), allocatable :: strain(:, :)   !< (6, n_points) small, logarithmic (abaqus) or Green's (calculix) strain, tensor
                                             !< components, same order [-]
     real(DP), allocatable :: energy(:)      !< (n_points) strain energy per reference volume [energy/volume]
+    real(DP), allocatable :: dissipated(:)  !< (n_points) work on plastic and creep strains; (0): none [energy/volume]
     real(DP), allocatable :: volume(:)      !< (n_points) reference volume [length^3]
     real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 if none needs it
     real(DP), allocatable :: temperature(:) !< (n_nodes) [temperature]
@@ -107,7 +108,7 @@ contains
         new%reaction_force(3, n), source=0.0_DP)
       allocate (new%stress(6, m), new%strain(6, m), source=0.0_DP)
       allocate (new%energy(m), new%volume(m), source=0.0_DP)
-      allocate (new%history(0, m), new%temperature(n), new%user_memory(0), source=0.0_DP)
+      allocate (new%history(0, m), new%temperature(n), new%user_memory(0), new%dissipated(0), source=0.0_DP)
       allocate (new%slaves, source=slaves)
     end associate
     state%old = state%new
@@ -130,6 +131,7 @@ contains
       end do
       allocate (new%user_memory(n_memory), source=0.0_DP)
       allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
+      if (n_history >= HISTORY_INELASTIC + 5) new%dissipated = [(0.0_DP, i=1, model%mesh%n_points)]
       if (allocated(model%initial_history)) then
         n_history = min(n_history, size(model%initial_history, 1))
         new%history(:n_history, :) = model%initial_history(:n_history, :)

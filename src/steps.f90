@@ -88,6 +88,7 @@ module amontons_steps
     type(distributed_type), allocatable :: distributed(:)
     type(temperature_type), allocatable :: temperatures(:)   !< nodes not in it keep their temperature
     logical :: is_creeping = .false.       !< VISCO: materials creep
+    logical :: is_perturbation = .false.   !< PERTURBATION: its loads alone, on the body at rest
     type(print_request_type), allocatable :: prints(:)
     type(interaction_type), allocatable :: interactions(:)  !< those in force if this or an earlier step changes some
     logical, allocatable :: is_absent(:)   !< (n_elements) elements taken out; not allocated: none

@@ -19,7 +19,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE / "decks"), str(HERE / "peers")]
 
 import make_decks  # noqa: E402
-from dat import Block, read_frd  # noqa: E402
+from dat import Block, read_dat, read_frd  # noqa: E402
 from independent.results import read_field  # noqa: E402
 from solids import KINDS, as_kind, node_set  # noqa: E402
 
@@ -67,7 +67,7 @@ def test_fields_of_every_kind(run_deck: Run, tmp_path: Path, kind: str) -> None:
     """--frd writes all fields, and they are those of the result file."""
     done = run_deck(bar(kind), "--frd", "--quiet")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert_same_fields(tmp_path, {"DISP", "FORC", "STRESS", "TOSTRAIN", "ENER"}, 4)
+    assert_same_fields(tmp_path, {"DISP", "FORC", "STRESS", "TOSTRAIN", "ENER", "ERROR"}, 4)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -93,7 +93,7 @@ def test_cards_ask_for_it(run_deck: Run, tmp_path: Path) -> None:
     requests = "*NODE FILE, FREQUENCY=2\nU\n*EL FILE, FREQUENCY=2\nS, E\n"
     deck = bar("C3D8", requests).replace("*STEP\n", "*STEP, NLGEOM\n")  # a linear step would be one increment
     assert run_deck(deck, "--dialect=calculix", "--quiet").returncode == 0
-    assert_same_fields(tmp_path, {"DISP", "STRESS", "TOSTRAIN"}, 2)
+    assert_same_fields(tmp_path, {"DISP", "STRESS", "TOSTRAIN", "ERROR"}, 2)
     assert [round(block.time, 6) for block in read_frd(tmp_path / "job.frd") if block.title == "DISP"] == [0.5, 1.0]
     (tmp_path / "job.frd").unlink()
     assert run_deck(bar("C3D8", requests), "--quiet").returncode == 0
@@ -107,7 +107,56 @@ def test_requests_stay_until_replaced(run_deck: Run, tmp_path: Path) -> None:
     steps = [text[text.index("*STEP") :] for text in later]
     assert run_deck(deck + "".join(steps), "--dialect=calculix", "--quiet").returncode == 0
     found = [(block.time, block.title) for block in read_frd(tmp_path / "job.frd")]
-    assert found == [(1.0, "DISP"), (1.0, "STRESS"), (2.0, "DISP"), (2.0, "STRESS"), (3.0, "STRESS"), (3.0, "FORC")]
+    assert found == [(1.0, "DISP"), (1.0, "STRESS"), (1.0, "ERROR"), (2.0, "DISP"), (2.0, "STRESS"), (2.0, "ERROR"), (3.0, "STRESS"),
+                     (3.0, "FORC"), (3.0, "ERROR")]
+
+
+def test_local_directions_and_sets(run_deck: Run, tmp_path: Path) -> None:
+    """GLOBAL=NO turns by 45 degrees: of a pull s along x remain s/2, s/2 and a shear of -s/2, of a displacement d/sqrt(2) twice with
+    another sign. NSET leaves other nodes out, and each card counts for its own variables."""
+    turned = "*ORIENTATION, NAME=OR\n1., 1., 0., -1., 1., 0.\n*TRANSFORM, NSET=RIGHT\n1., 1., 0., -1., 1., 0.\n*SOLID SECTION, ORIENTATION=OR"
+    files = "*NODE FILE, GLOBAL=NO, NSET=RIGHT\nU\n*NODE FILE\nRF\n*EL FILE, GLOBAL=NO\nS\n*EL FILE, NSET=LEFT\nE\n"
+    deck = bar("C3D8", files).replace("*SOLID SECTION", turned).replace("0.3\n", "0.\n").replace("RIGHT, 1, 1, 0.01\nRIGHT, 2, 2, 0.005\n", (
+        f"RIGHT, 1, 1, {0.01 / 2**0.5}\nRIGHT, 2, 2, {-0.01 / 2**0.5}\n")).replace("*EL FILE, GLOBAL=NO\nS", "*EL FILE, GLOBAL=NO\nS, ME")
+    assert run_deck(deck, "--dialect=calculix", "--quiet").returncode == 0
+    found = {block.title: block for block in read_frd(tmp_path / "job.frd")}
+    n_nodes = {title: len(block.rows) for title, block in found.items()}
+    assert n_nodes == {"DISP": 4, "STRESS": 12, "TOSTRAIN": 4, "MESTRAIN": 12, "FORC": 12, "ERROR": 12}
+    s, d = 1000.0 * 0.01 / 2.0, 0.01
+    for row in found["DISP"].rows.values():
+        assert row[:3] == pytest.approx([d / 2**0.5, -d / 2**0.5, 0.0], abs=DIGITS * d)
+    for row in found["STRESS"].rows.values():
+        assert row == pytest.approx([s / 2, s / 2, 0.0, -s / 2, 0.0, 0.0], abs=DIGITS * s)
+    for row in found["TOSTRAIN"].rows.values():
+        assert row == pytest.approx([d / 2, 0.0, 0.0, 0.0, 0.0, 0.0], abs=DIGITS * d)
+    for row in found["MESTRAIN"].rows.values():
+        assert row == pytest.approx([d / 4, d / 4, 0.0, -d / 4, 0.0, 0.0], abs=DIGITS * d)
+    assert max(row[0] for row in found["ERROR"].rows.values()) < 1e-6, "a stress that is the same everywhere"
+    done = run_deck(deck.replace("NSET=LEFT\nE", "NSET=NOWHERE\nE"), "--dialect=calculix", "--quiet")
+    assert done.returncode == 3
+    assert "There is no node set 'NOWHERE'" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+
+
+def test_error_of_the_stress(run_deck: Run, tmp_path: Path) -> None:
+    """ERROR made again from the printed stresses of C3D8: by the spread x of the extreme principal stress in an element
+    max(31.847 x, 85.324 x - 8.396), the largest of the elements at a node."""
+    deck = bar("C3D8", "*EL PRINT, ELSET=ALL\nS\n*EL FILE\nERR\n")
+    assert run_deck(deck, "--dialect=calculix", "--quiet").returncode == 0
+    (block,) = [block for block in read_frd(tmp_path / "job.frd") if block.title == "ERROR"]
+    (table,) = [block for block in read_dat(tmp_path / "job.dat") if block.title == "stresses"]
+    spreads = []
+    for element in (1, 2):
+        rows = np.array([row for key, row in table.rows.items() if key[0] == element])
+        values = np.linalg.eigvalsh(rows[:, [[0, 3, 4], [3, 1, 5], [4, 5, 2]]])
+        column = values[:, 2] if values[:, 2].max() >= -values[:, 0].min() else values[:, 0]
+        spreads.append((column.max() - column.min()) / np.abs(column).max())
+    errors = [max(31.847 * x, 85.324 * x - 8.396) for x in spreads]
+    found = {round(row[0], 3) for row in block.rows.values()}
+    assert max(found) == pytest.approx(max(errors), rel=1e-4)
+    assert min(found) == pytest.approx(min(errors), rel=1e-4)
+    for words, titles in (("S, NOE", ["STRESS"]), ("NOE, S, E", ["STRESS", "TOSTRAIN"]), ("S", ["STRESS", "ERROR"])):
+        assert run_deck(bar("C3D8", f"*EL FILE\n{words}\n"), "--dialect=calculix", "--quiet").returncode == 0
+        assert [block.title for block in read_frd(tmp_path / "job.frd")] == titles, words
 
 
 def test_elements_out_and_mechanical_strain(run_deck: Run, tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """Small decks of one feature each, as CalculiX's own tests have them: for a comparison with CalculiX itself, tables and fields.
 
 Bodies of every element kind, tied, cut by a pre-tension section, closed to a ring, held by reference nodes, pulled by trusses and springs,
-pressed on each other by every law of contact. `cases()` gives all of them by name.
+pressed on each other by every law of contact; what the output cards ask for, and what acts when. `cases()` gives all of them by name.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -234,7 +234,51 @@ def contact_deck(kind: str, pair: str, law: str, loads: list[str], nlgeom: str =
     return text + extra + "*BOUNDARY\nA_Z0N, 1, 3\n" + "".join(step(load + out, nlgeom, static) for load in loads)
 
 
-FAMILIES = [tie_cases, pretension_cases, ring_cases, line_cases, reference_cases, flow_cases, contact_cases]
+def output_cases() -> Iterator[tuple[str, str]]:
+    """What FILE and PRINT cards can ask for: local directions, sets of nodes, every field, its course over increments."""
+    axes = "*ORIENTATION, NAME=OR, SYSTEM=CYLINDRICAL\n0., 0., -1., 0., 0., 1.\n*TRANSFORM, NSET=AN, TYPE=C\n0., 0., -1., 0., 0., 1.\n"
+    for kind in KINDS:
+        a = Part("A", kind, (1, 0.3, 0), (2, 1.3, 1), (2, 2, 2))
+        b = Part("B", kind, (2, 0.3, 0), (3, 1.3, 1), (2, 2, 2), 1001)
+        model = bodies(a, b) + STEEL + "*SOLID SECTION, ELSET=A, MATERIAL=EL, ORIENTATION=OR\n" + sections("B") + axes
+        model += "*NSET, NSET=SOME\n1, 2, 3, 1005, 1006\n*BOUNDARY\nA_Z0N, 1, 3\nB_Z0N, 1, 3\n"
+        load = "*DLOAD\n" + a.dload("Z1", -100.0) + a.dload("X1", 250.0) + b.dload("Y1", 70.0)
+        for word in ("NO", "YES"):
+            out = f"*NODE PRINT, NSET=NALL, GLOBAL={word}\nU, RF\n*EL PRINT, ELSET=EALL, GLOBAL={word}\nS, E, ME\n"
+            out += f"*NODE FILE, GLOBAL={word}\nU, RF\n*EL FILE, GLOBAL={word}\nS, E, ME, ERR\n"
+            yield f"output-{kind}-global-{word.lower()}", model + step(load + out)
+    out = "*NODE FILE, GLOBAL=NO, NSET=SOME\nU\n*NODE FILE\nRF\n*EL FILE, GLOBAL=NO\nS\n*EL FILE, NSET=SOME\nE, ENER\n*NODE PRINT, NSET=SOME\nU\n"
+    yield "output-sets", model + step(load + out) + step("*NODE FILE\nRF, U\n") + step("*EL FILE\nME\n")
+    a, b = Part("A", "C3D8", (0, 0, 0), (1, 1, 1), (2, 2, 2)), Part("B", "C3D8", (0.1, 0.1, 1), (0.9, 0.9, 2), (2, 2, 2), 1001)
+    flowing = STEEL + "*PLASTIC\n200., 0.\n400., .1\n"
+    model = bodies(a, b) + flowing + sections("A", "B") + f"*SURFACE INTERACTION, NAME=SI\n{LINEAR}{RUB}"
+    model += "*CONTACT PAIR, INTERACTION=SI, TYPE=NODE TO SURFACE\nB_Z0, A_Z1\n*INITIAL CONDITIONS, TYPE=TEMPERATURE\nNALL, 20.\n*BOUNDARY\nA_Z0N, 1, 3\n"
+    out = "*NODE FILE\nRF, U, NT\n*EL FILE\nERR, THE, PEEQ, ENER, S\n*CONTACT FILE\nCDIS, CSTR, CELS\n*EL PRINT, ELSET=EALL, TOTALS=YES\nENER, ELSE\n"
+    for name, option in options("output-all"):
+        yield name, model + step("*TEMPERATURE\nNALL, 50.\n" + push(-0.003) + out, option, "*STATIC, DIRECT\n.5, 1.\n")
+
+
+def course_cases() -> Iterator[tuple[str, str]]:
+    """Supports of the model that are not zero, amplitudes over two steps: what acts at each increment."""
+    body = Part("A", "C3D8", (0, 0, 0), (1, 1, 1), (1, 1, 1))
+    model = bodies(body) + STEEL + "*AMPLITUDE, NAME=AM\n0., 0., .4, 1., 1., .5\n*AMPLITUDE, NAME=AT, TIME=TOTAL TIME\n0., 0., .4, 1., 2., .5\n"
+    model += sections("A") + "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nNALL, 20.\n*BOUNDARY\nA_Z0N, 1, 3\n"
+    out, static = "*NODE PRINT, NSET=NALL\nU, RF\n", "*STATIC, DIRECT\n.2, 1.\n"
+    pull, press, warm = "*BOUNDARY{}\nA_Z1N, 3, 3, -.1\n", "*CLOAD{}\nA_Z1N, 3, -100.\n", "*TEMPERATURE{}\nNALL, 100.\n"
+    for word, amplitude in (("ramp", ""), ("amplitude", ", AMPLITUDE=AM"), ("total", ", AMPLITUDE=AT")):
+        for option in ("", ", AMPLITUDE=STEP"):
+            name = f"course-model-{word}{'-step' if option else ''}"
+            yield name, model + pull.format(amplitude) + step(out, NONLINEAR + option, static) + step("", NONLINEAR + option, static)
+        yield f"course-support-{word}", model + step(pull.format(amplitude) + out, NONLINEAR, static) + step("", NONLINEAR, static)
+        yield f"course-force-{word}", model + step(press.format(amplitude) + out, NONLINEAR, static) + step("", NONLINEAR, static)
+        if word != "amplitude":  # in CalculiX it runs once more in a second step, at all nodes but one
+            yield f"course-warm-{word}", model + step(warm.format(amplitude) + "*NODE PRINT, NSET=NALL\nNT\n", NONLINEAR, static) + step("", NONLINEAR, static)
+    yield "course-model-again", model + pull.format("") + step("*BOUNDARY\nA_Z1N, 3, 3, -.2\n" + out, NONLINEAR, static)
+    yield "course-perturbation", model + step(press.format("") + PRINTS, ", PERTURBATION")
+    yield "course-displaced", model + "*INITIAL CONDITIONS, TYPE=DISPLACEMENT\nA_Z1N, 3, -.1\n" + step(press.format("") + PRINTS, NONLINEAR)
+
+
+FAMILIES = [output_cases, course_cases, tie_cases, pretension_cases, ring_cases, line_cases, reference_cases, flow_cases, contact_cases]
 
 
 def cases() -> dict[str, str]:

@@ -25,7 +25,7 @@ from test_mixed_decks import leave_out_residue, run_peer  # noqa: E402
 CASES = feature_decks.cases()
 LINEAR, NONLINEAR = 2e-3, 1e-2
 RESIDUE = 1e-6
-SAMPLE = re.compile(r"tie-(C3D8-|gap$|transform)|pretension-(C3D8|C3D15|kept)$|ring-C3D20R|truss|spring|mass|reference-rigid-(loaded|nl-moved)|"
+SAMPLE = re.compile(r"output-(C3D8-|C3D10-global-no|sets|all)|course-|tie-(C3D8-|gap$|transform)|pretension-(C3D8|C3D15|kept)$|ring-C3D20R|truss|spring|mass|reference-rigid-(loaded|nl-moved)|"
                     r"flow-C3D8I|creep$|contact-(C3D4-s|C3D15-n|C3D8-m|hard|friction|change|small-n|clearance)")
 
 # Where the two differ, and why. A reason that begins with "CalculiX:" is an error of CalculiX (2.20); others are open here.
@@ -49,9 +49,11 @@ def parameters() -> list[object]:
     return result
 
 
-def fields_apart(ours: Path, theirs: Path) -> list[tuple[str, float]]:
-    """How far the fields of two .frd files are apart, name by name in their order; those of nothing but rounding are left out."""
-    reference = [block for block in read_frd(theirs) if block.title not in ("ERROR", "CONTACT")]
+def fields_apart(ours: Path, theirs: Path, is_noise: bool = False) -> list[tuple[str, float]]:
+    """How far the fields of two .frd files are apart, name by name in their order; those of nothing but rounding are left out, as is the
+    error of the stress of trusses, of which some have none."""
+    passed = {"CONTACT"} | ({"ERROR"} if is_noise else set())
+    reference = [block for block in read_frd(theirs) if block.title not in passed]
     if not reference:
         return []
     found: dict[tuple[str, float], list[Block]] = {}
@@ -88,5 +90,5 @@ def test_deck(name: str, run: Callable[..., object], tmp_path: Path) -> None:
     limit = LINEAR if is_linear else NONLINEAR
     tables = leave_out_residue(compare(read_dat(ours / "job.dat"), reference), RESIDUE)
     bad = [f"{d.title} {d.set_name} t={d.time:g}: {d.deviation:.2e} of {d.largest:.3e} at {d.where}" for d in tables if not d.deviation <= limit]
-    bad += [f"field {title}: {far:.2e}" for title, far in fields_apart(ours / "job.frd", tmp_path / "job.frd") if not far <= limit]
+    bad += [f"field {title}: {far:.2e}" for title, far in fields_apart(ours / "job.frd", tmp_path / "job.frd", "T3D" in text) if not far <= limit]
     assert not bad, "\n".join(bad)

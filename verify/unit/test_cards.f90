@@ -253,7 +253,7 @@ contains
     call expect_match(suite, '*STEP, NLGEOM=MAYBE', 1, 0)
     call expect_match(suite, '*STEP, INC=1.5', 1, 0)
     call expect_match(suite, '*STEP, UNSYMM=YES, NAME=Step-1', 0, 1)
-    call expect_match(suite, '*STEP, PERTURBATION', 1, 0)
+    call expect_match(suite, '*STEP, PERTURBATION', 0, 0)
     call expect_match(suite, '*LINE SEARCH, TYPE=NODAL', 0, 0)
     call expect_match(suite, '*LINE SEARCH', 1, 0)
     call expect_match(suite, '*CONTACT PAIR, INTERACTION=I, TYPE=MORTAR', 0, 0)

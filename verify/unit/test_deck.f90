@@ -9,7 +9,7 @@ program test_deck
   use amontons_materials, only: LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_steps, only: step_type, SEARCH_AUTO, SEARCH_NODAL, SEARCH_NONE, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, &
-    N_FRD, FRD_DISP, FRD_STRESS, FRD_TOSTRAIN, FRD_CONTACT
+    N_FRD, FRD_DISP, FRD_STRESS, FRD_TOSTRAIN, FRD_CONTACT, FRD_SDV, FRD_ERROR
   use amontons_text, only: NEWLINE, text_of
   use amontons_topology, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D20, KIND_CPS4, &
     KIND_CPE4, KIND_T3D3, KIND_SPRINGA, KIND_SPRING2, KIND_MASS
@@ -900,10 +900,10 @@ contains
     integer :: i
     call read_good(suite, 'file cards', MODEL_PART // STEP_START // '*NODE FILE, FREQUENCY=3, OUTPUT=3D;U;*EL ' // &
       'FILE;S,E;*CONTACT FILE;CDIS,CSTR;*OUTPUT, HISTORY, FREQUENCY=9;*ELEMENT OUTPUT;S, SDV;' // STEP_END, model, &
-      n_notes=1)
+      n_notes=0)
     call suite%that('frequency', model%steps(1)%file_frequency == 3)
-    call suite%that('fields of the .frd file', all(model%steps(1)%frd .eqv. [(any(i == [FRD_DISP, FRD_STRESS, &
-      FRD_TOSTRAIN, FRD_CONTACT]), i=1, N_FRD)]))
+    call suite%that('fields of the .frd file', all(model%steps(1)%frd%is_wanted .eqv. [(any(i == [FRD_DISP, &
+      FRD_STRESS, FRD_TOSTRAIN, FRD_CONTACT, FRD_SDV, FRD_ERROR]), i=1, N_FRD)]))
   end subroutine test_file_cards
 
 

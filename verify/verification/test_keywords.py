@@ -116,6 +116,84 @@ HIGH, 3, 1.
     assert u == pytest.approx(0.004 * time, rel=2e-6)  # seven digits are printed
 
 
+def displacements(folder: Path) -> list[float]:
+    """Time and u_z of the first row of each block, one after the other."""
+    lines = (folder / "job.dat").read_text().split("\n")
+    return [float(word) for i, line in enumerate(lines) if "displacements" in line for word in (line.split()[-1], lines[i + 2].split()[3])]
+
+
+@pytest.mark.parametrize("dialect", ["abaqus", "calculix"])
+@pytest.mark.parametrize("option", ["", ", AMPLITUDE=STEP"])
+def test_supports_of_the_model(run_deck: Run, tmp_path: Path, dialect: str, option: str) -> None:
+    """A displacement before the first step grows over that step, whatever its loads do, and stays in the next one; a later line of
+    the step itself counts in its place."""
+    model = CUBE + "*BOUNDARY\nHIGH, 3, 3, .01\n"
+    step = f"*STEP, NLGEOM{option}\n*STATIC, DIRECT\n.25, 1.\n{PRINT}*END STEP\n"
+    done = run_deck(f"** dialect: {dialect}\n{model}{step}{step}")
+    assert done.returncode == 0, done.stdout
+    assert displacements(tmp_path) == pytest.approx([x for i in range(1, 9) for x in (0.25 * i, 0.01 * min(0.25 * i, 1.0))], rel=2e-6)
+    if not option:
+        done = run_deck(f"** dialect: {dialect}\n{model}{step.replace('*NODE', '*BOUNDARY' + chr(10) + 'HIGH, 3, 3, .02' + chr(10) + '*NODE')}")
+        assert done.returncode == 0, done.stdout
+        assert displacements(tmp_path) == pytest.approx([x for i in range(1, 5) for x in (0.25 * i, 0.005 * i)], rel=2e-6)
+
+
+def test_amplitude_of_a_support_of_the_model(run_deck: Run, tmp_path: Path) -> None:
+    """Its amplitude runs over the first step, and its end is kept."""
+    model = CUBE + "*AMPLITUDE, NAME=A\n0., 0., .5, 1., 1., .5\n*BOUNDARY, AMPLITUDE=A\nHIGH, 3, 3, .01\n"
+    step = f"*STEP, NLGEOM\n*STATIC, DIRECT\n.25, 1.\n{PRINT}*END STEP\n"
+    assert run_deck(f"** dialect: calculix\n{model}{step}{step}").returncode == 0
+    assert displacements(tmp_path)[1::2] == pytest.approx([0.005, 0.01, 0.0075] + 5 * [0.005], rel=2e-6)
+
+
+def test_perturbation(run_deck: Run, tmp_path: Path) -> None:
+    """Load cases: each step shows what its own loads do to the body at rest (u = F L / (E A)), supports of the model stay."""
+    case = "*STEP, PERTURBATION\n*STATIC\n*CLOAD\nHIGH, 3, {}\n" + PRINT + "*END STEP\n"
+    moved = "*STEP, PERTURBATION\n*STATIC\n*BOUNDARY\nHIGH, 3, 3, .02\n" + PRINT + "*END STEP\n"
+    last = "*STEP\n*STATIC\n*CLOAD\nHIGH, 3, 3.\n" + PRINT + "*END STEP\n"
+    done = run_deck(CUBE + case.format(1.0) + case.format(-2.0) + moved + case.format(0.5) + last)
+    assert done.returncode == 0, done.stdout
+    assert displacements(tmp_path)[1::2] == pytest.approx([0.004, -0.008, 0.02, 0.002, 0.012], rel=2e-6)
+    assert run_deck("** dialect: calculix\n" + CUBE + case.format(1.0)).returncode == 0
+    assert displacements(tmp_path) == pytest.approx([1.0, 0.004], rel=2e-6)
+
+
+@pytest.mark.parametrize(("deck", "told"), [
+    (CUBE + "*STEP\n*STATIC\n*END STEP\n*STEP, PERTURBATION\n*STATIC\n*END STEP\n", "after a general step"),
+    (CUBE + "*STEP, PERTURBATION, NLGEOM\n*STATIC\n*END STEP\n", "where contact, a material"),
+    (CUBE.replace("1000., 0.\n", "1000., 0.\n*PLASTIC\n5., 0.\n") + "*STEP, PERTURBATION\n*STATIC\n*END STEP\n", "where contact, a material"),
+    ("** dialect: calculix\n" + CUBE + 2 * "*STEP, PERTURBATION\n*STATIC\n*END STEP\n", "with other steps"),
+    ("** dialect: calculix\n" + CUBE + "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 0.\n*STEP, PERTURBATION\n*STATIC\n*TEMPERATURE\nALL, 9.\n*END STEP\n",
+     "with *TEMPERATURE"),
+], ids=["after", "nlgeom", "plastic", "two", "warm"])  # fmt: skip
+def test_perturbations_refused(run_deck: Run, deck: str, told: str) -> None:
+    """What is not that of a linear body at rest."""
+    done = run_deck(deck)
+    assert done.returncode == 3
+    assert f"PERTURBATION is not supported {told}" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+
+
+def test_initial_displacements(run_deck: Run, tmp_path: Path) -> None:
+    """They change nothing, and that is told."""
+    step = f"*INITIAL CONDITIONS, TYPE=DISPLACEMENT\nHIGH, 3, .1\n*STEP, NLGEOM\n*STATIC\n*BOUNDARY\nHIGH, 3, 3, .01\n{PRINT}*END STEP\n"
+    done = run_deck(f"** dialect: calculix\n{CUBE}{step}", "--explain")
+    assert "Initial displacements have no effect in a static step" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert run_deck(f"** dialect: calculix\n{CUBE}{step}").returncode == 0
+    assert displacements(tmp_path) == pytest.approx([1.0, 0.01], rel=2e-6)
+
+
+def test_energy_of_a_body_that_flows(run_deck: Run, tmp_path: Path) -> None:
+    """ENER of a bar that is pulled to eight times its yield strain: under calculix all work, under abaqus that in the elastic strain.
+
+    With E = 1000, yield stress 5 and no hardening: s^2 / (2 E) = 0.0125, and s (0.04 - 0.005) more in the plastic strain."""
+    flowing = CUBE.replace("1000., 0.\n", "1000., 0.\n*PLASTIC\n5., 0.\n").replace("LOW, 1, 3\n", "LOW, 3, 3\n1, 1, 2\n2, 2, 2\n")
+    step = "*STEP\n*STATIC, DIRECT\n.125, 1.\n*BOUNDARY\nHIGH, 3, 3, .04\n*EL PRINT, ELSET=E\nENER\n*END STEP\n"
+    for dialect, energy in (("abaqus", 0.0125), ("calculix", 0.0125 + 5.0 * 0.035)):
+        assert run_deck(f"** dialect: {dialect}\n{flowing}{step}").returncode == 0
+        rows = re.findall(r"^ +1 +\d +(\S+)$", (tmp_path / "job.dat").read_text(), re.MULTILINE)
+        assert float(rows[-1]) == pytest.approx(energy, rel=1e-5), dialect
+
+
 def test_no_analysis(run_deck: Run, tmp_path: Path) -> None:
     """The deck is checked, and nothing is written; an error in it is told."""
     deck = f"** dialect: calculix\n{CUBE}*STEP\n*NO ANALYSIS\n*CLOAD\nHIGH, 3, 1.\n*END STEP\n"
