@@ -104,9 +104,6 @@ uses_condensed = kinds errors sparse dense partition factor sprung constraints
 uses_skew = kinds errors tensor sparse topology shapes
 uses_assembly = kinds errors sparse partition topology mesh materials model batch element state user_state skew
 uses_applied = kinds topology mesh loads steps model shapes element state user_state skew assembly
-=======
-uses_unsymmetric = kinds tensor topology shapes
->>>>>>> 3ed8aa2 (perf(sprung): springs of the interface by GMRES, with weights that move, around an inverse in single precision)
 uses_bonds = kinds errors tensor loads ties model state constraints assembly
 uses_supports = kinds errors loads steps model state user_state constraints bonds
 uses_damping = kinds sparse mesh steps state
@@ -127,12 +124,6 @@ uses_audit_bodies = kinds errors text topology mesh model element
 uses_audit_contact = kinds errors text lookup topology surfaces loads model state contact audit_bodies
 uses_audit_motion = kinds errors text lookup tensor dense topology surfaces steps model rows state contact audit_bodies audit_contact
 uses_audit = kinds errors text lookup topology loads steps model element rows state constraints bonds contact audit_bodies audit_contact audit_motion
-=======
-uses_contact_fields = kinds topology surfaces model shapes state
-uses_adjust = kinds errors model state contact contact_start
-uses_audit_words = errors text
-uses_audit_pushes = kinds errors topology model rows state contact audit_words audit_bodies
->>>>>>> 3ed8aa2 (perf(sprung): springs of the interface by GMRES, with weights that move, around an inverse in single precision)
 
 # 6 solution: the increment, the steps, the results
 uses_travel = kinds tensor topology model facets analytic rows state contact
@@ -140,7 +131,7 @@ uses_converge = kinds steps
 uses_forensics = kinds state
 uses_cycles = kinds surfaces gap state contact forensics
 uses_settle = kinds errors steps model state slaves system forensics cycles
-uses_line_search = kinds steps model slip state slaves system travel
+uses_line_search = kinds sparse steps model slip state condensed slaves reduced system travel
 uses_carry = kinds errors steps model rows state contact system settle
 uses_newton = kinds errors history steps model state contact system travel converge forensics cycles settle line_search carry
 uses_stepper = kinds steps converge
@@ -156,7 +147,7 @@ uses_failure = kinds text model state system converge forensics newton
 uses_user_job = kinds errors journal user materials surfaces model user_material state user_state
 uses_drive = kinds errors text loads steps model
 uses_claims = kinds errors text posix dense factor model
-uses_analysis = kinds errors text history posix journal store archive steps model deck state user_state changes damping fasten slaves derived contact_start system audit converge newton stepper results printed frd restart failure user_job drive claims
+uses_analysis = kinds errors text history posix journal store archive steps model deck state user_state changes damping fasten slaves derived contact_start system audit converge forensics newton stepper results printed frd restart failure user_job drive claims
 uses_values = kinds errors text topology materials state constraints derived columns results drive analysis
 uses_library = kinds errors text journal sparse model state skew system converge stepper user_job drive analysis values
 uses_capi = kinds errors version text sparse model library

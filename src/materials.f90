@@ -7,7 +7,7 @@ module amontons_materials
   private
   public :: material_type, table_type, curve_type, orientation_type, evaluate_table, evaluate_curves, &
     evaluate_curve, find_interval
-  public :: LAW_HENCKY, LAW_SAINT_VENANT
+  public :: law_of, LAW_HENCKY, LAW_SAINT_VENANT, LONGEST_LAW
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
@@ -15,6 +15,7 @@ module amontons_materials
   public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_TURN, USER_STATE
   public :: SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL
 
+  integer, parameter :: LONGEST_LAW = 64               !< longest name of a law
   integer, parameter :: LAW_HENCKY = 1          !< Kirchhoff stress linear in the logarithmic strain (abaqus dialect)
   integer, parameter :: LAW_SAINT_VENANT = 2    !< 2nd Piola-Kirchhoff stress linear in Green's strain (calculix dialect)
 
@@ -176,5 +177,35 @@ contains
     i = low
     if (low < high .and. x > list(low)) s = (x - list(low)) / (list(high) - list(low))
   end subroutine find_interval
+
+
+  !> The law of a material in words.
+  pure function law_of(material) result(words)
+    type(material_type), intent(in) :: material
+    character(LONGEST_LAW) :: words
+    if (material%is_user) then
+      words = 'UMAT'
+      return
+    else if (material%has_deformation_plasticity) then
+      words = 'Ramberg-Osgood'
+      return
+    end if
+    words = merge('Hencky      ', 'Saint-Venant', material%law == LAW_HENCKY)
+    select case (material%elastic_kind)
+    case (ELASTIC_ORTHOTROPIC)
+      words = trim(words) // ', orthotropic'
+    case (ELASTIC_ANISOTROPIC)
+      words = trim(words) // ', anisotropic'
+    case (ELASTIC_FOAM)
+      words = 'hyperfoam'
+    case (ELASTIC_HYPER)
+      words = 'hyperelastic, polynomial'
+      if (material%hyper_kind == HYPER_OGDEN) words = 'hyperelastic, Ogden'
+      if (material%hyper_kind == HYPER_ARRUDA_BOYCE) words = 'hyperelastic, Arruda-Boyce'
+    end select
+    if (allocated(material%isotropic)) words = trim(words) // ', plastic'
+    if (allocated(material%kinematic)) words = trim(words) // ', kinematic hardening'
+    if (material%creep_law /= CREEP_NONE) words = trim(words) // ', creep'
+  end function law_of
 
 end module amontons_materials

@@ -30,11 +30,9 @@ module amontons_results
   use amontons_version, only: VERSION
   use amontons_topology, only: element_kind, kind_type, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, set_type
-  use amontons_materials, only: material_type, LAW_HENCKY, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, &
-    ELASTIC_FOAM, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_NONE
   use amontons_surfaces, only: surface_type
   use amontons_steps, only: is_output_due, step_type
-  use amontons_materials, only: HISTORY_PEEQ, USER_STATE
+  use amontons_materials, only: law_of, HISTORY_PEEQ, LONGEST_LAW, USER_STATE
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type, PHASE_NAMES
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
@@ -78,7 +76,6 @@ module amontons_results
   end type results_type
 
   integer, parameter :: LONGEST_NAME = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
-  integer, parameter :: LONGEST_LAW = 64               !< longest name of a law
   integer, parameter :: REASON_LENGTH = 240            !< longest reason why an attempt failed
   real(DP), parameter :: UNTOLD = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
 
@@ -510,36 +507,6 @@ contains
     if (.not. allocated(error)) call write_data(store, ROOT // 'density', (model%materials%density), &
       '[mass/length^3]', 'Density.', error)
   end subroutine write_materials
-
-
-  !> The law of a material in words.
-  pure function law_of(material) result(words)
-    type(material_type), intent(in) :: material
-    character(LONGEST_LAW) :: words
-    if (material%is_user) then
-      words = 'UMAT'
-      return
-    else if (material%has_deformation_plasticity) then
-      words = 'Ramberg-Osgood'
-      return
-    end if
-    words = merge('Hencky      ', 'Saint-Venant', material%law == LAW_HENCKY)
-    select case (material%elastic_kind)
-    case (ELASTIC_ORTHOTROPIC)
-      words = trim(words) // ', orthotropic'
-    case (ELASTIC_ANISOTROPIC)
-      words = trim(words) // ', anisotropic'
-    case (ELASTIC_FOAM)
-      words = 'hyperfoam'
-    case (ELASTIC_HYPER)
-      words = 'hyperelastic, polynomial'
-      if (material%hyper_kind == HYPER_OGDEN) words = 'hyperelastic, Ogden'
-      if (material%hyper_kind == HYPER_ARRUDA_BOYCE) words = 'hyperelastic, Arruda-Boyce'
-    end select
-    if (allocated(material%isotropic)) words = trim(words) // ', plastic'
-    if (allocated(material%kinematic)) words = trim(words) // ', kinematic hardening'
-    if (material%creep_law /= CREEP_NONE) words = trim(words) // ', creep'
-  end function law_of
 
 
   !> /AMONTONS/pairs: surfaces, friction and facets of the master of each contact pair.
