@@ -200,11 +200,13 @@ def test_snap_of_friction(proof: Proof) -> None:
     job = case.run(pole(mu, (0.95 * end, 1.05 * end)), asked=3)
     u = job.field("U")[:, 0]
     way = 1.05 * end
-    case.near("slip before", np.abs(u[2]).max(), 0.0, 1e-12, why="it sticks", time="0.95 of the end", scale=end)
-    case.near("displacement", u[3], np.array([way, 0.0, (c * way - PRESS) / s]), 1e-9, why="linear after the snap", time="1.05 of the end")
-    case.near("forces of the supports", np.abs(job.last("RF")).max(), 0.0, 1e-6, why="both bars are slack", scale=STIFF * PRESS, time="1.05 of the end")
+    case.near("slip before", np.abs(u[2]).max(), 0.0, 1e-12, why="it sticks", place="end of the pole", time="0.95 of the end", scale=end)
+    case.near("displacement", u[3], np.array([way, 0.0, (c * way - PRESS) / s]), 1e-9, why="linear after the snap", place="end of the pole", time="1.05 of the end")
+    case.near("forces of the supports", np.abs(job.last("RF")).max(), 0.0, 1e-6, why="both bars are slack", scale=STIFF * PRESS, time="1.05 of the end",
+              place="supports")  # fmt: skip
     stored = 0.5 * (STIFF * PRESS**2 + WEAK * way**2)
-    case.within("work of the snap", carried_work(job.path)[-1], (1e-3 * stored, stored), why="friction takes a part of what both bars have stored")
+    case.within("work of the snap", carried_work(job.path)[-1], (1e-3 * stored, stored), why="friction takes a part of what both bars have stored",
+                place="the pole", time="the end")  # fmt: skip
     case.true("the snap is told in .cvg", "carried to another balance" in job.path.with_suffix(".cvg").read_text(), why="who reads it later has to know")
     case.done()
 

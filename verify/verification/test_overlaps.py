@@ -346,10 +346,13 @@ def test_room_by_surfaces(proof: Proof, kind: str) -> None:
     supports = fix("FLOOR_ALL, 1, 3", "WALLX_ALL, 1, 3", "WALLY_ALL, 1, 3")
     deck, nodes = pressed_cube(kind, walls, pairs, sides, [(0, 1.0), (1, 1.0), (2, 1.0)], supports)
     job = case.run(deck, asked=1)
-    case.near("normal stresses", job.last("S")[: len(nodes), :3], -10.0, 1e-6, why="in the space of the elements")
-    case.near("shear stresses", job.last("S")[: len(nodes), 3:], 0.0, 1e-6, why="in the space of the elements", scale=10.0)
+    case.near("normal stresses", job.last("S")[: len(nodes), :3], -10.0, 1e-6, why="in the space of the elements",
+              place="all nodes of the cube", time="the end")  # fmt: skip
+    case.near("shear stresses", job.last("S")[: len(nodes), 3:], 0.0, 1e-6, why="in the space of the elements", scale=10.0,
+              place="all nodes of the cube", time="the end")  # fmt: skip
     touching = np.flatnonzero((nodes < 1e-9).any(axis=1))
-    case.near("contact pressure", job.last("CPRESS")[touching], 10.0, 1e-6, why="in the space of the elements")
+    case.near("contact pressure", job.last("CPRESS")[touching], 10.0, 1e-6, why="in the space of the elements",
+              place="nodes at the walls", time="the end")  # fmt: skip
     case.done()
 
 
@@ -382,8 +385,10 @@ def test_seam(proof: Proof, kind: str, divided: str) -> None:
     held = "".join(solids.node_set(name, np.flatnonzero(np.abs(nodes[:, axis]) < 1e-9)) for name, axis in (("X0", 0), ("Y0", 1)))
     job = case.run(deck.replace("*STEP\n", held + "*STEP\n", 1), asked=1)
     n = len(nodes)
-    case.near("stress", job.last("S")[:n], [0.0, 0.0, -10.0, 0.0, 0.0, 0.0], 1e-6, why="in the space of the elements", scale=10.0)
-    case.near("contact pressure", job.last("CPRESS")[:n][nodes[:, 2] < 1e-9], 10.0, 1e-6, why="in the space of the duals")
+    case.near("stress", job.last("S")[:n], [0.0, 0.0, -10.0, 0.0, 0.0, 0.0], 1e-6, why="in the space of the elements", scale=10.0,
+              place="all nodes of the upper body", time="the end")  # fmt: skip
+    case.near("contact pressure", job.last("CPRESS")[:n][nodes[:, 2] < 1e-9], 10.0, 1e-6, why="in the space of the duals",
+              place="nodes of the seam", time="the end")  # fmt: skip
     case.done()
 
 
@@ -401,7 +406,8 @@ def test_symmetric_surfaces(proof: Proof) -> None:
     first = pair("CYLINDER_BOTTOM", "BLOCK_TOP", 0.2, TYPES["s2s"])
     second = pair("BLOCK_TOP", "CYLINDER_BOTTOM", 0.2, TYPES["s2s"])
     jobs = [hertz(case, name, pairs, cylinder, below, True)[0] for name, pairs in (("one", first), ("both", first + second))]
-    case.near("displacements", jobs[1].last("U"), jobs[0].last("U"), 1e-9, why="the same equations")
+    case.near("displacements", jobs[1].last("U"), jobs[0].last("U"), 1e-9, why="the same equations",
+              place="all nodes", time="the end")  # fmt: skip
     case.done()
 
 
