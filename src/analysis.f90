@@ -30,7 +30,7 @@ module amontons_analysis
   use amontons_forensics, only: n_changed_since_first
   use amontons_stepper, only: stepper_type, course_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
     STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
-  use amontons_failure, only: failure_reason, failure_lines
+  use amontons_failure, only: failure_reason, failure_lines, failed_attempts
   use amontons_store, only: mend_store
   use amontons_results, only: results_type, open_results, resume_results, write_increment, write_attempt, &
     write_iteration, close_results, take_result_pages, apply_result_pages, drop_results, &
@@ -725,7 +725,8 @@ contains
         write (place, '(a,i0,a,i0,a,i0,a,i0,a)') 'Step ', record%step, ', increment ', record%increment, ', attempt ', &
           record%attempt, ', iteration ', record%n_iterations, ': '
         call journal%explain(trim(place) // ' ' // record%reason, &
-          failure_lines(analysis%model, analysis%system, analysis%state, analysis%newton, record%reason))
+          [failed_attempts(analysis%records(:analysis%n_records)), failure_lines(analysis%model, analysis%system, analysis%state, &
+          analysis%newton, record%reason)])
         call set_error(error, EXIT_NOT_CONVERGED, trim(place) // ' ' // record%reason // &
           ' No smaller increment is allowed. All converged increments are on disk.')
       end if

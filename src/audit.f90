@@ -423,7 +423,7 @@ contains
       '      slaves projected    closed   flipped      held    least gap  largest gap  friction  slave / master' // NEWLINE
     do p = 1, size(tallies)
       write (line, '(2x,5i10,2(1x,a12),a10,2x)') tallies(p)%n_slaves, tallies(p)%n_projected, tallies(p)%n_closed, &
-        tallies(p)%n_flipped, tallies(p)%n_held, &
+        merge(tallies(p)%n_turned, tallies(p)%n_flipped, tallies(p)%n_turned == tallies(p)%n_projected), tallies(p)%n_held, &
         gap_text(tallies(p), tallies(p)%least_gap, contact%edge(p)), &
         gap_text(tallies(p), tallies(p)%largest_gap, contact%edge(p)), &
         text_of(model%interactions(model%pairs(p)%interaction)%friction)

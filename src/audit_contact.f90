@@ -30,6 +30,7 @@ module amontons_audit_contact
     integer :: n_yielding = 0                  !< besides these: whose part another pair takes
     integer :: n_projected = 0                 !< that project on the master
     integer :: n_closed = 0                    !< that touch or penetrate
+    integer :: n_turned = 0                    !< that project on the master and face the same way as it
     integer :: n_near = 0                      !< whose normal can be compared with that of the master
     integer :: n_flipped = 0                   !< of these, that face the same way as the master
     integer :: n_held = 0                      !< whose displacement along the normal a support or an equation of step 1 holds
@@ -102,6 +103,7 @@ contains
       tally%n_near = tally%n_near + 1
       if (is_turned) tally%n_flipped = tally%n_flipped + 1
     end if
+    if (is_turned) tally%n_turned = tally%n_turned + 1
     if (is_turned) return
     if (is_closed(contact, slave)) tally%n_closed = tally%n_closed + 1
     tally%least_gap = min(tally%least_gap, slave%gap)
@@ -159,9 +161,15 @@ contains
     integer, intent(in) :: p                       !< pair
     type(pair_tally_type), intent(in) :: tally
     type(complaints_type), intent(inout) :: report
-    if (2 * tally%n_flipped <= tally%n_near) return
-    call complain(report, 'The surfaces of ' // pair_name(model, p) // ' face the same way at ' // &
-      text_of(tally%n_flipped) // ' of ' // plural(tally%n_near, 'slave node') // ' near the master, so they ' // &
+    character(:), allocatable :: where
+    if (2 * tally%n_flipped > tally%n_near) then
+      where = 'at ' // text_of(tally%n_flipped) // ' of ' // plural(tally%n_near, 'slave node') // ' near the master'
+    else if (tally%n_turned > 0 .and. tally%n_turned == tally%n_projected) then
+      where = 'at all ' // text_of(tally%n_turned) // ' slave nodes that project on the master'
+    else
+      return
+    end if
+    call complain(report, 'The surfaces of ' // pair_name(model, p) // ' face the same way ' // where // ', so they ' // &
       'cannot touch. Check the face numbers (S1 to S6) of both surfaces: each must be the outside of its body ' // &
       'towards the other.')
   end subroutine check_direction

@@ -175,9 +175,10 @@ contains
     call table%card('FRICTION', IN_BOTH, 'Coulomb friction; without this card the surfaces are frictionless.', &
       parent='SURFACE INTERACTION|CHANGE FRICTION', data='coefficient of friction; one line (calculix ' // &
       'dialect: coefficient, stick slope)')
-    call table%option('SLIP TOLERANCE|ELASTIC SLIP', VALUE_TEXT, 'Sticking is enforced exactly, without an ' // &
-      'elastic slip.', status=STATUS_NOTED)
-    call table%option('LAGRANGE', VALUE_NONE, 'Sticking is enforced exactly.', status=STATUS_NOTED)
+    call table%option('SLIP TOLERANCE|ELASTIC SLIP', VALUE_REAL, 'Under exact contact a node sticks ' // &
+      'without any slip, which every tolerance allows; a compliant law has a stick slope of its own.', status=STATUS_NOTED)
+    call table%option('LAGRANGE', VALUE_NONE, 'Under exact contact sticking is exact; a compliant law has a ' // &
+      'stick slope.', status=STATUS_NOTED)
     call table%option('ROUGH', VALUE_NONE, 'Surfaces that touch never slip; no data line.')
     call table%option('TAUMAX', VALUE_REAL, 'Largest shear stress, whatever the pressure.')
     call table%option('USER', VALUE_OPTIONAL_WORD, 'Friction is by the user routine FRIC; the data lines are its properties.', &

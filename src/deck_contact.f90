@@ -312,6 +312,7 @@ contains
       if (status == NUMBER_OK .and. law%shear_limit <= 0.0_DP) call complain(reader, reader%cards%cards(c)%line, &
         'TAUMAX must be positive.')
     end if
+    call check_elastic_slip(reader, parameters, reader%cards%cards(c)%line)
     if (has_parameter(parameters, 'ROUGH')) law%friction = ROUGH_FRICTION
     if (.not. next_row(reader%cards, row)) then
       if (.not. has_parameter(parameters, 'ROUGH')) call complain(reader, row%line, &
@@ -333,6 +334,28 @@ contains
     if (next_row(reader%cards, row)) call complain(reader, row%line, 'A second line would be for another slip ' // &
       'rate, pressure or temperature; the coefficient of friction is a constant.')
   end subroutine read_friction
+
+
+  !> What FRICTION says of the slip of nodes that stick has no effect, but has to make sense: one way to say it, above zero.
+  subroutine check_elastic_slip(reader, parameters, line)
+    type(reader_type), intent(inout) :: reader
+    type(parameter_type), intent(in) :: parameters(:)
+    integer, intent(in) :: line
+    character(14), parameter :: WAYS(3) = [character(14) :: 'SLIP TOLERANCE', 'ELASTIC SLIP', 'LAGRANGE']
+    logical :: is_given(3)
+    real(DP) :: slip
+    integer :: i, status
+    is_given = [(has_parameter(parameters, trim(WAYS(i))), i=1, 3)]
+    if (count(is_given) > 1) call complain(reader, line, 'SLIP TOLERANCE, ELASTIC SLIP and LAGRANGE exclude each other.')
+    if (any(is_given) .and. has_parameter(parameters, 'ROUGH')) call complain(reader, line, &
+      'Rough surfaces never slip; leave out SLIP TOLERANCE, ELASTIC SLIP and LAGRANGE.')
+    do i = 1, 2
+      if (.not. is_given(i)) cycle
+      call parse_real(parameter_text(parameters, trim(WAYS(i))), slip, status)
+      if (status /= NUMBER_OK) slip = 0.0_DP
+      if (slip <= 0.0_DP) call complain(reader, line, trim(WAYS(i)) // ' must be a positive number.')
+    end do
+  end subroutine check_elastic_slip
 
 
   !> The second value of FRICTION.

@@ -15,15 +15,16 @@
 module amontons_failure
   use amontons_kinds, only: DP
   use amontons_text, only: text_of
+  use amontons_history, only: increment_record_type
   use amontons_model, only: model_type
-  use amontons_state, only: state_type, slave_type, STATUS_OPEN
+  use amontons_state, only: state_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_forensics, only: find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
   use amontons_converge, only: VERDICT_DIVERGES
   use amontons_newton, only: newton_type, TROUBLE_FREE, TROUBLE_THROUGH
   use amontons_system, only: system_type, TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
   implicit none
   private
-  public :: failure_reason, failure_lines
+  public :: failure_reason, failure_lines, failed_attempts
 
   integer, parameter :: N_WORST = 10               !< nodes listed
   integer, parameter :: N_NAMED = 8                !< nodes named in the reason
@@ -44,8 +45,7 @@ contains
     character(:), allocatable :: reason
     if (newton%is_carried .and. newton%n_snapped == 0 .and. newton%farthest > 0 .and. &
       any(newton%trouble == [TROUBLE_NONE, TROUBLE_SOLVER])) then
-      reason = 'FREE BODY: nothing holds a body against its load, wherever it goes; it went farthest at node ' // &
-        text_of(model%mesh%node_label(newton%farthest)) // '.'
+      reason = free_body(model, state, newton)
       return
     end if
     select case (newton%trouble)
@@ -67,14 +67,41 @@ contains
         ' passed through its master within the increment.'
     case default
       reason = contact_reason(model, system, state, newton)
-      if (newton%n_unsettled > 1 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
-        reason = LIMIT_OF_CONTACT // names_of(model, state%new%slaves, unbalanced_slaves(system, state)) // '.'
-      if (reason == '' .and. system%n_shifted > newton%n_shifted) reason = LIMIT_POINT
+      if (max(newton%n_unsettled, newton%n_snapped) > 1 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
+        reason = LIMIT_OF_CONTACT // names_of(model, state%new%slaves, unbalanced_slaves(system, state)) // '.' // &
+        all_slip(state, 'if nothing else holds a body, friction does not.')
+      if (reason == '' .and. (system%n_shifted > newton%n_shifted .or. newton%n_uphill > 1)) reason = LIMIT_POINT
+      if (newton%n_carried > newton%n_snapped .and. newton%farthest > 0 .and. index(reason, 'LEFT') == 0) &
+        reason = free_body(model, state, newton)
       if (reason == '' .and. verdict == VERDICT_DIVERGES) &
         reason = 'SLOW: the force imbalance grows from iteration to iteration.'
       if (reason == '') reason = 'SLOW: the force imbalance does not fall any more.'
     end select
   end function failure_reason
+
+
+  !> A body that had to be carried again and again.
+  function free_body(model, state, newton) result(reason)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    type(newton_type), intent(in) :: newton
+    character(:), allocatable :: reason
+    reason = 'FREE BODY: nothing holds a body against its load, wherever it goes; it went farthest at node ' // &
+      text_of(model%mesh%node_label(newton%farthest)) // '.' // all_slip(state, 'friction does not hold it.')
+  end function free_body
+
+
+  !> A sentence if all closed slave nodes slip; else nothing.
+  function all_slip(state, what) result(words)
+    type(state_type), intent(in) :: state
+    character(*), intent(in) :: what               !< follows from it
+    character(:), allocatable :: words
+    integer :: n
+    words = ''
+    n = count(state%new%slaves%status == STATUS_SLIP)
+    if (n > 1 .and. .not. any(state%new%slaves%status == STATUS_STICK)) words = ' All ' // text_of(n) // &
+      ' closed slave nodes slip: ' // what
+  end function all_slip
 
 
   !> A reason that contact gives; empty if it gives none.
@@ -171,6 +198,25 @@ contains
     line = 'Remedy: ' // advice(reason)
     lines = [lines, line]
   end function failure_lines
+
+
+  !> By what the attempts at the last increment failed, in a line; empty if there was one.
+  function failed_attempts(records) result(line)
+    type(increment_record_type), intent(in) :: records(:)   !< the last one is of the last attempt
+    character(160) :: line
+    character(:), allocatable :: reason
+    integer :: i, n
+    line = ''
+    n = size(records)
+    if (n < 2) return
+    if (records(n)%attempt < 2) return
+    do i = max(1, n - records(n)%attempt + 1), n
+      if (.not. allocated(records(i)%reason)) cycle
+      reason = records(i)%reason
+      line = trim(line) // ', ' // trim(reason(:index(reason // ':', ':') - 1))
+    end do
+    line = 'Its attempts failed by ' // trim(line(3:)) // '.'
+  end function failed_attempts
 
 
   !> What contact says of a node: pair, gap, and what it was in the last iterations.

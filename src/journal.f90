@@ -192,7 +192,7 @@ contains
     integer :: i
     call put(self, harmless(text))
     do i = 1, size(lines)
-      call put(self, '  ' // trim(harmless(lines(i))))
+      if (lines(i) /= '') call put(self, '  ' // trim(harmless(lines(i))))
     end do
   end subroutine explain
 

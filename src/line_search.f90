@@ -37,6 +37,7 @@ module amontons_line_search
     real(DP) :: correction = 0                     !< largest change of a displacement [length]
     integer :: n_scenario(4) = 0
     integer :: n_balanced = 0                      !< slave nodes that slip in balance
+    logical :: is_uphill = .false.                 !< the direction goes against the imbalance: K is not positive along it
     integer :: n_opened = 0, n_closed = 0          !< slave nodes, from the iterate before to this one
   end type search_type
 
@@ -89,6 +90,7 @@ contains
     search%n_closed = count(start%slaves%status == STATUS_OPEN .and. state%new%slaves%status /= STATUS_OPEN)
     search%correction = maxval(abs(state%new%u - start%u))
     search%is_arrived = start%is_comparable .or. search%is_whole_step
+    search%is_uphill = start%is_comparable .and. start%pair < 0.0_DP
 
   contains
 

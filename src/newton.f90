@@ -41,6 +41,7 @@ module amontons_newton
     integer :: n_carried = 0                       !< iterations in which bodies had to be carried
     logical :: may_be_cut = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
     logical :: is_carried = .false.                !< bodies were carried in the last iteration
+    integer :: n_uphill = 0                        !< iterations whose direction went against the imbalance
     integer :: n_snapped = 0                       !< iterations in which bodies were carried from one balance to the next
     integer :: n_unsettled = 0                     !< last iterations running along whose direction contact did not settle
     real(DP) :: snap_part = 0                      !< part of their stiffness that held nodes in the last of them [-]
@@ -70,6 +71,8 @@ contains
     newton%n_shifted = system%n_shifted
     newton%n_carried = 0
     newton%n_cycles = 0
+    newton%n_uphill = 0
+    newton%farthest = 0
     newton%n_snapped = 0
     newton%n_unsettled = 0
     newton%snap_part = 0.0_DP
@@ -136,6 +139,7 @@ contains
     u = state%new%u
     residual = system%residual
     call search_line(system, model, step, du, ahead, state, search, newton%trouble)
+    if (search%is_uphill .and. newton%progress%residual(0) > step%controls%r_n) newton%n_uphill = newton%n_uphill + 1
     if (newton%is_carried) call put_down(newton, system, model, state, u, residual)
     if (newton%trouble /= TROUBLE_NONE) return
     call note_slaves(newton%forensics, state%new%slaves, system%merit)

@@ -198,6 +198,16 @@ def test_driven_over_a_wide_gap(run_deck: Run) -> None:
     assert "may bring the surfaces together later" in accept(run_deck, deck)
 
 
+@pytest.mark.parametrize("height", [-0.25, 0.25])
+def test_far_side(run_deck: Run, tmp_path: Path, height: float) -> None:
+    """The same well below and above the plate: no slave node is near its master, and all of them face the same way as it."""
+    deck = Deck(steps=[[fixed("FLOOR1", "LID2")]])
+    deck.cube((0.0, 0.0, 0.9), 0.1)
+    deck.cube((0.01, 0.01, 0.9 + height), 0.08)
+    deck.pair("SOLE2", "SOLE1")
+    refuse(run_deck, tmp_path, deck, "The surfaces of the contact pair SOLE2 / SOLE1 face the same way at all 4 slave nodes that project on the master")
+
+
 def test_flipped_normals(run_deck: Run, tmp_path: Path) -> None:
     """The master is the bottom of a thin plate, the slave the bottom of the cube on it."""
     deck = Deck(steps=[[fixed("FLOOR1", "LID2")]])

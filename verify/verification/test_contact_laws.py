@@ -185,6 +185,18 @@ def test_rough_never_slips(bench: Bench) -> None:
     assert np.mean(answer.shear[-1]) < -1.0
 
 
+@pytest.mark.parametrize("words", ["SLIP TOLERANCE=0.005", "ELASTIC SLIP=1e-3", "LAGRANGE"])
+def test_sticking_is_exact(bench: Bench, words: str) -> None:
+    """Whatever slip the deck would allow: below mu p the foot does not move at all, and bitwise as without the word; beyond, it carries mu p."""
+    steps = step("*BOUNDARY\nTOP, 1, 1\n*DLOAD\n2, P2, 100.") + step("*BOUNDARY\nTOP, 1, 1, 0.01", "0.25, 1.")
+    plain, answer = bench.solve("*FRICTION\n0.2", steps), bench.solve(f"*FRICTION, {words}\n0.2", steps)
+    assert np.all(answer.status[-1] == 1)
+    assert np.abs(answer.displacement[-1, :, 0]).max() < 1e-12
+    assert np.array_equal(answer.displacement, plain.displacement)
+    slipped = bench.solve(f"*FRICTION, {words}\n0.2", steps.replace("1, 1, 0.01", "1, 1, 0.1"))
+    assert np.mean(slipped.shear[-1]) == pytest.approx(-20.0, rel=1e-6)
+
+
 def test_change_friction(bench: Bench) -> None:
     """The shear of a sliding foot follows the new coefficient."""
     law = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.e5, 1., 1.\n*FRICTION\n0.2, 1.e4"

@@ -94,6 +94,28 @@ def flipping(search: str) -> str:
     return "** dialect: calculix\n" + solid_deck([(cube, (210000.0, 0.3)), (table, (210000.0, 0.3))], cards, "")
 
 
+def pulled_too_hard() -> str:
+    """A block pressed on a table by 10 on its top, then pulled by 2.5 times what friction (0.1) can carry."""
+    body, table = block(between(0, 1, 4), between(0, 1, 3), between(0, 1, 3), "BODY"), block(between(-1, 2, 8), between(-0.5, 1.5, 4), between(-1, 0, 2), "TABLE")
+    press = fix("TABLE_BOTTOM, 1, 3", "BODY_TOP, 2") + "*DLOAD\nBODY_E2, P2, 10.\n*END STEP\n"
+    cards = pair("BODY_BOTTOM", "TABLE_TOP", 0.1) + "*STEP, NLGEOM\n*STATIC\n0.2, 1.\n" + press
+    cards += "*STEP, NLGEOM\n*STATIC\n0.2, 1., 1e-3, 0.2\n*CLOAD\nBODY_TOP, 1, 0.125\n*END STEP\n"
+    return solid_deck([(body, (210000.0, 0.3)), (table, (210000.0, 0.3))], cards, "")
+
+
+def pressed_arch() -> str:
+    """A stamp pressed by forces on a shallow arch, far beyond the load that snaps it through."""
+
+    def bow(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        x = 4 * s - 2
+        return x, 0.3 * (1 - (x / 2) ** 2) + 0.06 * t - 1.0
+
+    arch, stamp = sheet("ARCH", between(0, 1, 30), between(0, 1, 2), bow), sheet("STAMP", between(-0.2, 0.2, 4), between(-0.64, -0.24, 3))
+    load = fix("ARCH_LEFT, 1, 2", "ARCH_RIGHT, 1, 2", "STAMP_TOP, 1") + "*CLOAD\nSTAMP_TOP, 2, -300.\n"
+    cards = pair("STAMP_BOTTOM", "ARCH_TOP", 0.2) + f"*STEP, NLGEOM, INC=200\n*STATIC\n0.1, 1., 1e-4, 0.1\n{load}*END STEP\n"
+    return flat_deck([(flatten(stamp), (210000.0, 0.3)), (flatten(arch), (210000.0, 0.3))], "CPE4", cards)
+
+
 def shot(way: float, static: str) -> str:
     """A block that starts 2 before a thin plate (0.2 thick, 3 long) and is driven `way` towards it; both faces are master."""
     body = flatten(sheet("BODY", between(1.1, 1.9, 3), between(2, 2.5, 2)))
@@ -164,8 +186,10 @@ def test_turning_in_a_bore_is_no_fall(run: Run, tmp_path: Path) -> None:
         (overflowing(), ("LINEAR SOLVER: a force is not finite",), "out of scale"),
         (tilted("NONE"), ("CYCLE of length 2 at node",), "smaller increments"),
         (flipping("NONE"), ("STICK-SLIP FLIP of length 2 at nodes",), "smaller increments"),
+        (pressed_arch(), ("LIMIT POINT: the stiffness is not positive",), "prescribe displacements"),
+        (pulled_too_hard(), ("FREE BODY", "LIMIT POINT: contact finds no balance"), "friction"),
     ],
-    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "flip"],
+    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "flip", "arch", "too little friction"],
 )
 def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], advice: str) -> None:
     """Exit code 5, the reason in capitals, one remedy, the worst nodes with their contact; .cvg and the result file have the reason too."""
