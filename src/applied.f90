@@ -8,6 +8,7 @@ module amontons_applied
   use amontons_assembly, only: assembly_type, add_block, material_of
   use amontons_element, only: element_body_force, facet_pressure, edge_pressure, element_point_volumes, ELEMENT_OK
   use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
+  use amontons_materials, only: evaluate_table
   use amontons_mesh, only: element_nodes, is_out
   use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
   use amontons_shapes, only: face_rule, shape_functions, quadrature
@@ -138,7 +139,7 @@ contains
     call element_nodes(model%mesh, load%element, n, nodes)
     x(:, :n) = model%mesh%coordinates(:, nodes(:n))
     if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(:n))
-    spin = reshape([load%point, load%direction, omega2 * density_of(model, load%element), 0.0_DP, 0.0_DP], [3, 3])
+    spin = reshape([load%point, load%direction, omega2 * density_of(model, load%element, fields), 0.0_DP, 0.0_DP], [3, 3])
     call centrifugal_forces(model%mesh%kind(load%element), model%mesh%coordinates(:, nodes(:n)), x(:, :n), &
       model%mesh%section(load%element), spin, force, stiffness)
     do a = 1, n
@@ -150,11 +151,27 @@ contains
 
 
   !> The density of an element; the section of a mass is its mass.
-  pure real(DP) function density_of(model, e) result(density)
+  !!
+  !! A density that depends on the temperature is that of the mean temperature of the nodes: in CalculiX now, else, as in Abaqus,
+  !! that at the start, since mass is conserved.
+  pure real(DP) function density_of(model, e, fields) result(density)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
+    type(fields_type), intent(in) :: fields
+    real(DP) :: values(1), temperature
+    integer :: n, nodes(MAX_NODES)
     density = 1
-    if (model%mesh%kind(e) /= KIND_MASS) density = model%materials(material_of(model%mesh, e))%density
+    if (model%mesh%kind(e) == KIND_MASS) return
+    associate (material => model%materials(material_of(model%mesh, e)))
+      density = material%density
+      if (.not. allocated(material%densities%value)) return
+      call element_nodes(model%mesh, e, n, nodes)
+      temperature = 0
+      if (allocated(model%initial_temperature)) temperature = sum(model%initial_temperature(nodes(:n))) / real(n, DP)
+      if (model%dialect == DIALECT_CALCULIX) temperature = sum(fields%temperature(nodes(:n))) / real(n, DP)
+      call evaluate_table(material%densities, temperature, values)
+      density = values(1)
+    end associate
   end function density_of
 
 
@@ -169,7 +186,7 @@ contains
     real(DP) :: density
     integer :: n, a, nodes(MAX_NODES)
     call element_nodes(model%mesh, e, n, nodes)
-    density = density_of(model, e)
+    density = density_of(model, e, fields)
     if (is_by_volume) density = merge(0.0_DP, 1.0_DP, model%mesh%kind(e) == KIND_MASS)
     call element_body_force(model%mesh%kind(e), model%mesh%coordinates(:, nodes(:n)), model%mesh%section(e), &
       density * acceleration, force)

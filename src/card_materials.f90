@@ -17,7 +17,8 @@ contains
     call table%option('SRATE FACTOR|RTOL', VALUE_TEXT, 'Only rates of strain use it.', status=STATUS_NOTED)
     call describe_elastic(table)
     call table%card('DENSITY', IN_MODEL, 'Mass density, needed by gravity.', parent='MATERIAL', data= &
-      'density, temperature; the density must be one and the same at all temperatures')
+      'density, temperature')
+    call table%differ('A density over the temperature: abaqus that of the temperature at the start, calculix of the present one.')
     call refuse_fields(table)
     call describe_expansion(table)
     call describe_inelastic(table)

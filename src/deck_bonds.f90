@@ -9,10 +9,10 @@ module amontons_deck_bonds
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_mpc, only: read_mpc, make_rotation
   use amontons_deck_profiles, only: carry_profile
-  use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_integer, need_at_most, &
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     nodes_of_field, is_card
   use amontons_mesh, only: append_node
-  use amontons_model, only: model_type, append_equation
+  use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_tensor, only: cross_product
   use amontons_text, only: parse_real, parse_integer, squeezed, NUMBER_OK
   use amontons_ties, only: bond_type, tie_type, spread_type, frame_rule_type, frame_at, BOND_BODY
@@ -316,7 +316,7 @@ contains
   end subroutine read_coupling
 
 
-  !> The degrees of freedom below KINEMATIC or DISTRIBUTING: rows first, last; none: all.
+  !> The degrees of freedom below KINEMATIC or DISTRIBUTING: rows first, last; none: all, in CalculiX no rotations of DISTRIBUTING.
   subroutine read_bound(reader, c, is_bound, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of that card
@@ -341,7 +341,12 @@ contains
       end if
       is_bound(first:last) = .true.
     end do
-    if (n == 0) is_bound = .true.
+    if (n > 0) return
+    is_bound = .true.
+    if (reader%dialect /= DIALECT_CALCULIX .or. .not. is_card(reader, c, 'DISTRIBUTING')) return
+    is_bound(4:6) = .false.
+    call note(reader, reader%cards%cards(c)%line, 'Without a row 1, 6 below it this card binds no rotation, as in CalculiX: ' // &
+      'moments on the reference node do nothing.')
   end subroutine read_bound
 
 

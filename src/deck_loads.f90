@@ -16,9 +16,10 @@ module amontons_deck_loads
   use amontons_deck_model, only: face_number
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     nodes_of_field, elements_of_field, find_amplitude, is_card
+  use amontons_lookup, only: name_table_type
   use amontons_loads, only: load_type, load_value, prescribed_type, concentrated_type, distributed_type, &
     DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: squeezed, text_of, plural, is_one_of, NUMBER_OK
   use amontons_topology, only: kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
   implicit none
@@ -88,6 +89,23 @@ contains
     allocate (standing%volumes%head(1024), source=0)
     allocate (standing%cloads%items(256), standing%pressures%items(256), standing%volumes%items(16))
   end subroutine start_standing
+
+
+  !> Tells that CalculiX loads what a set names twice two times.
+  subroutine tell_repeats(reader, row, names, has_repeats)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(name_table_type), intent(in) :: names
+    logical, intent(in) :: has_repeats(:)        !< (sets)
+    character(:), allocatable :: name
+    integer :: s
+    if (reader%dialect /= DIALECT_CALCULIX) return
+    name = field_text(reader%cards, row, 1)
+    s = names%find(name)
+    if (s == 0) return
+    if (has_repeats(s)) call note(reader, row%line, 'The deck names some members of the set ''' // name // ''' more than ' // &
+      'once. Here the load acts on each of them once; CalculiX applies it as often as they are named.')
+  end subroutine tell_repeats
 
 
   !> Goes to the next step: everything keeps the value that it had at the end of the step before.
@@ -415,6 +433,7 @@ contains
       call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
       call need_integer(reader, row, 2, 'degree of freedom', dof, is_ok)
       call need_real(reader, row, 3, 'force', value, is_ok, 0.0_DP)
+      call tell_repeats(reader, row, reader%node_sets, reader%node_repeats)
       if (is_ok .and. (dof < 1 .or. dof > 6)) then
         call complain(reader, row%line, 'The degree of freedom of a force must be 1, 2 or 3, of a moment 4, 5 or 6.')
         is_ok = .false.
@@ -621,6 +640,7 @@ contains
     call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
     call need_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
     if (.not. is_ok) return
+    call tell_repeats(reader, row, reader%element_sets, reader%element_repeats)
     face = face_number(without_nu(field_text(reader%cards, row, 2)), 'P')
     if (is_by_user(field_text(reader%cards, row, 2)) .and. size(elements) > 0) call need_solid(reader, model, row, elements(1))
     n_without = 0

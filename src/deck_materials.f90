@@ -428,7 +428,7 @@ contains
   end subroutine check_definite
 
 
-  !> DENSITY: rho > 0, the same at all temperatures.
+  !> DENSITY: rho > 0 over the temperature.
   subroutine read_density(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
@@ -439,9 +439,8 @@ contains
     call read_table(reader, c, 1, table, is_ok)
     if (.not. is_ok) return
     material%density = table%value(1, 1)
-    if (material%density <= 0) call complain(reader, reader%cards%cards(c)%line, 'The density must be positive.')
-    if (maxval(abs(table%value(1, :) - material%density)) > 0) call complain(reader, reader%cards%cards(c)%line, &
-      'The density cannot depend on temperature: mass is conserved.')
+    if (any(table%value(1, :) <= 0)) call complain(reader, reader%cards%cards(c)%line, 'The density must be positive.')
+    if (maxval(abs(table%value(1, :) - material%density)) > 0) material%densities = table
   end subroutine read_density
 
 

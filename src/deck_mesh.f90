@@ -39,8 +39,9 @@ module amontons_deck_mesh
     integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
     integer, allocatable :: spring(:)            !< (n) index into model%springs, 0: none
     integer, allocatable :: kept(:)              !< (n) index in the mesh, 0: dropped
-    integer, allocatable :: node_first(:)        !< (n_cards) first node of a NODE card
-    integer, allocatable :: node_last(:)         !< (n_cards) last node of a NODE card
+    integer, allocatable :: node_first(:)        !< (n_cards) first row of a NODE card among those of all
+    integer, allocatable :: node_last(:)         !< (n_cards) last row of a NODE card
+    integer, allocatable :: node_at(:)           !< (rows of NODE cards) index of its node
     integer, allocatable :: element_first(:)     !< (n_cards) first element of an ELEMENT card
     integer, allocatable :: element_last(:)      !< (n_cards) last element of an ELEMENT card
     type(label_table_type) :: labels             !< label to index here
@@ -72,9 +73,48 @@ contains
     mesh%node_label = mesh%node_label(:mesh%n_nodes)
     mesh%coordinates = mesh%coordinates(:, :mesh%n_nodes)
     call reader%node_labels%build(mesh%node_label)
-    call tell_doubled(reader, reader%node_labels, mesh%node_label, line, 'node')
+    call drop_repeated(reader, mesh, draft, line)
     if (mesh%n_nodes == 0) call complain(reader, 0, 'The deck has no nodes: there is no *NODE card with data.')
   end subroutine read_nodes
+
+
+  !> Nodes that are given again at the same place are one node, with a note. In CalculiX the later place counts; else another place
+  !! is an error.
+  subroutine drop_repeated(reader, mesh, draft, line)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(inout) :: mesh
+    type(draft_type), intent(inout) :: draft
+    integer, intent(inout) :: line(:)            !< line of each row
+    integer :: i, first, n, n_moved
+    allocate (draft%node_at(mesh%n_nodes))
+    n = 0
+    n_moved = 0
+    do i = 1, mesh%n_nodes
+      first = reader%node_labels%find(mesh%node_label(i))
+      if (first < i) then
+        draft%node_at(i) = draft%node_at(first)
+        associate (X => mesh%coordinates(:, draft%node_at(first)))
+          if (all(abs(X - mesh%coordinates(:, i)) <= 0.0_DP)) cycle
+          n_moved = n_moved + 1
+          if (reader%dialect /= DIALECT_CALCULIX) call complain(reader, line(i), 'The node ' // text_of(mesh%node_label(i)) // &
+            ' is defined twice, here at another place; the first time in ' // place_of(reader, line(first)) // '.')
+          X = mesh%coordinates(:, i)
+        end associate
+      else
+        n = n + 1
+        draft%node_at(i) = n
+        mesh%node_label(n) = mesh%node_label(i)
+        mesh%coordinates(:, n) = mesh%coordinates(:, i)
+      end if
+    end do
+    if (n == mesh%n_nodes) return
+    call note(reader, 0, plural(mesh%n_nodes - n, 'node') // ' of the deck stand in it more than once, ' // text_of(n_moved) // &
+      ' of them at another place, of which the last one counts.')
+    mesh%n_nodes = n
+    mesh%node_label = mesh%node_label(:n)
+    mesh%coordinates = mesh%coordinates(:, :n)
+    call reader%node_labels%build(mesh%node_label)
+  end subroutine drop_repeated
 
 
   !> One node: number, x, y, z; missing coordinates are zero. Up to three values more are passed over: a normal.
@@ -141,10 +181,18 @@ contains
     do i = 1, size(label)
       first = table%find(label(i))
       if (first /= i) call complain(reader, line(i), 'The ' // what // ' ' // text_of(label(i)) // &
-        ' is defined twice; the first time in line ' // text_of(reader%cards%line_number(line(first))) // ' of ' // &
-        reader%cards%files(reader%cards%line_file(line(first)))%path // '.')
+        ' is defined twice; the first time in ' // place_of(reader, line(first)) // '.')
     end do
   end subroutine tell_doubled
+
+
+  !> A line by its number and its file.
+  function place_of(reader, line) result(text)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: line
+    character(:), allocatable :: text
+    text = 'line ' // text_of(reader%cards%line_number(line)) // ' of ' // reader%cards%files(reader%cards%line_file(line))%path
+  end function place_of
 
 
   !> Reads all ELEMENT cards.

@@ -34,6 +34,8 @@ module amontons_deck_reader
     type(time_list_type), allocatable :: time_lists(:)
     type(label_table_type) :: node_labels, element_labels
     type(label_table_type) :: draft_labels       !< all elements of the deck, also those that are no solids
+    logical, allocatable :: node_repeats(:)      !< (node sets) the deck names a member more than once
+    logical, allocatable :: element_repeats(:)   !< (element sets) the same
     logical, allocatable :: has_leftovers(:)     !< (element sets) it holds elements that are no solids and were dropped
     integer, allocatable :: left_first(:)        !< (n + 1) start of each element that was left out, in left_nodes
     integer, allocatable :: left_nodes(:)

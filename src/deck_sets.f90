@@ -24,6 +24,7 @@ module amontons_deck_sets
     type(integer_list_type) :: cards             !< the cards that give members
     integer :: state = STATE_NEW
     integer, allocatable :: members(:)
+    logical :: has_repeats = .false.             !< the deck names a member more than once
   end type growing_type
 
   !> The node sets or the element sets.
@@ -50,6 +51,7 @@ contains
     allocate (elements%stamp(draft%n), source=0)
     call gather_family(reader, 'ELEMENT', 'ELSET', elements)
     call resolve_family(reader, draft, mesh, elements)
+    reader%element_repeats = elements%sets%has_repeats
     call move_family(elements, mesh%element_sets)
     reader%element_sets = elements%names
 
@@ -58,6 +60,7 @@ contains
     allocate (nodes%stamp(mesh%n_nodes), source=0)
     call gather_family(reader, 'NODE', 'NSET', nodes)
     call resolve_family(reader, draft, mesh, nodes)
+    reader%node_repeats = nodes%sets%has_repeats
     call move_family(nodes, mesh%node_sets)
     reader%node_sets = nodes%names
   end subroutine read_sets
@@ -199,7 +202,7 @@ contains
     call open_card(reader, c, parameters, row)
     if (is_card(reader, c, 'NODE')) then
       do i = draft%node_first(c), draft%node_last(c)
-        call take_member(family, s, i, members)
+        call take_member(family, s, draft%node_at(i), members)
       end do
     else if (is_card(reader, c, 'ELEMENT')) then
       do i = draft%element_first(c), draft%element_last(c)
@@ -221,6 +224,7 @@ contains
     integer, intent(in) :: s                     !< the set
     integer, intent(in) :: i                     !< the member
     type(integer_list_type), intent(inout) :: members
+    family%sets(s)%has_repeats = family%sets(s)%has_repeats .or. family%stamp(i) == s
     if (family%stamp(i) == s) return
     family%stamp(i) = s
     call members%add(i)

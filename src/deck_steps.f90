@@ -566,6 +566,8 @@ contains
     call open_card(reader, c, parameters, row)
     call begin_prints(kind, progress)
     call read_frequency(reader, c, parameters, progress%step%print_frequency, progress%print_list)
+    if (reader%dialect == DIALECT_CALCULIX) call share_frequency(parameters, progress%step%print_frequency, &
+      progress%print_list, progress%step%file_frequency, progress%file_list)
     request%kind = kind
     name = ''
     request%is_totals = parameter_word(parameters, 'TOTALS', 'NO') == 'YES'
@@ -649,6 +651,8 @@ contains
     call open_card(reader, c, parameters, row)
     call begin_prints(PRINT_SECTION, progress)
     call read_frequency(reader, c, parameters, progress%step%print_frequency, progress%print_list)
+    if (reader%dialect == DIALECT_CALCULIX) call share_frequency(parameters, progress%step%print_frequency, &
+      progress%print_list, progress%step%file_frequency, progress%file_list)
     request%kind = PRINT_SECTION
     name = parameter_text(parameters, 'SURFACE')
     if (name == '') return
@@ -723,6 +727,17 @@ contains
   end subroutine read_frequency
 
 
+  !> In CalculiX the last FREQUENCY or TIME POINTS of PRINT and FILE cards counts for all of them; 0 only for its own kind.
+  pure subroutine share_frequency(parameters, frequency, list, other_frequency, other_list)
+    type(parameter_type), intent(in) :: parameters(:)
+    integer, intent(in) :: frequency, list       !< of the kind of the card
+    integer, intent(inout) :: other_frequency, other_list
+    if (.not. (has_parameter(parameters, 'TIME POINTS') .or. has_parameter(parameters, 'FREQUENCY')) .or. frequency == 0) return
+    other_list = list
+    if (other_frequency > 0) other_frequency = frequency
+  end subroutine share_frequency
+
+
   !> A FILE or OUTPUT card: its frequency; its variables count for the .frd file alone, for the result file holds all
   !! fields. The first card of a kind in a step replaces those of earlier steps. HISTORY is not for fields.
   subroutine read_file_request(reader, c, progress)
@@ -745,6 +760,8 @@ contains
         parameter_text(parameters, 'NSET') // '''.')
     end if
     call read_frequency(reader, c, parameters, progress%step%file_frequency, progress%file_list)
+    if (reader%dialect == DIALECT_CALCULIX) call share_frequency(parameters, progress%step%file_frequency, progress%file_list, &
+      progress%step%print_frequency, progress%print_list)
     group = file_group(reader%cards%cards(c)%key)
     if (group > 0) then
       if (.not. progress%has_files(group)) where (FRD_GROUPS == group) progress%step%frd%is_wanted = .false.

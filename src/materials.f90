@@ -88,7 +88,8 @@ module amontons_materials
     integer :: hyper_order = 0                  !< N
     integer :: n_history = 0                    !< history variables used
     logical :: has_density = .false.
-    real(DP) :: density = 0                     !< rho [mass/volume]
+    real(DP) :: density = 0                     !< rho, at the first temperature [mass/volume]
+    type(table_type) :: densities               !< rho over the temperature; not there: the same at all [mass/volume]
     type(table_type) :: expansion               !< 1, 3 or 6 coefficients, secant from expansion_zero [1/temperature]
     real(DP) :: expansion_zero = 0              !< ZERO [temperature]
     type(curve_type), allocatable :: isotropic(:)   !< size of the yield surface, ascending temperatures

@@ -142,19 +142,22 @@ def reference_cases() -> Iterator[tuple[str, str]]:
     """Loads and motions of reference nodes, whose displacements and forces are printed."""
     body = Part("A", "C3D8", (0, 0, 0), (2, 1, 1), (4, 2, 2))
     model = bodies(body) + "*NODE, NSET=REF\n501, 2.5, .5, .6\n502, 2.5, .5, .6\n" + STEEL + sections("A") + "*BOUNDARY\nA_X0N, 1, 3\n"
-    out = PRINTS + "*NODE PRINT, NSET=REF, TOTALS=YES\nU, RF\n"
+    out = PRINTS + "*NODE PRINT, NSET=REF, TOTALS=YES\nU, RF\n"  # of a distributing coupling CalculiX prints no motion of the node
     kinds = {
         "rigid": ("*RIGID BODY, NSET=A_X1N, REF NODE=501, ROT NODE=502\n", [(501, 1, 10), (501, 2, 20), (502, 3, 15), (502, 1, -9)],
                   [(501, 1, 2e-4), (501, 2, -3e-4), (501, 3, 0), (502, 1, 0), (502, 2, 0), (502, 3, 1e-3)]),
         "rigid-ref": ("*RIGID BODY, NSET=A_X1N, REF NODE=501\n", [(501, 1, 10), (501, 2, 20)], [(501, 1, 2e-4), (501, 2, -3e-4), (501, 3, 0)]),
+        "distributing": ("*COUPLING, REF NODE=501, SURFACE=A_X1, CONSTRAINT NAME=C1\n*DISTRIBUTING\n", [(501, 1, 10), (501, 2, 20), (501, 5, 15)], []),
         "kinematic": ("*COUPLING, REF NODE=501, SURFACE=A_X1, CONSTRAINT NAME=C1\n*KINEMATIC\n1, 3\n", [(501, 1, 10), (501, 2, 20), (501, 5, 15), (501, 6, -9)],
                       [(501, 1, 2e-4), (501, 2, -3e-4), (501, 3, 0), (501, 4, 0), (501, 5, 0), (501, 6, 1e-3)]),
     }
     for kind, (card, forces, motions) in kinds.items():
         for name, option in options(f"reference-{kind}"):
             size = 30 if option else 1
-            yield f"{name}-loaded", model + card + step("*CLOAD\n" + "".join(f"{n}, {d}, {size * f}\n" for n, d, f in forces) + out, option)
-            yield f"{name}-moved", model + card + step("*BOUNDARY\n" + "".join(f"{n}, {d}, {d}, {size * u}\n" for n, d, u in motions) + out, option)
+            print_out = PRINTS if kind == "distributing" else out
+            yield f"{name}-loaded", model + card + step("*CLOAD\n" + "".join(f"{n}, {d}, {size * f}\n" for n, d, f in forces) + print_out, option)
+            if motions:
+                yield f"{name}-moved", model + card + step("*BOUNDARY\n" + "".join(f"{n}, {d}, {d}, {size * u}\n" for n, d, u in motions) + out, option)
 
 
 def flow_cases() -> Iterator[tuple[str, str]]:
@@ -273,6 +276,9 @@ def course_cases() -> Iterator[tuple[str, str]]:
         yield f"course-force-{word}", model + step(press.format(amplitude) + out, NONLINEAR, static) + step("", NONLINEAR, static)
         if word != "amplitude":  # in CalculiX it runs once more in a second step, at all nodes but one
             yield f"course-warm-{word}", model + step(warm.format(amplitude) + "*NODE PRINT, NSET=NALL\nNT\n", NONLINEAR, static) + step("", NONLINEAR, static)
+    heavy = model.replace("7.8E-9\n", "7.8E-9, 0.\n5.8E-9, 100.\n")
+    for name, load in (("gravity", "GRAV, 9.81E6, 0., 0., -1."), ("turned", "CENTRIF, 1.E6, 0., 0., 0., 0., 0., 1.")):
+        yield f"course-density-{name}", heavy + step(f"*DLOAD\nEALL, {load}\n*TEMPERATURE\nNALL, 80.\n" + out, NONLINEAR, static)
     yield "course-model-again", model + pull.format("") + step("*BOUNDARY\nA_Z1N, 3, 3, -.2\n" + out, NONLINEAR, static)
     yield "course-perturbation", model + step(press.format("") + PRINTS, ", PERTURBATION")
     yield "course-displaced", model + "*INITIAL CONDITIONS, TYPE=DISPLACEMENT\nA_Z1N, 3, -.1\n" + step(press.format("") + PRINTS, NONLINEAR)

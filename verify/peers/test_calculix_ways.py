@@ -251,6 +251,30 @@ def test_mean_normal_of_a_section(tables: Callable[..., list[Block]]) -> None:
     assert row == pytest.approx([0.75, 0.5, 0.75, 0.5, 0.0, 0.5], abs=1e-6)
 
 
+TWO = [0.2, 0.4, 0.6, 0.8, 1.0]
+THREE = [0.3, 0.6, 0.9, 1.0]
+POINTS = [0.3, 0.7, 1.0]
+EACH = [round(0.1 * i, 6) for i in range(1, 11)]
+
+
+@pytest.mark.parametrize(("prints", "files", "is_print_first", "printed", "written"), [
+    (", FREQUENCY=2", ", FREQUENCY=3", True, THREE, THREE), (", FREQUENCY=2", ", FREQUENCY=3", False, TWO, TWO),
+    (", FREQUENCY=2", "", True, TWO, TWO), ("", ", FREQUENCY=3", True, THREE, THREE), ("", ", TIME POINTS=T", False, POINTS, POINTS),
+    (", FREQUENCY=2", ", TIME POINTS=T", False, TWO, TWO), (", FREQUENCY=0", "", True, [], EACH), ("", ", FREQUENCY=0", True, EACH, []),
+])  # fmt: skip
+def test_one_frequency(run_deck: Callable[..., object], tmp_path: Path, prints: str, files: str, is_print_first: bool,  # noqa: PLR0913, FBT001
+                       printed: list[float], written: list[float]) -> None:  # fmt: skip
+    """The last FREQUENCY or TIME POINTS of PRINT and FILE cards holds for all of them, and for later steps; 0 for its kind alone."""
+    cards = [f"*NODE PRINT, NSET=N{prints}\nU\n", f"*NODE FILE{files}\nU\n"]
+    static = "*STATIC\n.1, 1., 1e-5, .1\n*CLOAD\n7, 1, 2.\n"
+    deck = CUBE + "*TIME POINTS, NAME=T\n.3, .7\n" + LINEAR + f"*STEP, NLGEOM\n{static}{''.join(cards if is_print_first else cards[::-1])}*END STEP\n"
+    result = run_deck(deck + f"*STEP\n{static}*END STEP\n", "--dialect=calculix")
+    assert result.returncode == 0, result.stdout + result.stderr  # type: ignore[attr-defined]
+    later = [round(1 + time, 6) for time in printed]
+    assert times(read_dat(tmp_path / "job.dat")) == printed + later
+    assert times(read_frd(tmp_path / "job.frd")) == written + [round(1 + time, 6) for time in written]
+
+
 def test_energy_after_flow(tables: Callable[..., list[Block]], tmp_path: Path) -> None:
     """Simo's plasticity: a bar that is drawn far beyond yield stores the elastic energy s s/(2 E), to the order of s/E; ENER shows all
     work, s ln(1.2) and little more (the length after it has yielded is 1.002, and the trapezoidal rule errs by a half of the first

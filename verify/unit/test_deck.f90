@@ -238,7 +238,7 @@ contains
     call read_good(suite, 'node forms', MODEL_PART // '*NODE;100;101,1+2, -1.d-1 ,1e0,;' // STEP_PART, model)
     call suite%near('missing coordinates are zero', norm2(model%mesh%coordinates(:, 17)), 0.0_DP, 0.0_DP)
     call suite%near('1+2', model%mesh%coordinates(1, 18), 100.0_DP, 0.0_DP)
-    call expect_error(suite, MODEL_PART // '*NODE;1,5,5,5;' // STEP_PART, 'node 1 is defined twice', '1,5,5,5')
+    call expect_error(suite, MODEL_PART // '*NODE;1,5,5,5;' // STEP_PART, 'node 1 is defined twice, here at another', '1,5,5,5')
     call expect_error(suite, MODEL_PART // '*NODE;A,5,5,5;' // STEP_PART, 'number of the node', 'A,5,5,5')
     call expect_error(suite, MODEL_PART // '*NODE;0,5,5,5;' // STEP_PART, 'positive integer')
     call expect_error(suite, MODEL_PART // '*NODE;99,x,5,5;' // STEP_PART, 'Field 2 (x) is ''x''')

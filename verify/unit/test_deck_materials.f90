@@ -116,7 +116,7 @@ contains
       'not positive')
     call bad(NODES // MATERIAL // '*ELASTIC,TYPE=ENGINEERING CONSTANTS;0.,1.,1.,.1,.1,.1,1.,1.;1.;' // SECTION // STEP, &
       'must be positive')
-    call bad(NODES // MATERIAL // '*DENSITY;1.,0.;2.,10.;*ELASTIC;1.,.3;' // SECTION // STEP, 'mass is conserved')
+    call bad(NODES // MATERIAL // '*DENSITY;1.,0.;-2.,10.;*ELASTIC;1.,.3;' // SECTION // STEP, 'must be positive')
     call bad(NODES // MATERIAL // SECTION // STEP, 'has no *ELASTIC')
   end subroutine check_elastic
 

@@ -194,6 +194,50 @@ def test_energy_of_a_body_that_flows(run_deck: Run, tmp_path: Path) -> None:
         assert float(rows[-1]) == pytest.approx(energy, rel=1e-5), dialect
 
 
+@pytest.mark.parametrize(("dialect", "row", "code", "place"), [
+    ("abaqus", "7, 1, 1, 1", 0, 1.0), ("calculix", "7, 1., 1., 1.", 0, 1.0), ("calculix", "7, 1, 1, 2", 0, 2.0), ("abaqus", "7, 1, 1, 2", 3, None),
+])  # fmt: skip
+def test_nodes_given_again(run_deck: Run, tmp_path: Path, dialect: str, row: str, code: int, place: float | None) -> None:  # noqa: PLR0913
+    """A node that stands in the deck again is one node and in both sets; at another place the last counts in CalculiX, else it is an error."""
+    deck = CUBE.replace("*NSET, NSET=LOW", f"*NODE, NSET=AGAIN\n{row}\n*NSET, NSET=LOW")
+    done = run_deck(f"** dialect: {dialect}\n{deck}*STEP\n*STATIC\n*CLOAD\nHIGH, 3, 1.\n*NODE PRINT, NSET=AGAIN\nCOORD\n{PRINT}*END STEP\n")
+    assert done.returncode == code, done.stdout
+    text = re.sub(r"\s+", " ", done.stdout + done.stderr)
+    if place is None:
+        assert "The node 7 is defined twice, here at another place; the first time in line 9 of job.inp." in text
+        return
+    assert "1 node of the deck stand in it more than once" in text
+    rows = re.search(r"coordinates .*?\n\n(.*?)\n", (tmp_path / "job.dat").read_text(), re.DOTALL)
+    assert rows
+    assert [float(word) for word in rows.group(1).split()] == pytest.approx([7.0, 1.0, 1.0, place])
+    if place == 1.0:
+        assert displacements(tmp_path) == pytest.approx([1.0, 0.004], rel=2e-6)
+
+
+def test_members_named_twice(run_deck: Run, tmp_path: Path) -> None:
+    """A load acts on a member of a set once, however often the set names it; where CalculiX loads it as often, that is told."""
+    told = "Here the load acts on each of them once; CalculiX applies it as often as they are named."
+    deck = CUBE.replace("5, 6, 7, 8\n*ELEMENT", "5, 6, 7, 8, 5\n*ELEMENT") + f"*STEP\n*STATIC\n*CLOAD\nHIGH, 3, 1.\n{PRINT}*END STEP\n"
+    for dialect in ("abaqus", "calculix"):
+        done = run_deck(f"** dialect: {dialect}\n{deck}")
+        assert done.returncode == 0, done.stdout
+        assert displacements(tmp_path) == pytest.approx([1.0, 0.004], rel=2e-6)
+        assert (told in re.sub(r"\s+", " ", done.stdout + done.stderr)) == (dialect == "calculix")
+    pressed = CUBE.replace("*MATERIAL", "*ELSET, ELSET=E\n1\n*MATERIAL") + f"*STEP\n*STATIC\n*DLOAD\nE, P2, 4.\n{PRINT}*END STEP\n"
+    done = run_deck("** dialect: calculix\n" + pressed)
+    assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert displacements(tmp_path) == pytest.approx([1.0, -0.004], rel=2e-6)
+
+
+def test_density_over_temperature(run_deck: Run, tmp_path: Path) -> None:
+    """Weight of a bar, u = rho g L^2 / (2 E): rho at the start under abaqus, at the present temperature under calculix."""
+    deck = CUBE.replace("*ELASTIC", "*DENSITY\n2., 0.\n1., 100.\n*ELASTIC") + "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 20.\n"
+    deck += f"*STEP\n*STATIC\n*TEMPERATURE\nALL, 70.\n*DLOAD\nE, GRAV, 10., 0., 0., -1.\n{PRINT}*END STEP\n"
+    for dialect, rho in (("abaqus", 1.8), ("calculix", 1.3)):
+        assert run_deck(f"** dialect: {dialect}\n{deck}").returncode == 0
+        assert displacements(tmp_path)[-1] == pytest.approx(-rho * 10 / 2 / 1000, rel=2e-6)
+
+
 def test_no_analysis(run_deck: Run, tmp_path: Path) -> None:
     """The deck is checked, and nothing is written; an error in it is told."""
     deck = f"** dialect: calculix\n{CUBE}*STEP\n*NO ANALYSIS\n*CLOAD\nHIGH, 3, 1.\n*END STEP\n"
