@@ -647,7 +647,8 @@ contains
     if (model%dialect /= DIALECT_CALCULIX .or. slave%row > 0 .and. slave%side == 0) return
     shear_part = -0.5_DP * dot_product(slave%shear, slave%elastic)
     energy = energy + shear_part
-    if (slave%side == 0 .and. model%interactions(model%pairs(slave%pair)%interaction)%behavior == BEHAVIOR_LINEAR) &
+    if (slave%side > 0 .or. model%pairs(slave%pair)%is_pointwise) return   ! a point, or what points give to a node
+    if (model%interactions(model%pairs(slave%pair)%interaction)%behavior == BEHAVIOR_LINEAR) &
       energy = 2 * shear_part - 0.5_DP * dot_product(slave%force, slave%normal) * slave%gap
   end function shown_energy
 

@@ -15,6 +15,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+import feature_decks  # noqa: E402
 from dat import Block, read_dat, read_frd  # noqa: E402
 from mixed_decks import deck, hold, prints, solid, step  # noqa: E402
 
@@ -249,6 +250,20 @@ def test_mean_normal_of_a_section(tables: Callable[..., list[Block]]) -> None:
     blocks = tables(text + "*STEP\n*STATIC\n*BOUNDARY\n7, 1, 1, .01\n*SECTION PRINT, SURFACE=BOTH, NAME=B\nSOF, SOM\n*END STEP\n")
     row = list(next(block for block in blocks if block.title.startswith("center")).rows.values())[0]
     assert row == pytest.approx([0.75, 0.5, 0.75, 0.5, 0.0, 0.5], abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", [feature_decks.NODES, feature_decks.FACES_TYPE])
+def test_energy_of_springs_at_nodes(run_deck: Callable[..., object], tmp_path: Path, kind: str) -> None:
+    """CELS of a .frd file adds up to the total of CONTACT PRINT: exactly at slave nodes; where points give to nodes but for the shear,
+    of which they give means (a tenth of the energy here, whose square differs by less than a half from its mean's)."""
+    law = feature_decks.LINEAR + feature_decks.RUB
+    text = feature_decks.contact_deck("C3D8", kind, law, [feature_decks.push(x=0.001)]).replace("*END STEP", "*CONTACT FILE\nCELS\n*END STEP")
+    result = run_deck(text, "--dialect=calculix")
+    assert result.returncode == 0, result.stdout + result.stderr  # type: ignore[attr-defined]
+    (total,) = [block for block in read_dat(tmp_path / "job.dat") if block.title.startswith("total contact spring")]
+    (field,) = [block for block in read_frd(tmp_path / "job.frd") if block.title == "CELS"]
+    tolerance = 2e-5 if kind == feature_decks.NODES else 5e-2
+    assert sum(row[0] for row in field.rows.values()) == pytest.approx(next(iter(total.rows.values()))[0], rel=tolerance)
 
 
 TWO = [0.2, 0.4, 0.6, 0.8, 1.0]
