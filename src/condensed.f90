@@ -16,7 +16,8 @@
 module amontons_condensed
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
-  use amontons_sparse, only: sparse_type, reduction_type, from_triplets, transpose_of, analyse_reduction, reduce_matrix
+  use amontons_sparse, only: sparse_type, reduction_type, from_triplets, transpose_of, analyse_reduction, reduce_matrix, &
+    is_same_pattern
   use amontons_dense, only: factorise_dense, solve_dense, triangle_times, square_of_triangle, DENSE_OK
   use amontons_sprung, only: sprung_type, springs_type, invert_stiffness, couple_springs, solve_springs
   use amontons_partition, only: order_unknowns
@@ -25,8 +26,8 @@ module amontons_condensed
   use amontons_constraints, only: constraints_type
   implicit none
   private
-  public :: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, apply_condensed, &
-    is_interface_worth
+  public :: condensed_type, is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
+    apply_condensed, is_interface_worth
 
   real(DP), parameter :: WORTH = 4.0_DP            !< an interface may cost so many factors of the bulk [-]
   real(DP), parameter :: SMALL = 3.0e7_DP          !< operations that are not worth a thought [-]
@@ -36,6 +37,7 @@ module amontons_condensed
   !> The bulk's factor and the interface's.
   type :: condensed_type
     logical :: is_analysed = .false.
+    type(sparse_type), private :: analysed_map     !< C_b whose pattern was analysed
     logical :: is_ready = .false.                  !< the bulk is factorised
     integer :: n_contact = 0                       !< unknowns of the interface
     integer, allocatable :: contact_of(:)          !< (n base free) place in the interface, 0 if not on it
@@ -73,6 +75,15 @@ contains
   end function is_interface_worth
 
 
+  !> Whether the analysis holds for these constraints: a rigid body that turns couples unknowns that it did not couple before.
+  pure logical function is_analysed_for(self, base) result(is_analysed)
+    type(condensed_type), intent(in) :: self
+    type(constraints_type), intent(in) :: base     !< finished
+    is_analysed = self%is_analysed
+    if (is_analysed) is_analysed = is_same_pattern(base%map, self%analysed_map)
+  end function is_analysed_for
+
+
   !> Orders the bulk with the interface last and analyses it. After: is_analysed, or .false. if the interface did not stay last.
   subroutine analyse_bulk(self, stiffness, base, is_contact, error)
     type(condensed_type), intent(inout) :: self
@@ -96,6 +107,7 @@ contains
     end do
     call analyse_reduction(stiffness, base%map, self%reduction, self%bulk, error)
     if (allocated(error)) return
+    self%analysed_map = base%map
     call fill_interface(self)
     call order_unknowns(self%bulk, node, base%n_unknowns / 3, order, error)
     if (allocated(error)) return

@@ -38,6 +38,7 @@ module amontons_contact
   integer, parameter :: HOLD_WAS = 2              !< it was, and is not held again
 
   real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
+  real(DP), parameter :: STILL = 1.0e-11_DP        !< a slip below this times the edge is rounding [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
   real(DP), parameter :: SUPPORTED = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
 
@@ -753,6 +754,7 @@ contains
     real(DP) :: d(3)
     d = old%elastic + contact_slip_vector(contact, model, u, slave)
     d = d - dot_product(slave%normal, d) * slave%normal
+    if (norm2(d) <= STILL * contact%edge(slave%pair)) d = 0.0_DP   ! one that only touches has no shear to resist rounding
   end function elastic_trial
 
 

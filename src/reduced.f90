@@ -10,7 +10,8 @@ module amontons_reduced
   use amontons_posix, only: available_megabytes, whole_megabytes
   use amontons_mesh, only: mesh_type
   use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE
-  use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix
+  use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
+    is_same_pattern
   use amontons_factor, only: factor_type, analyse, factorise, solve, estimate_memory, FACTOR_OK
   use amontons_partition, only: partition_mesh, order_unknowns, order_by_node, order_of_nodes, separator_of
   use amontons_iterative, only: iterative_type, prepare_parts, prepare_iterative, apply_iterative, parts_for, &
@@ -357,16 +358,5 @@ contains
       call solve(self%factor, x, y)
     end if
   end subroutine apply_reduced
-
-
-  !> Whether two matrices have their entries at the same places.
-  pure logical function is_same_pattern(a, b) result(is_same)
-    type(sparse_type), intent(in) :: a, b
-    is_same = .false.
-    if (.not. allocated(a%first) .or. .not. allocated(b%first)) return
-    if (a%n_rows /= b%n_rows .or. a%n_columns /= b%n_columns .or. size(a%column) /= size(b%column)) return
-    is_same = all(a%first == b%first)
-    if (is_same) is_same = all(a%column == b%column)
-  end function is_same_pattern
 
 end module amontons_reduced

@@ -14,7 +14,7 @@ module amontons_sparse
   public :: sparse_type, reduction_type
   public :: from_triplets, symmetric_pattern, expand_pattern, entry_position, transpose_of, full_of, product_of, sum_of
   public :: multiply, multiply_transpose, multiply_symmetric
-  public :: analyse_reduction, reduce_matrix
+  public :: analyse_reduction, reduce_matrix, is_same_pattern
 
   integer, parameter :: THREADS_PAY = 200000   !< entries below which threads cost more than they give
 
@@ -711,6 +711,17 @@ contains
       end do
     end do
   end subroutine append_pairs
+
+
+  !> Whether two matrices have their entries at the same places.
+  pure logical function is_same_pattern(a, b) result(is_same)
+    type(sparse_type), intent(in) :: a, b
+    is_same = .false.
+    if (.not. allocated(a%first) .or. .not. allocated(b%first)) return
+    if (a%n_rows /= b%n_rows .or. a%n_columns /= b%n_columns .or. size(a%column) /= size(b%column)) return
+    is_same = all(a%first == b%first)
+    if (is_same) is_same = all(a%column == b%column)
+  end function is_same_pattern
 
 
   !> A = C' K C for new values of K and C in the patterns analysed. Cost: one pass over K and the expanded pairs.

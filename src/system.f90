@@ -25,8 +25,8 @@ module amontons_system
   use amontons_factor, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
   use amontons_reduced, only: reduced_type, plan_reduced, is_small, factorise_reduced, apply_reduced, give_up_iterative
   use amontons_sprung, only: springs_type
-  use amontons_condensed, only: condensed_type, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
-    apply_condensed, is_interface_worth
+  use amontons_condensed, only: condensed_type, is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, &
+    factorise_springs, apply_condensed, is_interface_worth
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
     conjugate_gradients, KRYLOV_CONVERGED
   use amontons_constraints, only: constraints_type, finish_constraints, condense_forces, condensation
@@ -674,7 +674,7 @@ contains
     integer :: status
     system%is_dense_wanted = .false.
     if (system%base%n_free == 0) return            ! all is prescribed
-    if (.not. system%condensed%is_analysed) then
+    if (.not. is_analysed_for(system%condensed, system%base)) then
       if (count(system%is_contact) > MOST_INTERFACE .or. system%base%n_free == 0) return   ! all may be prescribed
       call analyse_bulk(system%condensed, system%assembly%stiffness, system%base, system%is_contact, error)
       if (allocated(error) .or. .not. system%condensed%is_analysed) return
