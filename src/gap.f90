@@ -27,6 +27,7 @@ module amontons_gap
 
   real(DP), parameter :: EXTENSION_ZONE = 0.1_DP       !< a node this far beyond a free edge is on, over facet length [-]
   real(DP), parameter :: ON_EDGE = 1.0e-8_DP      !< a node this little beyond any edge is on the facet, same unit [-]
+  real(DP), parameter :: KEEPING = 1.0e-3_DP      !< where normals jump at edges a facet keeps a node that is this little beyond [-]
   real(DP), parameter :: FARTHEST = 0.6_DP        !< the Newton iteration is kept within this excess, the same unit [-]
   real(DP), parameter :: LONGEST_STEP = 0.5_DP    !< longest step of a natural coordinate, in lengths of the facet [-]
   real(DP), parameter :: SAME = 1.0e-9_DP         !< distances that differ by less than this part of an edge: equal [-]
@@ -352,7 +353,7 @@ contains
     do k = 1, 4
       is_open(k) = facets%edge(k, f) == EDGE_SMOOTH .or. facets%edge(k, f) == EDGE_CONCAVE
     end do
-    is_out = excess > ON_EDGE
+    is_out = excess > merge(KEEPING, ON_EDGE, facets%is_faceted)
     if (any(is_out .and. is_open)) then
       edge = maxloc(excess, dim=1, mask=is_out .and. is_open)
     else if (any(excess > extension)) then

@@ -1,6 +1,6 @@
 """Decks of one feature each against CalculiX itself (ccx), where it is installed: the tables of .dat and the fields of .frd.
 
-The decks are those of feature_decks. A block agrees if its largest difference is within 1 % of its largest value, that of a linear job
+The decks are those of feature_decks and joint_decks. A block agrees if its largest difference is within 1 % of its largest value, that of a linear job
 within 0.2 %; CalculiX ends its iterations at 0.5 % of a mean force. A sample runs always, the rest is marked slow.
 
 SPDX-License-Identifier: GPL-3.0-or-later
@@ -19,14 +19,16 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import feature_decks  # noqa: E402
+import joint_decks  # noqa: E402
 from dat import Block, compare, compare_block, read_dat, read_frd  # noqa: E402
 from test_mixed_decks import leave_out_residue, run_peer  # noqa: E402
 
-CASES = feature_decks.cases()
+CASES = feature_decks.cases() | joint_decks.cases()
 LINEAR, NONLINEAR = 2e-3, 1e-2
 RESIDUE = 1e-6
 SAMPLE = re.compile(r"output-(C3D8-|C3D10-global-no|sets|all)|course-|tie-(C3D8-|gap$|transform)|pretension-(C3D8|C3D15|kept)$|ring-C3D20R|truss|spring|mass|reference-rigid-(loaded|nl-moved)|"
-                    r"flow-C3D8I|creep$|contact-(C3D4-s|C3D15-n|C3D8-m|hard|friction|change|small-n|clearance)")
+                    r"flow-C3D8I|creep$|contact-(C3D4-s|C3D15-n|C3D8-m|hard|friction|change|small-n|clearance)|"
+                    r"stack-n|punch-tilted-n|dome-C3D(4|6)-n|out-and-in-s|slope-n")
 
 # Where the two differ, and why. A reason that begins with "CalculiX:" is an error of CalculiX (2.20); others are open here.
 DIFFERENT: dict[str, str] = {
