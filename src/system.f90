@@ -204,6 +204,7 @@ contains
     if (allocated(error)) return
     do p = 1, size(system%contact%facets)
       call find_symmetry(system%contact%facets(p), model, is_held)
+      if (model%pairs(p)%is_mortar) call find_symmetry(system%contact%mortar(p)%slave, model, is_held)
     end do
   end subroutine begin_step
 

@@ -314,3 +314,42 @@ def test_stuck_block_turns(proof: Proof, degrees: float) -> None:
 def test_hertz_point(proof: Proof) -> None:
     """Hertz, a ball on a plane."""
     test_hertz.test_hertz_point(as_mortar(proof))
+
+
+def test_shrink_fit_quarter(proof: Proof) -> None:
+    """A quarter of a curved fit on meshes that do not match: supports at slave nodes on both planes of symmetry."""
+    case = proof(
+        "mortar-shrink-fit-quarter",
+        title="A quarter of a shrink fit with meshes that do not match, surface to surface",
+        model="A quarter of two rings, 0.5 and 0.7 long, held at one end, radii 1, 1.5 and 2, the inner one 0.005 too large, E = 1000, nu = 0.3, mu = 0.2, NLGEOM, "
+        "12 x 2 x 4 and 9 x 3 x 3 C3D8. The interference is taken out over a step (*CONTACT INTERFERENCE, SHRINK; 2 increments).",
+        formula="Both halves of the quarter are mirror images; the force on each plane of symmetry is that of the other one.",
+        source="symmetry of the model",
+        proves="A slave node on a plane of symmetry meets what is in front of it. With a normal that leans out of the plane it could not where it sticks, and the "
+        "job was cut back without end.",
+    )
+    parts = []
+    for name, radii, n, y in (("INNER", (1.0, 1.505), 12, (0.0, 0.5)), ("OUTER", (1.5, 2.0), 9, (-0.1, 0.6))):
+        part = make_decks.block(between(0, 1, n), between(*y, 2 if n == 12 else 3), between(*radii, 4 if n == 12 else 3), name)
+        s, along, radius = part.nodes.T
+        sets = {"LEFT": s == 0.0, "RIGHT": s == 1.0, "FRONT": along == y[0]}
+        part.node_sets |= {f"{name}_{side}": np.flatnonzero(chosen) for side, chosen in sets.items()}
+        angle = 0.5 * np.pi * (1 - s)
+        part.nodes[:] = np.stack([radius * np.cos(angle), along, radius * np.sin(angle)], axis=1)
+        parts.append((part, (1000.0, 0.3)))
+    inner = parts[0][0]
+    held = ("INNER_LEFT, 1", "OUTER_LEFT, 1", "INNER_RIGHT, 3", "OUTER_RIGHT, 3", "INNER_FRONT, 2", "OUTER_FRONT, 2")
+    steps = test_sliding.step(test_sliding.fix(*held) + "*CONTACT INTERFERENCE, SHRINK\nINNER_TOP, OUTER_BOTTOM\n", 2, True)
+    pairs = test_sliding.pair("INNER_TOP", "OUTER_BOTTOM", 0.2, ", TYPE=SURFACE TO SURFACE")
+    job = case.run(test_sliding.solid_deck(parts, pairs, steps), asked=2)
+    slaves = inner.node_sets["INNER_TOP"]
+    angle = np.round(np.degrees(np.arctan2(inner.nodes[slaves, 2], inner.nodes[slaves, 0])), 6)
+    order = np.lexsort((inner.nodes[slaves, 1], angle))
+    mirrored = np.lexsort((inner.nodes[slaves, 1], -angle))
+    pressure = job.last("CPRESS")[slaves]
+    case.near("pressure, mirrored", pressure[order], pressure[mirrored], 1e-5, why="symmetry of the model; the tolerance of Newton's method")
+    case.true("it presses", bool(pressure.max() > 1.0), why="an interference of 0.005")
+    force = job.last("RF")[: len(inner.nodes)]
+    left, right = force[inner.node_sets["INNER_LEFT"], 0].sum(), force[inner.node_sets["INNER_RIGHT"], 2].sum()
+    case.near("forces on the planes of symmetry", left, right, 1e-6, why="symmetry")
+    case.done()
