@@ -12,12 +12,15 @@
 !! in which the mid-side nodes of the upright edges come before those of the top.
 module amontons_frd
   use amontons_kinds, only: DP, I64
+  use amontons_dense, only: least_squares
   use amontons_errors, only: error_type, set_error, EXIT_IO
   use amontons_posix, only: cut_file, sync_file
   use amontons_text, only: rows_as_text, text_of
-  use amontons_topology, only: element_kind, kind_type, FAMILY_MASS, FAMILY_SOLID
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, FACET_TRI3, &
+    FAMILY_MASS, FAMILY_SOLID, MAX_FACE_NODES
   use amontons_materials, only: USER_STATE
   use amontons_mesh, only: mesh_type, is_out
+  use amontons_shapes, only: facet_shapes
   use amontons_steps, only: frd_request_type, is_output_due, step_type, FRD_CELS, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_ERROR, &
     FRD_FORC, FRD_MESTRAIN, FRD_NDTEMP, FRD_PE, FRD_SDV, FRD_STRESS, FRD_THSTRAIN, FRD_TOSTRAIN, N_FRD
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
@@ -383,6 +386,7 @@ contains
         call estimate_error(model%mesh, fields%stress, values(1, :))
       case (FRD_CONTACT)
         values = contact_values(model, nodal_slaves(model, fields%slaves))
+        if (any(fields%slaves%side > 0)) call show_points(model, fields%slaves, values)
       case (FRD_CELS)
         values(1, :) = contact_energies(model, nodal_slaves(model, fields%slaves))
       end select
@@ -425,26 +429,109 @@ contains
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)
     real(DP) :: values(6, model%mesh%n_nodes)
-    real(DP) :: axes(3, 3), row(6)
+    real(DP) :: row(6)
     integer, allocatable :: followers(:, :)
     integer :: i
     values = 0
     do i = 1, size(slaves)
-      associate (slave => slaves(i))
-        if (slave%status == STATUS_OPEN) cycle
-        axes = contact_axes(slave%normal)
-        row(:3) = matmul(shown_slip(model, slave), axes)
-        row(1) = slave%gap
-        row(4:) = matmul(slave%force - slave%shear, axes)
-        if (slave%area > 0) row(4:) = row(4:) / slave%area
-        if (abs(row(4)) >= abs(values(4, slave%node))) values(:, slave%node) = row
-      end associate
+      if (slaves(i)%status == STATUS_OPEN) cycle
+      row = table_row(model, slaves(i))
+      if (abs(row(4)) >= abs(values(4, slaves(i)%node))) values(:, slaves(i)%node) = row
     end do
     call list_followers(model, slaves, followers)
     do i = 1, size(followers, 2)
       values(:, followers(1, i)) = 0.5_DP * sum(values(:, followers(2:3, i)), dim=2)
     end do
   end function contact_values
+
+
+  !> Gap, two slips, pressure and two shear stresses of a slave in the axes of the .dat file.
+  pure function table_row(model, slave) result(row)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slave
+    real(DP) :: row(6), axes(3, 3)
+    axes = contact_axes(slave%normal)
+    row(:3) = matmul(shown_slip(model, slave), axes)
+    row(1) = slave%gap
+    row(4:) = matmul(slave%force - slave%shear, axes)
+    if (slave%area > 0) row(4:) = row(4:) / slave%area
+  end function table_row
+
+
+  !> Of pairs with points the nodes show what CalculiX shows there (found by experiment, verify/verification/test_points.py): on each
+  !! face the closed points are fitted by the functions of its corners, least squares, and what comes out at a corner is kept between the
+  !! least and the largest value of these points; a mid-side node takes the mean of its corners, and a node shows the mean of its faces that
+  !! have closed points.
+  subroutine show_points(model, slaves, values)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)      !< points stand facet by facet, pair by pair
+    real(DP), intent(inout) :: values(:, :)        !< (6, n_nodes) of nodes with points they are set anew
+    integer :: counts(model%mesh%n_nodes), first, last, n
+    counts = 0
+    first = findloc(slaves%side > 0, .true., dim=1)
+    do while (first <= size(slaves))
+      last = first
+      do while (last < size(slaves))
+        if (slaves(last + 1)%side /= slaves(first)%side .or. slaves(last + 1)%pair /= slaves(first)%pair) exit
+        last = last + 1
+      end do
+      if (any(slaves(first:last)%status /= STATUS_OPEN)) call show_face(model, pack(slaves(first:last), &
+        slaves(first:last)%status /= STATUS_OPEN), counts, values)
+      first = last + 1
+    end do
+    do n = 1, size(counts)
+      if (counts(n) > 0) values(:, n) = values(:, n) / real(counts(n), DP)
+    end do
+  end subroutine show_points
+
+
+  !> Adds what the closed points of one face give to its nodes.
+  subroutine show_face(model, points, counts, values)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: points(:)
+    integer, intent(inout) :: counts(:)            !< (n_nodes) faces that gave to a node
+    real(DP), intent(inout) :: values(:, :)        !< (6, n_nodes) sums
+    type(kind_type) :: kind
+    type(facet_kind_type) :: shape
+    real(DP) :: rows(6, size(points)), basis(MAX_FACE_NODES, size(points)), at_corner(MAX_FACE_NODES, 6), row(6)
+    real(DP) :: dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    integer, parameter :: LINEAR(2:4) = [FACET_LINE2, FACET_TRI3, FACET_QUAD4]
+    integer :: nodes(MAX_FACE_NODES), i, m
+    associate (faces => model%surfaces(model%pairs(points(1)%pair)%slave), mesh => model%mesh, side => points(1)%side)
+      kind = element_kind(mesh%kind(faces%element(side)))
+      shape = facet_kind(kind%face_kind(faces%face(side)))
+      nodes(:shape%n_nodes) = mesh%nodes(mesh%first(faces%element(side)) - 1 + kind%face_nodes(:shape%n_nodes, faces%face(side)))
+    end associate
+    m = shape%n_corners
+    do i = 1, size(points)
+      rows(:, i) = table_row(model, points(i))
+      call facet_shapes(LINEAR(m), points(i)%at, basis(:, i), dN, ddN)
+    end do
+    at_corner(:m, :) = fitted(basis(:m, :), rows)
+    at_corner(:m, :) = min(max(at_corner(:m, :), spread(minval(rows, dim=2), 1, m)), spread(maxval(rows, dim=2), 1, m))
+    do i = 1, shape%n_nodes
+      if (i <= m) row = at_corner(i, :)
+      if (i > m) row = 0.5_DP * (at_corner(i - m, :) + at_corner(mod(i - m, m) + 1, :))
+      if (counts(nodes(i)) == 0) values(:, nodes(i)) = 0.0_DP
+      values(:, nodes(i)) = values(:, nodes(i)) + row
+      counts(nodes(i)) = counts(nodes(i)) + 1
+    end do
+  end subroutine show_face
+
+
+  !> Values at the corners of a face whose function comes nearest to those at points; with too few points the one nearest to their mean.
+  function fitted(basis, rows) result(at_corner)
+    real(DP), intent(in) :: basis(:, :)            !< (m, n) functions of the corners at the points [-]
+    real(DP), intent(in) :: rows(:, :)             !< (6, n)
+    real(DP) :: at_corner(size(basis, 1), 6), mean
+    real(DP), parameter :: RANK_LIMIT = 1.0e-6_DP  ! part of the largest singular value
+    integer :: k, rank, status
+    do k = 1, 6
+      mean = sum(rows(k, :)) / real(size(rows, 2), DP)
+      call least_squares(transpose(basis), rows(k, :) - mean, RANK_LIMIT, at_corner(:, k), rank, status)
+      at_corner(:, k) = at_corner(:, k) + mean
+    end do
+  end function fitted
 
 
   !> A time with as many digits as twelve letters have room for.

@@ -10,12 +10,17 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from conftest import Run
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "peers"))
+
+from dat import read_frd  # noqa: E402
 
 MODULUS, PRESSURE, STIFFNESS = 1000.0, 2.0, 1.0e5
 HEX20 = [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1), (0, -1, -1), (1, 0, -1), (0, 1, -1),
@@ -178,3 +183,45 @@ def test_tilting_on_a_dented_master(run_deck: Run) -> None:
     done = run_deck(text)
     assert done.returncode in (0, 5), done.stdout + done.stderr
     assert done.returncode == 0 or "FREE BODY" in done.stdout, done.stdout
+
+
+@pytest.mark.parametrize("order", [8, 20])
+def test_what_nodes_show(order: int, run_deck: Run, tmp_path: Path) -> None:
+    """The field CONTACT of the .frd file, as CalculiX 2.20 writes it (it agreed with that to all digits on faces of C3D4, C3D8 and C3D20,
+    whole, cut into pieces and partly open): the closed points of a face are fitted by the functions of its corners, what comes out at a corner is kept
+    between the least and the largest value of the points, and mid-side nodes take the mean of their corners.
+
+    One face on one larger face, all displacements given, the overclosure (1 + x + 2 y + x y)/1000: the fit is exact; at (0, 0) and
+    (1, 1) the least and the largest of the points count, each the nearest of its triangle about the middle.
+    """
+    mesh = Mesh(order)
+    mesh.block((-0.5, -0.5, -1.0), (1.5, 1.5, 0.0), (1, 1, 1), 1)
+    mesh.block((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (1, 1, 1), 2)
+    text = "** dialect: calculix\n*NODE, NSET=ALL\n" + "".join(f"{k}, {x[1]}, {x[2]}, {x[3]}\n" for x, k in mesh.nodes.items())
+    text += f"*ELEMENT, TYPE=C3D{order}, ELSET=E\n"
+    for e, ids in enumerate(mesh.elements, 1):
+        words = [str(v) for v in [e, *ids]]
+        text += ", ".join(words[:16]) + (",\n" + ", ".join(words[16:]) if len(words) > 16 else "") + "\n"
+    text += f"*SURFACE, NAME=M\n1, S2\n*SURFACE, NAME=S\n2, S1\n*MATERIAL, NAME=EL\n*ELASTIC\n{MODULUS}, 0.\n*SOLID SECTION, ELSET=E, MATERIAL=EL\n"
+    text += "*SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1000.\n*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE\n"
+    text += "S, M\n*STEP\n*STATIC\n1., 1.\n*BOUNDARY\nALL, 1, 3\n"
+
+    def pressure(x: float, y: float) -> float:
+        return 1 + x + 2 * y + x * y
+
+    foot = {k: (x[1], x[2]) for x, k in mesh.nodes.items() if x[0] == 2 and x[3] == 0.0}
+    text += "".join(f"{k}, 3, 3, {-1e-3 * pressure(*at):.15g}\n" for k, at in foot.items())
+    assert run_deck(text + "*NODE FILE\nU\n*CONTACT FILE\nCDIS, CSTR\n*END STEP\n").returncode == 0
+    share = (9 + 2 * 15**0.5) / 21   # of the corner at its nearest point; the others have (6 - sqrt(15))/21 each
+    rest = (6 - 15**0.5) / 21
+    next_along = 1.0 if order == 8 else 0.5   # the outline of a quadratic face has its mid-side nodes
+    low, high = 0.5 * rest, (0.5 + next_along) * rest   # its place beside (0, 0): in the triangle (middle, corner, next of the outline)
+    assert share + 2 * rest == pytest.approx(1.0)
+    corners = {(0.0, 0.0): pressure(high, low), (1.0, 0.0): 2.0, (0.0, 1.0): 3.0, (1.0, 1.0): pressure(1 - high, 1 - low)}
+    corners[0.0, 0.0] = min(corners[0.0, 0.0], pressure(low, high))
+    corners[1.0, 1.0] = max(corners[1.0, 1.0], pressure(1 - low, 1 - high))
+    shown = next(b for b in reversed(read_frd(tmp_path / "job.frd")) if b.title == "CONTACT").rows
+    for k, (x, y) in foot.items():
+        near = [corners[a, b] for a, b in corners if abs(a - x) <= 0.5 and abs(b - y) <= 0.5]
+        assert shown[k,][3] == pytest.approx(sum(near) / len(near), rel=2e-5), (x, y)
+        assert shown[k,][0] == pytest.approx(-1e-3 * sum(near) / len(near), rel=2e-5), (x, y)
