@@ -82,8 +82,8 @@ module amontons_columns
     column_type('CFN', 3, '[force]', &
       'Force of the pressure on the slave. Of bodies of revolution x is the sum of radial forces.'), &
     column_type('CFS', 3, '[force]', 'Force of the friction on the slave.'), &
-    column_type('CMN', 3, '[force length]', 'Moment of the pressure about the origin. Of bodies of revolution 0.'), &
-    column_type('CMS', 3, '[force length]', 'Moment of the friction about the origin. Of bodies of revolution 0.'), &
+    column_type('CMN', 3, '[force length]', 'Moment of the pressure about the origin.'), &
+    column_type('CMS', 3, '[force length]', 'Moment of the friction about the origin.'), &
     column_type('CAREA', 1, '[length^2]', 'Area in contact.'), &
     column_type('XN', 3, '[length]', 'Centre of the pressure: places by the sizes of their forces; 0 if there is none.'), &
     column_type('XS', 3, '[length]', 'Centre of the friction, likewise.')]

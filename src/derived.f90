@@ -58,7 +58,7 @@ module amontons_derived
   !> What the closed slaves of a pair carry together. Columns of matrices: by pressure, by friction (place: and by both).
   type :: pair_sums_type
     real(DP) :: force(3, 2) = 0                    !< on the slave; of bodies of revolution x is the sum of radial forces [force]
-    real(DP) :: moment(3, 2) = 0                   !< about the origin; of bodies of revolution 0 [force length]
+    real(DP) :: moment(3, 2) = 0                   !< about the origin; of bodies of revolution in the half plane [force length]
     real(DP) :: place(3, 3) = 0                    !< mean of their places by the sizes of their forces [length]
     real(DP) :: center(3) = 0                      !< of the area [length]
     real(DP) :: normal(3) = 0                      !< mean over the area, out of the slave: shorter than 1 if it is bent
@@ -687,7 +687,6 @@ contains
     do k = 1, 3
       if (weight(k) > 0.0_DP) sums%place(:, k) = sums%place(:, k) / weight(k)
     end do
-    if (any([(is_axisymmetric(model%mesh, i), i=1, model%mesh%n_elements)])) sums%moment = 0.0_DP
     if (.not. sums%area > 0.0_DP) return
     sums%center = sums%center / sums%area
     sums%normal = sums%normal / sums%area

@@ -604,8 +604,10 @@ contains
     character(*), intent(in) :: variable
     type(slave_type), allocatable :: slaves(:)
     character(:), allocatable :: label
+    real(DP) :: share                              ! of the circle
     integer :: i
     slaves = chosen_slaves(model, fields%slaves, request)
+    share = sector_share(model)
     label = 'slave node'
     if (any(slaves%side > 0)) label = 'slave element+face'
     select case (variable)
@@ -626,11 +628,11 @@ contains
     case ('CELS')
       call print_contact_head(unit, 'contact spring energy (' // label // ',energy)', fields%total_time)
       do i = 1, size(slaves)
-        if (slaves(i)%status /= STATUS_OPEN) call print_slave(unit, model, slaves(i), [shown_energy(model, slaves(i))])
+        if (slaves(i)%status /= STATUS_OPEN) call print_slave(unit, model, slaves(i), [share * shown_energy(model, slaves(i))])
       end do
       if (.not. (request%is_totals .or. request%is_only_totals)) return
       write (unit, '(/a,e14.7/)') ' total contact spring energy for time ', fields%total_time
-      write (unit, TOTAL_FORM) sum([(shown_energy(model, slaves(i)), i=1, size(slaves))])
+      write (unit, TOTAL_FORM) share * sum([(shown_energy(model, slaves(i)), i=1, size(slaves))])
     case ('CNUM')
       write (unit, '(/a,e14.7/)') ' total number of contact elements for time ', fields%total_time
       write (unit, '(6x,1x,i10)') count(slaves%status /= STATUS_OPEN)
@@ -772,6 +774,8 @@ contains
       k = 2
     end if
     call sum_pair(model, fields%u, slaves, sums)
+    counts = sector_share(model) * counts
+    sums%area = sector_share(model) * sums%area
     force = matmul(sums%force, counts)
     associate (pair => model%pairs(i_pair))
       write (unit, '(//5a,e14.7)') ' statistics for slave set ', upper_case(model%surfaces(pair%slave)%name), &
