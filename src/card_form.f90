@@ -356,8 +356,18 @@ contains
     type(card_table_type), intent(in) :: table
     character(*), intent(in) :: key
     character(:), allocatable :: text
+    character(*), parameter :: ASKED = '; did you mean '
+    integer :: i
     text = table%names%hint(key)
-    if (text(1:1) == ';' .and. text(len(text):) /= '?') text = '.'
+    if (index(text, ASKED) /= 1) then
+      text = '.'
+      return
+    end if
+    do i = 1, table%n
+      if (text(len(ASKED) + 1:) /= table%entries(i)%key // '?') cycle
+      text = ASKED // '*' // table%entries(i)%keyword // '?'
+      return
+    end do
   end function hint_at_cards
 
 

@@ -37,11 +37,13 @@ static void put(char *text, int is_negative, long digits, int exponent)
   text[11] = (char)('0' + exponent % 10);
 }
 
-/* Writes n values side by side, twelve characters each. Beyond 9.9e99 they are cut off, below 1e-99 they are 0. */
+/* Writes n values side by side, twelve characters each. Beyond 9.9e99 they are cut off, below 1e-99 they are 0. As in CalculiX's
+ * files a number that single precision can hold is rounded to it first: it may move the sixth digit of one that is near to a half. */
 static void put_digits(const double *values, int n, char *text)
 {
   for (int i = 0; i < n; i++, text += WIDTH) {
     double v = fabs(values[i]);
+    if (v >= FLT_MIN && v <= FLT_MAX) v = (double)(float)v;
     if (!(v >= 1.0e-99)) { put(text, 0, 0, 0); continue; }
     if (v > 9.9e99) v = 9.9e99;
     int two;

@@ -254,7 +254,10 @@ def test_it_goes_on_after_a_checkpoint(run: Run, tmp_path: Path) -> None:
     assert (halves / "job.frd").read_bytes() == text == (whole / "job.frd").read_bytes()
 
 
-REFERENCES = sorted(DECKS.glob("*/*.frd.ref"))
+#: Those of solids: CalculiX expands plane elements into them, and writes the expanded mesh.
+IS_PLANE = re.compile(r"type\s*=\s*C(PS|PE|AX)", re.I)
+ANY = sorted(DECKS.glob("*/*.frd.ref"))
+REFERENCES = [path for path in ANY if not IS_PLANE.search(path.with_name(path.name.split(".")[0] + ".inp").read_text(errors="replace"))]
 ANSWERS = {"DISP", "STRESS", "FORC", "TOSTRAIN", "NDTEMP"}
 #: What is known not to agree yet, or has no answer that the release reproduces.
 KNOWN = {
@@ -263,7 +266,7 @@ KNOWN = {
 #: References with another mesh than the deck.
 OTHER_MESH = {
     "contactdeleteelement": "the reference holds 26 of the 52 nodes of the deck, and the release crashes on it",
-    "scheibe2n2f": "coordinates of the reference differ from those of the deck in the sixth figure, which is not understood",
+    "cubef2f3": "nodes of the reference were moved by ADJUST by 1e-17",
 }
 
 
@@ -292,10 +295,6 @@ def test_form_of_calculix(run: Run, tmp_path: Path, reference: Path) -> None:
     deck = reference.with_name(name + ".inp")
     if name in OTHER_MESH:
         pytest.skip(OTHER_MESH[name])
-    if re.search(r"type\s*=\s*C(PS|PE|AX)", deck.read_text(errors="replace"), re.I):
-        pytest.skip("CalculiX expands plane elements into solids")
-    if deck.stat().st_size > 150_000:
-        pytest.skip("too long for a test of the form")
     done = run(["--dialect=calculix", "--quiet", "--outdir", tmp_path, deck])
     if done.returncode != 0:
         pytest.skip((done.stdout + done.stderr).strip().splitlines()[0][:150])

@@ -178,10 +178,10 @@ def convergence(job: Job) -> str:
     h = {name: column[rows] for name, column in job.history.items() if getattr(column, "shape", ())}
     good = np.asarray(h["is_converged"]) == 1
     total = int(np.sum(h["n_iterations"]))
-    each = f"{total} iterations, {total / int(good.sum()):.2f} per increment" if good.any() else f"{total} iterations"
+    each = f"{counted(total, 'iteration')}, {total / int(good.sum()):.2f} per increment" if good.any() else counted(total, "iteration")
     text += (f"<p>{counted(int(good.sum()), 'increment')}, {counted(int((~good).sum()), 'attempt')} that failed, {each}; "
-             f"{int(np.sum(h['n_factorisations']))} factorisations, "
-             f"{int(np.sum(h['n_krylov']))} Krylov iterations.</p>")  # fmt: skip
+             f"{counted(int(np.sum(h['n_factorisations'])), 'factorisation')}, "
+             f"{counted(int(np.sum(h['n_krylov'])), 'Krylov iteration')}.</p>")  # fmt: skip
     text += charts.columns(["iterations that converged", "iterations that failed"],
                            np.stack([h["n_iterations"] * good, h["n_iterations"] * ~good], axis=1), "attempt", "iterations",
                            ["#2166ac", "#d1495b"])  # fmt: skip
@@ -236,13 +236,15 @@ def ledger(job: Job) -> str:
     work = [np.asarray(h[name], dtype=float) for name in ("external_work", "strain_energy", "friction_work", "contact_energy", "damped_work")]
     text += "<h3>Energy at the end of each step</h3>" + table(
         ("step", "time", "external work", "strain energy", "friction", "stored in contact", "damping", "the rest"),
-        ((int(h["step"][i]), float(h["total_time"][i]), *(float(w[i]) for w in work), float(work[0][i] - sum(w[i] for w in work[1:]))) for i in last))
+        ((int(h["step"][i]), float(h["total_time"][i]), *(float(w[i]) for w in work),
+          told_zero(float(work[0][i] - sum(w[i] for w in work[1:])), max(abs(float(w[i])) for w in work))) for i in last))  # fmt: skip
     text += ('<p class="note">The rest is what plasticity and creep took, and the error of the '
              "trapezoidal rule by which external work is summed.</p>")  # fmt: skip
-    time = np.asarray(h["total_time"], dtype=float)
-    text += charts.lines([Series("external work", time, work[0]), Series("strain energy", time, work[1]), Series("friction", time, work[2])],
+    n = int(job.times[0] == 0)   # nothing has happened at time 0
+    time = np.concatenate([np.zeros(n), np.asarray(h["total_time"], dtype=float)])
+    text += charts.lines([Series(name, time, np.concatenate([np.zeros(n), w])) for name, w in zip(("external work", "strain energy", "friction"), work, strict=False)],
                          "time", "energy")  # fmt: skip
-    slave = np.asarray(h["slave_force"])
+    slave = np.concatenate([np.zeros((n, 3)), np.asarray(h["slave_force"])])
     names = "xyz"
     shown = [Series(f"contact on slaves, {names[k]}", time, slave[:, k]) for k in range(3) if np.abs(slave[:, k]).max() > 1e-9 * max(np.abs(slave).max(), 1e-300)]
     if not shown:
