@@ -452,7 +452,7 @@ def shape(path: Path) -> tuple[plt.Figure, str]:
         factor = draw_bodies(figure.add_subplot(), job, k, is_close=True)
         plt.close(figure)
     magnified = "in true size" if factor == 1 else f"{factor:g} times as large"
-    return figure, f"The end of the job (t = {job.times[k]:.4g}): elements, displacements {magnified}, Mises stress."
+    return figure, f"elements at the end (t = {job.times[k]:.4g}), displacements {magnified}; the colour is the Mises stress."
 
 
 def _draw_contact(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec, job: Job, k: int) -> None:

@@ -247,7 +247,7 @@ class Case:
                 import picture
 
                 figure, caption = picture.shape(self.jobs[-1].path)
-                self.figure(lambda: figure, f"{self.jobs[-1].name}. {caption}" if len(self.jobs) > 1 else caption)
+                self.figure(lambda: figure, f"Job \"{self.jobs[-1].name}\": {caption}" if len(self.jobs) > 1 else caption)
             (self.pages / f"{self.name}.md").write_text(self.page())
             facts = {"name": self.name, "title": self.title, "file": self.file, "checks": [asdict(c) for c in self.checks]}
             facts["effort"] = [(job.n_increments, job.n_iterations, job.n_failed) for job in self.jobs]
@@ -259,7 +259,7 @@ class Case:
     def page(self) -> str:
         """The page in Markdown."""
         parts = [f"# {self.title}", self.model, "## What is expected", self.formula, f"Source: {self.source}"]
-        parts += ["## What was found", check_table(self.checks)]
+        parts += ["## What was found", check_table(sorted(self.checks, key=lambda check: check.quantity.startswith(EFFORT)))]
         parts += [f"![{caption}]({file})\n\n*{caption}*" for file, caption in self.figures]
         if self.jobs:
             parts += ["Effort: " + "; ".join(f"{job.name}: {job.effort()}" for job in self.jobs) + "."]
