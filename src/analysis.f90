@@ -6,7 +6,7 @@
 module amontons_analysis
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, complaints_type, set_error, EXIT_NOT_CONVERGED, EXIT_SOLVER
-  use amontons_posix, only: peak_megabytes, is_status_asked, stop_signal
+  use amontons_posix, only: peak_megabytes, is_status_asked, stop_signal, leave_turn, resume_turn
   use amontons_text, only: text_of, plural
   use amontons_journal, only: journal_type
   use amontons_model, only: model_type, job_options_type, job_path, DIALECT_CALCULIX
@@ -420,8 +420,11 @@ contains
     type(journal_type), intent(inout) :: journal
     integer, intent(out) :: verdict                !< VERDICT_...
     type(error_type), allocatable, intent(out) :: error
+    integer :: turn
     associate (step => analysis%model%steps(analysis%stepper%step))
+      turn = leave_turn()                            ! other jobs of the process may read, write and tell meanwhile
       call iterate(analysis%newton, analysis%system, analysis%model, step, analysis%state, verdict, error)
+      call resume_turn(turn)
       if (.not. allocated(error)) call heed_routines(analysis%model, journal, analysis%pnewdt, error)
       if (allocated(error)) return
       call tell_iteration(analysis, journal)

@@ -6,6 +6,7 @@ module amontons_capi
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_DONE, EXIT_USAGE, EXIT_SOLVER
   use amontons_text, only: squeezed, NEWLINE
+  use amontons_posix, only: turn_type, take_turn
   use amontons_version, only: VERSION
   use amontons_model, only: DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_sparse, only: sparse_type
@@ -89,6 +90,8 @@ contains
     type(c_listener_type) :: listener
     type(error_type), allocatable :: error
     integer :: no_memory
+    type(turn_type) :: turn
+    call take_turn(turn)
     status = EXIT_USAGE
     if (.not. present(handle)) return
     handle = c_null_ptr
@@ -287,6 +290,8 @@ contains
     type(error_type), allocatable :: error
     real(DP), allocatable :: found(:, :)
     real(c_double), pointer :: target(:, :)
+    type(turn_type) :: turn
+    call take_turn(turn)
     if (present(rows)) rows = 0
     if (present(columns)) columns = 0
     if (.not. is_found(handle, self, status)) return
@@ -313,6 +318,8 @@ contains
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
     real(c_double), pointer :: given(:)
+    type(turn_type) :: turn
+    call take_turn(turn)
     if (.not. is_found(handle, self, status)) return
     if (n <= 0 .or. .not. c_associated(values)) then
       call set_error(error, EXIT_USAGE, 'No values of ' // text_at(quantity) // ' are given.')
@@ -335,6 +342,8 @@ contains
     character(:), allocatable :: names(:)
     character(kind=c_char), pointer :: letters(:)
     integer :: i, at
+    type(turn_type) :: turn
+    call take_turn(turn)
     if (present(needed)) needed = 0
     if (.not. is_found(handle, self, status)) return
     call get_names(self%job, text_at(kind), names, error)
@@ -364,6 +373,8 @@ contains
     integer(c_int64_t), intent(out), optional :: rows, columns, entries
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
+    type(turn_type) :: turn
+    call take_turn(turn)
     if (present(rows)) rows = 0
     if (present(columns)) columns = 0
     if (present(entries)) entries = 0

@@ -64,7 +64,7 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
     real(DP), intent(out) :: force(3, MAX_NODES)   !< internal force, zero past the nodes [force]
-    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric (C3D8I: without points%skew), set up to 3 * nodes
+    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric (C3D8I: plus skew), to 3 * nodes
     type(points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
     select case (kind)                             ! constants here make loops of known length there
@@ -140,7 +140,7 @@ contains
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
-    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric (C3D8I: without points%skew), set up to 3 * nodes
+    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric (C3D8I: plus skew), to 3 * nodes
     type(points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
     real(DP) :: force(3, MAX_NODES)

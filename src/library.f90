@@ -10,6 +10,7 @@ module amontons_library
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE, EXIT_DECK, EXIT_NOT_CONVERGED
   use amontons_text, only: squeezed, text_of, NEWLINE
+  use amontons_posix, only: turn_type, take_turn
   use amontons_journal, only: journal_type, listener_type, open_journal, PROGRESS_PLAIN
   use amontons_model, only: job_options_type
   use amontons_stepper, only: propose_time
@@ -57,6 +58,8 @@ contains
     type(error_type), allocatable, intent(out) :: error
     class(listener_type), intent(in), optional :: listener   !< hears what the program would print
     type(job_options_type) :: whole
+    type(turn_type) :: turn
+    call take_turn(turn)
     whole = options
     if (.not. allocated(whole%deck) .and. .not. allocated(whole%deck_text)) then
       call set_error(error, EXIT_USAGE, 'A job needs a deck: a file or a text.')
@@ -130,6 +133,8 @@ contains
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
     logical :: is_done
+    type(turn_type) :: turn
+    call take_turn(turn)
     call prepare(job, .false., error)
     if (allocated(error)) return
     call arm(job, next_length(job))
@@ -143,6 +148,8 @@ contains
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: total_time             !< [time]
     type(error_type), allocatable, intent(out) :: error
+    type(turn_type) :: turn
+    call take_turn(turn)
     if (.not. abs(total_time) <= huge(1.0_DP)) then
       call set_error(error, EXIT_USAGE, 'The time to advance to is not a finite number.')
       return
@@ -167,6 +174,8 @@ contains
     real(DP), intent(in) :: dt                     !< [time]
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: end_time
+    type(turn_type) :: turn
+    call take_turn(turn)
     call prepare(job, .true., error)
     if (.not. allocated(error)) call judge_length(job, dt, error)
     if (allocated(error)) return
@@ -191,6 +200,8 @@ contains
     real(DP), intent(in) :: dt                     !< [time]; cut off at the end of the step
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: length
+    type(turn_type) :: turn
+    call take_turn(turn)
     call prepare(job, .true., error)
     if (.not. allocated(error)) call judge_length(job, dt, error)
     if (allocated(error)) return
@@ -206,6 +217,8 @@ contains
     type(job_type), intent(inout) :: job
     integer, intent(out) :: verdict                !< VERDICT_...
     type(error_type), allocatable, intent(out) :: error
+    type(turn_type) :: turn
+    call take_turn(turn)
     verdict = VERDICT_GO_ON
     if (.not. job%is_begun) then
       call set_error(error, EXIT_USAGE, 'There is no increment to iterate: begin one first.')
@@ -222,6 +235,8 @@ contains
   subroutine commit_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
+    type(turn_type) :: turn
+    call take_turn(turn)
     if (.not. job%is_ready) then
       call set_error(error, EXIT_USAGE, 'The job has not begun or is finished.')
       return
@@ -241,6 +256,8 @@ contains
   subroutine rollback_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
+    type(turn_type) :: turn
+    call take_turn(turn)
     job%is_begun = .false.
     if (job%is_ready) call rollback_analysis(job%analysis, error)
   end subroutine rollback_job
@@ -250,6 +267,8 @@ contains
   subroutine finish_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
+    type(turn_type) :: turn
+    call take_turn(turn)
     job%is_ready = .false.
     job%is_begun = .false.
     call finish_analysis(job%analysis, job%journal, error)
@@ -260,6 +279,8 @@ contains
   subroutine close_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
+    type(turn_type) :: turn
+    call take_turn(turn)
     call finish_job(job, error)
     call end_routines(job%analysis%model)
   end subroutine close_job
@@ -361,6 +382,8 @@ contains
     character(*), intent(in) :: set                !< node set, surface, element set, or label; '' means all
     real(DP), allocatable, intent(out) :: values(:, :)   !< (components, rows)
     type(error_type), allocatable, intent(out) :: error
+    type(turn_type) :: turn
+    call take_turn(turn)
     if (allocated(job%analysis%state%new%u)) then
       call values_of(job%analysis, quantity, set, values, error)
     else
@@ -378,6 +401,8 @@ contains
     character(*), intent(in) :: set                !< node set, surface, label of a node, or interaction
     real(DP), intent(in) :: values(:)              !< component by component of each row
     type(error_type), allocatable, intent(out) :: error
+    type(turn_type) :: turn
+    call take_turn(turn)
     if (job%is_ready) then
       call drive_values(job%analysis, quantity, set, values, error)
     else
@@ -392,6 +417,8 @@ contains
     character(*), intent(in) :: kind
     character(:), allocatable, intent(out) :: names(:)
     type(error_type), allocatable, intent(out) :: error
+    type(turn_type) :: turn
+    call take_turn(turn)
     if (allocated(job%analysis%state%new%u)) then
       call names_of(job%analysis, kind, names, error)
     else
@@ -412,6 +439,8 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(state_type) :: state
     integer :: trouble
+    type(turn_type) :: turn
+    call take_turn(turn)
     associate (analysis => job%analysis, system => job%analysis%system, i_step => job%analysis%stepper%step)
       trouble = 1
       if (i_step > 0) then

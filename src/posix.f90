@@ -9,6 +9,15 @@ module amontons_posix
   public :: write_whole_file, sync_file, cut_file, checksum_of_words, checksum_of_text, reason_of
   public :: has_memory, available_megabytes, whole_megabytes, peak_megabytes, watch_signals, stop_signal, &
     is_status_asked, watch_end, begin_again
+  public :: turn_type, take_turn, leave_turn, resume_turn
+
+  !> The turn of a thread to deal with words (posix_shim.c tells why): a procedure that has taken it gives it back at its end.
+  type :: turn_type
+    private
+    logical :: is_taken = .false.
+  contains
+    final :: give_back
+  end type turn_type
 
   interface
     function write_whole_c(path, temporary, bytes, n_bytes) bind(C, name='amontons_write_whole') result(status)
@@ -44,6 +53,24 @@ module amontons_posix
       integer(c_int64_t), value :: n_bytes
       integer(c_int64_t) :: sum
     end function checksum_words_c
+
+    subroutine take_turn_c() bind(C, name='amontons_take_turn')
+    end subroutine take_turn_c
+
+    subroutine end_turn_c() bind(C, name='amontons_end_turn')
+    end subroutine end_turn_c
+
+    !> Gives the turn away while something without words takes its time; the number is for resume_turn.
+    function leave_turn() bind(C, name='amontons_leave_turn') result(before)
+      import :: c_int
+      integer(c_int) :: before
+    end function leave_turn
+
+    !> Takes it again, if it was there.
+    subroutine resume_turn(before) bind(C, name='amontons_resume_turn')
+      import :: c_int
+      integer(c_int), value :: before
+    end subroutine resume_turn
 
     !> Starts the program again with threads that soon sleep when they wait; see posix_shim.c. For the main program only.
     subroutine begin_again() bind(C, name='amontons_begin_again')
@@ -187,5 +214,22 @@ contains
     if (status /= 0) call set_error(error, EXIT_IO, 'Cannot ' // doing // ' the file ' // path // ': ' // &
       reason_of(status) // '.')
   end subroutine judge
+
+
+  !> Waits for the turn; it ends with the procedure to which the variable belongs.
+  subroutine take_turn(turn)
+    type(turn_type), intent(inout) :: turn
+    if (turn%is_taken) return
+    call take_turn_c()
+    turn%is_taken = .true.
+  end subroutine take_turn
+
+
+  !> The turn of a variable that ceases to be.
+  subroutine give_back(turn)
+    type(turn_type), intent(inout) :: turn
+    if (turn%is_taken) call end_turn_c()
+    turn%is_taken = .false.
+  end subroutine give_back
 
 end module amontons_posix

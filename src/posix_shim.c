@@ -7,6 +7,7 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -65,6 +66,38 @@ int amontons_status_asked(void)
   int asked = n_status_asked;
   n_status_asked = 0;
   return asked;
+}
+
+/* One thread at a time deals with words. gfortran keeps the length of a string that a function gives (character(:),
+ * allocatable) in a static variable of the place where it is called, so two threads that call it there at once would take each
+ * other's lengths. A verb of the library holds the turn; solving, which takes the time and has no words, gives it away. A thread
+ * may take it again while it has it. */
+static pthread_mutex_t words = PTHREAD_MUTEX_INITIALIZER;
+static _Thread_local int depth = 0;
+
+void amontons_take_turn(void)
+{
+  if (depth++ == 0) pthread_mutex_lock(&words);
+}
+
+void amontons_end_turn(void)
+{
+  if (--depth == 0) pthread_mutex_unlock(&words);
+}
+
+/* Gives the turn away for a while, if this thread has it; what comes back is for amontons_resume_turn. */
+int amontons_leave_turn(void)
+{
+  int before = depth;
+  depth = 0;
+  if (before) pthread_mutex_unlock(&words);
+  return before;
+}
+
+void amontons_resume_turn(int before)
+{
+  if (before) pthread_mutex_lock(&words);
+  depth = before;
 }
 
 /* Runs when the process ends. If our main program did not say so before, a run-time library has ended it after a

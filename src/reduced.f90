@@ -7,7 +7,7 @@ module amontons_reduced
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_text, only: text_of
-  use amontons_posix, only: available_megabytes, whole_megabytes
+  use amontons_posix, only: available_megabytes, whole_megabytes, turn_type, take_turn
   use amontons_mesh, only: mesh_type
   use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
@@ -232,6 +232,8 @@ contains
     logical, intent(in) :: is_too_large            !< the factor does not fit
     character(:), allocatable :: reason
     real(DP) :: megabytes, whole_memory
+    type(turn_type) :: turn
+    call take_turn(turn)
     whole_memory = whole_megabytes()
     megabytes = estimate_memory(self%factor)
     if (self%guessed_megabytes > 0.0_DP) megabytes = self%guessed_megabytes
@@ -270,6 +272,8 @@ contains
   !> Iterating did not arrive: a factor from now on.
   subroutine give_up_iterative(self)
     type(reduced_type), intent(inout) :: self
+    type(turn_type) :: turn
+    call take_turn(turn)
     self%is_given_up = .true.
     self%is_iterative = .false.
     self%iterative = iterative_type()

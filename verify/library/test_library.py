@@ -3,6 +3,10 @@
 SPDX-License-Identifier: GPL-3.0-or-later
 """
 
+import os
+import re
+import shutil
+import subprocess
 import threading
 from pathlib import Path
 
@@ -257,6 +261,58 @@ def test_two_jobs_in_two_threads(block: Path, tmp_path: Path) -> None:
         worker.join()
     for name in ("a", "b"):
         assert same_results(tmp_path / "alone.vtkhdf", tmp_path / f"{name}.vtkhdf") == []
+
+
+def test_many_jobs_in_four_threads() -> None:
+    """Jobs opened, solved and closed by four threads at once: none finds errors in its deck, all find the same. (gfortran keeps lengths of
+    strings in static variables; before threads took turns with words, some of these jobs failed.)"""
+    import make_decks
+
+    deck = make_decks.block_deck(2)
+    found: list[bytes] = []
+
+    def work() -> None:
+        for _ in range(25):
+            with amontons.Job(text=deck) as job:
+                job.advance()
+                found.append(bits(job.get("U", "UPPER_TOP")))
+
+    workers = [threading.Thread(target=work) for _ in range(4)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert len(found) == 100
+    assert len(set(found)) == 1
+
+
+#: Rooms below Newton's loop that deal with words: in errors before the first increment, in checkpoints, and (reduced) under the turn.
+WORDY = {"archive", "facets", "posix", "reduced", "text", "user"}
+#: Variables that outlive a call: locks, signals, whose routine runs (of each thread), the turn, and what the compiler makes: lengths of
+#: strings (slen), types of variables without values (def_init), its own beginnings and ends.
+STATIC = re.compile(r"\.?gomp_critical_user_\w+|slen\.[.\d]+|__\w+_MOD___def_init_\w+|completed\.0|__cpu_\w+|words|depth|inside|stop_signal|"
+                    r"n_status_asked|is_watching_end|way_out")  # fmt: skip
+
+
+@pytest.mark.skipif(not shutil.which("nm"), reason="there is no nm")
+def test_nothing_is_kept_outside_a_job(root: Path, library: Path) -> None:
+    """The library's variables that outlive a call are those that are known, and solving, for which a thread gives its turn away, has no
+    strings with static lengths but where it takes the turn again."""
+    build = (root / os.environ.get("AMONTONS_UNITS", "build/unit")).parent
+    symbols = subprocess.run(["nm", str(library)], capture_output=True, text=True, check=True).stdout.splitlines()
+    names = {line.split()[2] for line in symbols if len(line.split()) == 3 and line.split()[1] in "bB"}
+    if any("asan" in line for line in symbols):
+        pytest.skip("sanitizers have variables of their own")
+    assert "words" in names
+    assert {name for name in names if not STATIC.fullmatch(name)} == set()
+    uses = dict(re.findall(r"^uses_(\w+) =(.*)$", (root / "src" / "depends.mk").read_text(), re.MULTILINE))
+    tree, todo = set(), ["newton"]
+    while todo:
+        room = todo.pop()
+        tree.add(room)
+        todo += [other for other in uses[room].split() if other not in tree]
+    wordy = {room for room in tree if "slen" in subprocess.run(["nm", str(build / f"{room}.o")], capture_output=True, text=True, check=True).stdout}
+    assert wordy <= WORDY
 
 
 def test_library_resumes(block: Path, tmp_path: Path) -> None:
