@@ -2,6 +2,7 @@
 
     python verify/fuzz/fuzz.py --decks 1000 --seed 1        mutated decks, with a table of how they ended
     python verify/fuzz/fuzz.py --checkpoints 200            damaged checkpoints
+    python verify/fuzz/fuzz.py --restarts 200               damaged files of RESTART, WRITE
     python verify/fuzz/fuzz.py --calls 200                  sequences of library calls
 
 The decks are those of input/, of the manual and its examples, of verify/decks, and of the folder AMONTONS_DECKS, up to 60 kB each. A deck is a
@@ -305,6 +306,23 @@ def judge_deck(program: Path, folder: Path, deck: str, tally: Tally) -> str:
     return ""
 
 
+def damaged(good: bytes, chance: random.Random) -> bytes:
+    """A file with some bits, numbers or pieces changed, taken out or put in."""
+    bad = bytearray(good)
+    for _ in range(chance.choice([1, 1, 3, 50])):
+        where = chance.randrange(len(bad))
+        what = chance.randrange(4)
+        if what == 0:
+            bad[where] ^= 1 << chance.randrange(8)
+        elif what == 1:
+            bad[where : where + 8] = chance.randbytes(8)
+        elif what == 2:
+            del bad[where : where + chance.randrange(1, 64)]
+        else:
+            bad[where:where] = chance.randbytes(chance.randrange(1, 64))
+    return bytes(bad)
+
+
 def fuzz_checkpoints(program: Path, n: int, seed: int) -> Tally:
     """Damages the checkpoint of a job that was stopped: told with exit code 7, or unharmed."""
     tally = Tally()
@@ -316,24 +334,42 @@ def fuzz_checkpoints(program: Path, n: int, seed: int) -> Tally:
         assert done.returncode == 0, done.stdout
         good = (folder / "job.restart").read_bytes()
         for i in range(n):
-            chance = random.Random(seed * 1_000_003 + i)
-            bad = bytearray(good)
-            for _ in range(chance.choice([1, 1, 3, 50])):
-                where = chance.randrange(len(bad))
-                what = chance.randrange(4)
-                if what == 0:
-                    bad[where] ^= 1 << chance.randrange(8)
-                elif what == 1:
-                    bad[where : where + 8] = chance.randbytes(8)
-                elif what == 2:
-                    del bad[where : where + chance.randrange(1, 64)]
-                else:
-                    bad[where:where] = chance.randbytes(chance.randrange(1, 64))
+            bad = damaged(good, random.Random(seed * 1_000_003 + i))
             (folder / "job.restart").write_bytes(bad)
             done = execute(program, folder, "--threads", "1", "--resume", "job")
             tally.ends[f"exit {done.returncode}"] += 1
-            if done.returncode != 7 and bytes(bad) != good:
+            if done.returncode != 7 and bad != good:
                 tally.findings.append(f"seed {seed} checkpoint {i}: exit code {done.returncode}")
+    return tally
+
+
+def fuzz_restart_files(program: Path, n: int, seed: int) -> Tally:
+    """Damages the file of RESTART, WRITE, from which another job reads one state: told with exit code 7, or the damage is elsewhere in
+    the file and the results are those of the file that is whole."""
+    tally = Tally()
+
+    def last_u(path: Path) -> bytes:
+        with h5py.File(path, "r") as file:
+            return bytes(file["VTKHDF/PointData/U"][()].tobytes())
+
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        first, second = source_decks()["block2"].rsplit("*STEP", 1)
+        (folder / "old.inp").write_text(first.replace("*STATIC\n", "*RESTART, WRITE, FREQUENCY=4\n*STATIC\n"))
+        (folder / "new.inp").write_text("*RESTART, READ, STEP=1, INC=8\n*STEP" + second)
+        for words in (["old"], ["new", "oldjob=old"]):
+            done = execute(program, folder, "--threads", "1", *words)
+            assert done.returncode == 0, done.stdout
+        good, expected = (folder / "old.res").read_bytes(), last_u(folder / "new.vtkhdf")
+        for i in range(n):
+            bad = damaged(good, random.Random(seed * 1_000_003 + i))
+            (folder / "old.res").write_bytes(bad)
+            (folder / "new.vtkhdf").unlink(missing_ok=True)
+            done = execute(program, folder, "--threads", "1", "--progress", "none", "new", "oldjob=old")
+            tally.ends[f"exit {done.returncode}"] += 1
+            if done.returncode == 7 or (done.returncode == 0 and last_u(folder / "new.vtkhdf") == expected):
+                continue
+            tally.findings.append(f"seed {seed} restart file {i}: exit code {done.returncode}")
     return tally
 
 
@@ -470,6 +506,7 @@ def main() -> int:
     parser.add_argument("--program", type=Path, default=ROOT / "bin" / "amontons")
     parser.add_argument("--decks", type=int, default=0)
     parser.add_argument("--checkpoints", type=int, default=0)
+    parser.add_argument("--restarts", type=int, default=0)
     parser.add_argument("--calls", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=1e9, help="no new deck after this time")
@@ -480,6 +517,8 @@ def main() -> int:
         tallies.append(fuzz_decks(words.program.resolve(), words.decks, words.seed, words.keep, words.seconds))
     if words.checkpoints:
         tallies.append(fuzz_checkpoints(words.program.resolve(), words.checkpoints, words.seed))
+    if words.restarts:
+        tallies.append(fuzz_restart_files(words.program.resolve(), words.restarts, words.seed))
     if words.calls:
         tallies.append(fuzz_calls(words.calls, words.seed))
     for tally in tallies:

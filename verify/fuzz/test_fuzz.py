@@ -43,11 +43,17 @@ def test_checkpoints(program: Path) -> None:
     assert tally.findings == [], tally.report()
 
 
+def test_restart_files(program: Path) -> None:
+    """Damaged restart files are told, or harmless."""
+    tally = fuzz.fuzz_restart_files(program, 15, 4)
+    assert tally.findings == [], tally.report()
+
+
 @pytest.mark.slow
 def test_calls(library: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Library calls in any order, with any names and numbers, end with a status."""
     monkeypatch.setenv("AMONTONS_LIBRARY", str(library))
-    tally = fuzz.fuzz_calls(6, 5)
+    tally = fuzz.fuzz_calls(50, 5)
     assert tally.findings == [], tally.report()
 
 

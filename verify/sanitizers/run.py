@@ -5,7 +5,14 @@ SPDX-License-Identifier: GPL-3.0-or-later
 The jobs are all decks of the card reference (each card is in one of them), three cubes with friction, the decks of the page on
 restarts, and jobs with UMAT (also unsymmetric), FRIC and UINTER; contact by springs at points, by the dual mortar method and with analytic masters; the
 iterative solver: each kind of element, law, load, constraint and output once. With --preload the program is one built with
-ThreadSanitizer: two larger blocks come along, one of them large enough for threads to share the elimination tree.
+ThreadSanitizer: two larger blocks come along, one of them large enough for threads to share the elimination tree, and a C program with
+two jobs in two threads.
+
+With --suite pytest runs the tests that are named behind it with the program, the library and the unit programs of a build with
+BUILD=sanitize, and what was found in any process is told at the end:
+
+    make BUILD=sanitize programs
+    .venv/bin/python verify/sanitizers/run.py --program build/sanitize/bin/amontons --suite -n 2 verify
 """
 
 from __future__ import annotations
@@ -82,12 +89,39 @@ def run(program: Path, words: list[str], folder: Path, preload: Path | None) -> 
     return found + ([f"exit code {done.returncode}: {output.strip().splitlines()[-1:]}"] if done.returncode != 0 else [])
 
 
+#: Tests that limit memory or stack cannot run: a program with sanitizers maps terabytes. The others look at how others build.
+NOT_SANITIZED = "not memory and not strange_surroundings and not determinism and not lint and not site and not fuzz and not kept_outside"
+
+
+def run_suite(program: Path, words: list[str]) -> int:
+    """Pytest with the programs of a build; 1 if a sanitizer found anything in any process."""
+    build = program.parent.parent
+    runtime = subprocess.run(["gcc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True).stdout.strip()
+    with tempfile.TemporaryDirectory() as name:
+        environment = os.environ | {
+            "AMONTONS_BIN": str(program.parent), "AMONTONS_LIB": str(build / "lib"), "AMONTONS_UNITS": str(build / "unit"), "OMP_NUM_THREADS": "1",
+            "ASAN_OPTIONS": f"detect_leaks=0:exitcode=99:alloc_dealloc_mismatch=0:log_path={name}/found",  # Python and gcc leak
+            "UBSAN_OPTIONS": f"print_stacktrace=1:halt_on_error=1:exitcode=99:log_path={name}/found",
+            "LD_PRELOAD": runtime,
+        }  # fmt: skip
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", NOT_SANITIZED, *words]
+        status = subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode
+        found = [path.read_text(errors="replace") for path in sorted(Path(name).iterdir())]
+    for text in found:
+        print("\n".join(FINDING.findall(text)[:12]))
+    print(f"{len(found)} processes with findings; pytest ended with {status}")
+    return 1 if found else 0
+
+
 def main() -> int:
     """Runs all jobs; 1 if anything was found."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", type=Path, required=True, help="built with BUILD=sanitize or BUILD=races")
     parser.add_argument("--preload", type=Path, help="gomp_order.so, for ThreadSanitizer")
+    parser.add_argument("--suite", nargs=argparse.REMAINDER, help="words for pytest: run tests, not the jobs")
     options = parser.parse_args()
+    if options.suite is not None:
+        return run_suite(options.program.resolve(), options.suite)
     n_found = 0
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
