@@ -72,21 +72,37 @@ def routine_jobs(folder: Path) -> list[list[str]]:
     return found
 
 
-def run(program: Path, words: list[str], folder: Path, preload: Path | None) -> list[str]:
-    """The findings of one job, and a line if it did not end well."""
+def verdict(command: list[str], folder: Path) -> list[str]:
+    """Runs a command: its findings, and a line if it did not end well."""
     environment = os.environ | {
         "OMP_NUM_THREADS": "2",
         "ASAN_OPTIONS": "detect_leaks=0:exitcode=99",  # a job that is done leaves its last state to the system
         "UBSAN_OPTIONS": "print_stacktrace=1",
         "TSAN_OPTIONS": "exitcode=99:ignore_noninstrumented_modules=1",
     }
-    command = [str(program), "--progress=none", *words]
-    if preload:
-        command = ["env", f"LD_PRELOAD={preload}", *command]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, errors="replace", timeout=LIMIT)
     output = done.stdout + done.stderr
     found = FINDING.findall(output) if re.search("runtime error|Sanitizer", output) else []
     return found + ([f"exit code {done.returncode}: {output.strip().splitlines()[-1:]}"] if done.returncode != 0 else [])
+
+
+def run_two_threads(library: Path, folder: Path, preload: Path) -> list[str]:
+    """The findings of verbs.c, which has two jobs in two threads, with the library of a build with ThreadSanitizer."""
+    import make_decks
+    import test_library
+
+    deck = folder / "two.inp"
+    deck.write_text(make_decks.block_deck(2))
+    deck.write_text(test_library.warm_deck(deck))
+    subprocess.run(["gcc", "-std=c11", "-g", "-fsanitize=thread", f"-I{ROOT / 'src'}", str(ROOT / "verify" / "library" / "verbs.c"), "-o", "verbs",
+                    str(library), f"-Wl,-rpath,{library.parent}", "-lpthread"], cwd=folder, check=True)  # fmt: skip
+    return verdict(["env", f"LD_PRELOAD={preload}", "./verbs", str(deck)], folder)
+
+
+def run(program: Path, words: list[str], folder: Path, preload: Path | None) -> list[str]:
+    """The findings of one job, and a line if it did not end well."""
+    command = [str(program), "--progress=none", *words]
+    return verdict(["env", f"LD_PRELOAD={preload}", *command] if preload else command, folder)
 
 
 #: Tests that limit memory or stack cannot run: a program with sanitizers maps terabytes. The others look at how others build.
@@ -137,6 +153,11 @@ def main() -> int:
             found = run(options.program.resolve(), words, folder, options.preload and options.preload.resolve())
             print(f"{Path(words[-1] if words[0] == '--outdir' else words[0]).stem:20s} {'clean' if not found else 'FOUND'}", flush=True)
             print("".join(f"    {line.strip()}\n" for line in found[:40]), end="")
+            n_found += bool(found)
+        if options.preload:
+            found = run_two_threads(options.program.resolve().parent.parent / "lib" / "libamontons.so", folder, options.preload.resolve())
+            todo.append(["two jobs in two threads"])
+            print(f"{todo[-1][0]:20s} {'clean' if not found else 'FOUND'}", *found[:40], sep="\n    ")
             n_found += bool(found)
     print(f"{len(todo) - n_found} jobs clean, {n_found} with findings")
     return 1 if n_found else 0
