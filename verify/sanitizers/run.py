@@ -112,13 +112,14 @@ NOT_SANITIZED = "not memory and not strange_surroundings and not determinism and
 def run_suite(program: Path, words: list[str]) -> int:
     """Pytest with the programs of a build; 1 if a sanitizer found anything in any process."""
     build = program.parent.parent
-    runtime = subprocess.run(["gcc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True).stdout.strip()
+    runtimes = [subprocess.run(["gcc", f"-print-file-name={name}"], capture_output=True, text=True, check=True).stdout.strip()
+                for name in ("libasan.so", "libstdc++.so")]  # the second for modules of Python that throw  # fmt: skip
     with tempfile.TemporaryDirectory() as name:
         environment = os.environ | {
             "AMONTONS_BIN": str(program.parent), "AMONTONS_LIB": str(build / "lib"), "AMONTONS_UNITS": str(build / "unit"), "OMP_NUM_THREADS": "1",
             "ASAN_OPTIONS": f"detect_leaks=0:exitcode=99:alloc_dealloc_mismatch=0:log_path={name}/found",  # Python and gcc leak
             "UBSAN_OPTIONS": f"print_stacktrace=1:halt_on_error=1:exitcode=99:log_path={name}/found",
-            "LD_PRELOAD": runtime,
+            "LD_PRELOAD": " ".join(runtimes),
         }  # fmt: skip
         command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", NOT_SANITIZED, *words]
         status = subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode
