@@ -7,6 +7,7 @@ module amontons_analysis
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, complaints_type, set_error, EXIT_NOT_CONVERGED, EXIT_SOLVER
   use amontons_posix, only: peak_megabytes, is_status_asked, stop_signal, leave_turn, resume_turn
+  use amontons_version, only: VERSION
   use amontons_text, only: text_of, plural
   use amontons_journal, only: journal_type
   use amontons_model, only: model_type, job_options_type, job_path, DIALECT_CALCULIX
@@ -111,6 +112,7 @@ contains
     analysis%options%is_check = options%is_check .or. analysis%model%is_checked_only
     if (options%n_threads == 0 .and. analysis%model%mesh%n_nodes < SMALL_MODEL) analysis%options%n_threads = 1
     call use_threads(analysis%options%n_threads)
+    if (.not. analysis%options%is_check) call tell_threads(analysis%options%n_threads, journal)
     call start_routines(analysis%model, options, error)
     if (allocated(error)) return
     call fasten_model(analysis%model, error)
@@ -273,6 +275,19 @@ contains
     if (n < 1) return
 !$  call omp_set_num_threads(n)
   end subroutine use_threads
+
+
+  !> The head of the log: the version, and how far results are the same when the job is run again.
+  subroutine tell_threads(n_threads, journal)
+!$  use omp_lib, only: omp_get_max_threads
+    integer, intent(in) :: n_threads               !< 0: as many as OpenMP has
+    type(journal_type), intent(inout) :: journal
+    integer :: n
+    n = max(1, n_threads)
+!$  n = omp_get_max_threads()
+    call journal%say('Amontons ' // VERSION // ' with ' // plural(n, 'thread') // &
+      ': run again so, all results are the same to the last bit; with another number of threads, to 1e-10.')
+  end subroutine tell_threads
 
 
   !> The model's audit on the contact as it stands before the first increment.

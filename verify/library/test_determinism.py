@@ -3,12 +3,15 @@
 SPDX-License-Identifier: GPL-3.0-or-later
 """
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from common import block, data_sets, frames, same_results  # noqa: F401
 from conftest import Run
+
+import amontons  # isort: skip (common says where it is)
 
 AGREE = 1e-10  # of the largest value of a field
 
@@ -26,6 +29,17 @@ def test_same_run_twice(run: Run, block: Path, tmp_path: Path, threads: int) -> 
     """Every number of the result file, iterations and Krylov counts included, is bitwise the same."""
     a, b = (results(run, block, tmp_path / name, threads) for name in "ab")
     assert same_results(a, b) == []
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_the_log_says_so(run: Run, block: Path, tmp_path: Path, threads: int) -> None:  # noqa: F811
+    """The first line of the log tells the version, the number of threads, and how far results are the same; a library's listener hears it."""
+    done = run(["--threads", str(threads), "--outdir", tmp_path, block])
+    first = done.stdout.splitlines()[0]
+    assert re.fullmatch(rf"Amontons \S+ with {threads} threads?: run again so, all results are the same to the last bit; .* 1e-10\.", first)
+    heard: list[str] = []
+    with amontons.Job(block, threads=threads, log=heard.append):
+        assert heard[0] == first
 
 
 def test_one_thread_against_two(run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
