@@ -525,16 +525,18 @@ contains
     type(analysis_type), intent(inout) :: analysis
     integer, intent(in) :: first                   !< record
     type(error_type), allocatable, intent(out) :: error
+    type(error_type), allocatable :: text_error
     call write_attempts(analysis, first, analysis%n_records - 1, error)
     if (allocated(error)) return
     associate (record => analysis%records(analysis%n_records))
+      !$omp parallel sections num_threads(2) if(are_two())
+      !$omp section
       call write_increment(analysis%results, analysis%model, analysis%state%old, record, error)
-      if (allocated(error)) return
-      call print_increment(analysis%printed, record)
-      call print_fields(analysis%printed, analysis%model, analysis%state%old, record, error)
-      if (.not. allocated(error)) call check_printed(analysis%printed, error)
-      if (.not. allocated(error)) call write_frd(analysis%frd, analysis%model, analysis%state%old, record, error)
+      !$omp section
+      call write_texts(analysis, record, text_error)
+      !$omp end parallel sections
     end associate
+    if (.not. allocated(error) .and. allocated(text_error)) call move_alloc(text_error, error)
     if (allocated(error)) return
     call measure_printed(analysis%printed, analysis%lengths)
     call measure_frd(analysis%frd, analysis%frd_counts)
@@ -543,6 +545,26 @@ contains
     analysis%is_guarded = .false.
     if (is_guard_due(analysis)) call guard(analysis, .false., error)
   end subroutine write_committed
+
+
+  !> .sta, .cvg, .dat and .frd: text, beside which the result file can be packed.
+  subroutine write_texts(analysis, record, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    call print_increment(analysis%printed, record)
+    call print_fields(analysis%printed, analysis%model, analysis%state%old, record, error)
+    if (.not. allocated(error)) call check_printed(analysis%printed, error)
+    if (.not. allocated(error)) call write_frd(analysis%frd, analysis%model, analysis%state%old, record, error)
+  end subroutine write_texts
+
+
+  !> Whether there are two threads: one for each kind of file. More share the packing and the conversion of one file after the other.
+  logical function are_two()
+!$  use omp_lib, only: omp_get_max_threads, omp_get_level
+    are_two = .false.
+!$  if (omp_get_level() == 0) are_two = omp_get_max_threads() == 2
+  end function are_two
 
 
   !> RESTART, WRITE: keeps the state of an increment if it is due: every n-th and the last of the step; under the calculix

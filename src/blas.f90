@@ -7,8 +7,8 @@ module amontons_blas
   use amontons_kinds, only: DP, SP
   implicit none
   private
-  public :: dgetrf, dlaswp, dtrsm, dgemm, dgetrs, dsyrk, dpotrf, dpotri, dgemv
-  public :: sgetrf, slaswp, strsm, sgemm, sgetrs, ssyrk, spotrf, spotri, sgemv
+  public :: dgetrf, dlaswp, dtrsm, dgemm, dgetrs, dpotrf, dpotri, dgemv
+  public :: sgetrf, slaswp, strsm, sgemm, sgetrs, spotrf, spotri, sgemv
   public :: dgesv, dsymv, dgecon, dsyev, dgesdd, dgelsd
 
   interface
@@ -49,14 +49,6 @@ module amontons_blas
       real(DP), intent(inout) :: b(ldb, *)
       integer, intent(out) :: info
     end subroutine dgetrs
-
-    subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
-      import :: DP
-      character(1), intent(in) :: uplo, trans
-      integer, intent(in) :: n, k, lda, ldc
-      real(DP), intent(in) :: alpha, beta, a(lda, *)
-      real(DP), intent(inout) :: c(ldc, *)
-    end subroutine dsyrk
 
     subroutine dpotrf(uplo, n, a, lda, info)
       import :: DP
@@ -119,14 +111,6 @@ module amontons_blas
       real(SP), intent(inout) :: b(ldb, *)
       integer, intent(out) :: info
     end subroutine sgetrs
-
-    subroutine ssyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
-      import :: SP
-      character(1), intent(in) :: uplo, trans
-      integer, intent(in) :: n, k, lda, ldc
-      real(SP), intent(in) :: alpha, beta, a(lda, *)
-      real(SP), intent(inout) :: c(ldc, *)
-    end subroutine ssyrk
 
     subroutine spotrf(uplo, n, a, lda, info)
       import :: SP

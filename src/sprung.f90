@@ -17,7 +17,7 @@ module amontons_sprung
   use amontons_kinds, only: DP, SP, WP => SP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, transpose_of, multiply
-  use amontons_blas, only: getrf => sgetrf, laswp => slaswp, trsm => strsm, gemm => sgemm, getrs => sgetrs, syrk => ssyrk, &
+  use amontons_blas, only: getrf => sgetrf, laswp => slaswp, trsm => strsm, gemm => sgemm, getrs => sgetrs, &
     potrf => spotrf, potri => spotri, gemv => sgemv
   use amontons_dense, only: triangle_times, DENSE_OK, DENSE_SINGULAR, WORTH_THREADS, BLOCK
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres
