@@ -148,7 +148,6 @@ uses_user_job = kinds errors journal user materials surfaces model user_material
 uses_drive = kinds errors text loads steps model
 uses_claims = kinds errors text posix dense factor model
 uses_analysis = kinds errors text history posix journal store archive steps model deck state user_state changes damping fasten slaves derived contact_start system audit converge forensics newton stepper results printed frd restart failure user_job drive claims
-uses_analysis = kinds errors version text history posix journal store archive steps model deck state user_state changes damping fasten slaves derived contact_start system audit converge newton stepper results printed frd restart failure user_job drive claims
 uses_values = kinds errors text topology materials state constraints derived columns results drive analysis
 uses_library = kinds errors text posix journal sparse model state skew system converge stepper user_job drive analysis values
 uses_capi = kinds errors version text posix sparse model library

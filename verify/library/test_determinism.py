@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from common import block, data_sets, frames, same_results  # noqa: F401
 from conftest import Run
+from decks.make_decks import block_deck
 
 import amontons  # isort: skip (common says where it is)
 
@@ -42,9 +43,8 @@ def test_the_log_says_so(run: Run, block: Path, tmp_path: Path, threads: int) ->
         assert heard[0] == first
 
 
-def test_one_thread_against_two(run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
+def assert_alike(one: Path, two: Path) -> None:
     """Displacements, stresses and contact forces agree to 1e-10 of the largest; states and increments are the same."""
-    one, two = (results(run, block, tmp_path / str(n), n) for n in (1, 2))
     for a, b in zip(frames(one), frames(two), strict=True):
         for name in ("U", "S", "CNORMF", "CSHEARF", "CSLIP", "CSTATUS"):
             largest = max(np.abs(a[name]).max(), 1e-30)
@@ -52,6 +52,19 @@ def test_one_thread_against_two(run: Run, block: Path, tmp_path: Path) -> None: 
     x, y = data_sets(one), data_sets(two)
     for name in ("history/n_iterations", "history/n_status", "history/total_time"):
         assert np.array_equal(x[f"AMONTONS/{name}"], y[f"AMONTONS/{name}"]), name
+
+
+def test_one_thread_against_two(run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """Exact contact with friction."""
+    assert_alike(*(results(run, block, tmp_path / str(n), n) for n in (1, 2)))
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+def test_springs_with_one_thread_and_two(run: Run, tmp_path: Path, is_nlgeom: bool) -> None:
+    """Compliant contact: its interface is factorised in single precision, of which nothing may be seen."""
+    deck = tmp_path / "springs.inp"
+    deck.write_text(block_deck(9, is_nlgeom=is_nlgeom, dialect="calculix"))
+    assert_alike(*(results(run, deck, tmp_path / str(n), n) for n in (1, 2)))
 
 
 @pytest.mark.slow
