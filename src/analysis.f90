@@ -26,7 +26,7 @@ module amontons_analysis
   use amontons_system, only: plan_solver, system_type, create_system, begin_step, begin_increment
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
-  use amontons_newton, only: newton_type, begin_newton, iterate
+  use amontons_newton, only: newton_type, begin_newton, iterate, SNAP_NOW, SNAP_LATE
   use amontons_derived, only: add_inelastic_work, n_nodal_slaves
   use amontons_forensics, only: n_changed_since_first
   use amontons_stepper, only: stepper_type, course_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
@@ -371,7 +371,7 @@ contains
         dt = min(propose_time(analysis%stepper, step), until - analysis%stepper%step_time)
         call begin_trial(analysis, dt, error)
         analysis%newton%may_be_cut = may_cut(analysis%stepper, step, dt)
-        analysis%newton%may_snap = .not. analysis%newton%may_be_cut .or. analysis%stepper%attempt > 1
+        if (analysis%newton%may_be_cut .and. analysis%stepper%attempt == 1) analysis%newton%snap_after = SNAP_LATE
         do
           call iterate_trial(analysis, journal, verdict, error)
           if (allocated(error)) return
@@ -423,7 +423,7 @@ contains
     if (allocated(error)) return
     call start_attempt(analysis, dt)
     analysis%newton%may_be_cut = .false.
-    analysis%newton%may_snap = .true.
+    analysis%newton%snap_after = SNAP_NOW
     call begin_newton(analysis%newton, analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), &
       analysis%is_step_start, analysis%state)
   end subroutine begin_trial

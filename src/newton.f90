@@ -20,8 +20,9 @@ module amontons_newton
     TROUBLE_ELEMENT
   implicit none
   private
-  public :: newton_type, begin_newton, iterate, TROUBLE_FREE, TROUBLE_THROUGH
+  public :: newton_type, begin_newton, iterate, SNAP_NOW, SNAP_LATE, TROUBLE_FREE, TROUBLE_THROUGH
 
+  integer, parameter :: SNAP_NOW = 0, SNAP_LATE = 2, SNAP_NEVER = huge(1)   !< for snap_after
   integer, parameter :: TROUBLE_FREE = 4            !< a body flies off: newton%farthest is a node of it
   integer, parameter :: TROUBLE_THROUGH = 5         !< a slave passed through its master: newton%farthest is its node
   real(DP), parameter :: FAR_OFF = 100.0_DP         !< a displacement of this many sizes of the model in an increment is none [-]
@@ -45,7 +46,7 @@ module amontons_newton
     integer :: n_snapped = 0                       !< iterations in which bodies were carried from one balance to the next
     integer :: n_unsettled = 0                     !< last iterations running along whose direction contact did not settle
     real(DP) :: snap_part = 0                      !< part of their stiffness that held nodes in the last of them [-]
-    logical :: may_snap = .false.                  !< a shorter increment did not do: bodies are carried
+    integer :: snap_after = SNAP_NOW               !< SNAP_...: so many unsettled directions running, then bodies are carried on
     integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
     type(forensics_type) :: forensics
@@ -129,9 +130,9 @@ contains
       newton%trouble, error)
     if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
     newton%n_unsettled = merge(newton%n_unsettled + 1, 0, is_unsettled(system, step, newton))
-    if (newton%may_snap .and. newton%n_unsettled > 0) then
+    if (newton%n_unsettled > newton%snap_after) then
       call find_snap_direction(system, model, step, state, newton%snap_part, du, ahead, newton%trouble, error)
-      newton%may_snap = system%is_settled
+      newton%snap_after = merge(SNAP_NOW, SNAP_NEVER, system%is_settled)
       newton%is_carried = .true.
       newton%n_snapped = newton%n_snapped + 1
       if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
@@ -148,7 +149,7 @@ contains
     call note_residual(newton, system, step%controls%r_n)
     call note_step(newton, system, state, search, system%n_krylov - n_krylov)
     verdict = judge(step%controls, newton%progress)
-    if (newton%n_unsettled > 0 .and. newton%may_snap .and. verdict /= VERDICT_CONVERGED .and. &
+    if (newton%n_unsettled > newton%snap_after .and. verdict /= VERDICT_CONVERGED .and. &
       newton%progress%iteration < step%controls%i_c) verdict = VERDICT_GO_ON   ! through a snap imbalances grow
     if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. any(state%new%slaves%status /= STATUS_OPEN) .and. &
       .not. newton%is_carried) call judge_early(newton%progress, verdict)
