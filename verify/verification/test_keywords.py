@@ -57,6 +57,50 @@ def test_keywords(run_deck: Run, table: str, told: str | None, code: int | None)
             assert done.returncode == code, keyword
 
 
+def faults_of(text: str) -> dict[str, list[tuple[str, str]]]:
+    """What `--cards` says that a card refuses: lines that do it, and the parameter that each message must name."""
+    faults: dict[str, list[tuple[str, str]]] = {}
+    card = ""
+    for line in text.splitlines():
+        if head := re.match(r"(\*[A-Z][A-Z0-9 -]*?)  \(.*\)$", line):
+            card = head.group(1)
+            faults[card] = [(f"{card}, NONSENSE=1", "NONSENSE")]
+            continue
+        parts = re.match(r"    ([A-Z][A-Z0-9 .-]*?)(?:\[?=([^ :\]]+)\]?)?(?: \((?:required|default [^)]*)\))?: (.*)$", line)
+        if not parts or not card:
+            continue
+        name, kind, rest = parts.groups()
+        if rest.startswith("no effect"):
+            continue
+        values = []
+        if rest.startswith("refused."):
+            values = ["1"]
+        elif kind in ("integer", "real"):
+            values = ["abc"]
+        elif kind and ("/" in kind or kind.isupper()):
+            values = ["NONSENSE"]
+        if refused := re.search(r"Refused: (.*?)\. ", rest):
+            values += re.split(r", | or ", refused.group(1))
+        faults[card] += [(f"{card}, {name}={value}", name) for value in values]
+    return faults
+
+
+def test_what_each_card_refuses(run_deck: Run, run: Run) -> None:
+    """Of every card of the table: a parameter that it has not, parameters and words that are refused, words and numbers that are none.
+    Each is an error in its line that names the parameter. (Parts are resolved before cards are looked at one by one.)"""
+    faults = faults_of(run(["--cards"]).stdout)
+    assert len(faults) >= 90
+    assert sum(len(rows) for rows in faults.values()) >= 390
+    for card, rows in faults.items():
+        if card in ("*PART", "*ASSEMBLY"):
+            continue
+        done = run_deck("".join(f"{row}\n" for row, _ in rows))
+        assert done.returncode == 3, card
+        text = re.sub(r"\n(?!job.inp)", " ", done.stdout + done.stderr)
+        for i, (row, name) in enumerate(rows, 1):
+            assert re.search(rf"^job.inp:{i}: \*ERROR.*{re.escape(name)}", text, re.MULTILINE), row
+
+
 CUBE = """*NODE, NSET=ALL
 1, 0, 0, 0
 2, 1, 0, 0
