@@ -139,7 +139,7 @@ uses_columns = kinds errors history store
 uses_shown = kinds profiles topology model analytic
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state derived columns shown
 uses_printed = kinds errors text tensor history posix topology mesh materials steps model state derived
-uses_frd = kinds errors version text history posix topology mesh materials steps model state derived printed
+uses_frd = kinds errors version text history posix dense topology mesh materials steps model shapes state derived printed
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state reduced system newton stepper
@@ -147,7 +147,7 @@ uses_failure = kinds text history model state system converge forensics newton
 uses_user_job = kinds errors journal user materials surfaces model user_material state user_state
 uses_drive = kinds errors text loads steps model
 uses_claims = kinds errors text posix dense factor model
-uses_analysis = kinds errors text history posix journal store archive steps model deck state user_state changes damping fasten slaves derived contact_start system audit converge forensics newton stepper results printed frd restart failure user_job drive claims
+uses_analysis = kinds errors version text history posix journal store archive steps model deck state user_state changes damping fasten slaves derived contact_start system audit converge forensics newton stepper results printed frd restart failure user_job drive claims
 uses_values = kinds errors text topology materials state constraints derived columns results drive analysis
 uses_library = kinds errors text posix journal sparse model state skew system converge stepper user_job drive analysis values
 uses_capi = kinds errors version text posix sparse model library
