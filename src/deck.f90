@@ -4,8 +4,8 @@
 !! Whole steps: where nothing in a model is nonlinear, neither motion nor material nor contact nor constraint, CalculiX solves
 !! once, for the loads at the end of the step, and prints once; a list of TIME POINTS is not met either. Under its dialect so do we.
 module amontons_deck
-  use amontons_cards, only: row_type, parameter_type, open_cards, open_cards_text, publish_remarks, line_text, read_parameters, &
-    start_rows, next_row
+  use amontons_cards, only: row_type, parameter_type, remarks_type, open_cards, open_cards_text, publish_remarks, line_text, &
+    read_parameters, start_rows, next_row
   use amontons_card_form, only: find_entry, has_parameter, hint_at_cards, match_parameters, parameter_text, IN_MODEL, IN_STEP, &
     IN_BOTH, STATUS_USED, STATUS_NOTED, STATUS_REFUSED
   use amontons_card_table, only: make_card_table
@@ -27,7 +27,7 @@ module amontons_deck
   use amontons_deck_steps, only: read_steps
   use amontons_errors, only: complaints_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
-  use amontons_text, only: squeezed, plural, parse_integer, NUMBER_OK
+  use amontons_text, only: is_one_of, squeezed, plural, parse_integer, NUMBER_OK
   use amontons_materials, only: material_type, ELASTIC_HYPER, ELASTIC_FOAM, CREEP_NONE
   use amontons_ties, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
   implicit none
@@ -102,6 +102,7 @@ contains
     if (allocated(error)) return
     model%deck_text = reader%cards%text(:reader%cards%n_text)
     call generate_mesh(reader%cards, reader%remarks)
+    call check_assembly(reader)
     call flatten_parts(reader%cards, reader%remarks, is_flat)
     is_flat = is_flat .and. reader%remarks%n_errors == 0
     if (.not. is_flat) then
@@ -332,6 +333,28 @@ contains
       if (next_row(reader%cards, row)) call need_no_data(reader, row)
     end associate
   end subroutine check_parameters
+
+
+  !> The parameters of the cards that are resolved before all others: what they refuse is told, notes on them are not.
+  subroutine check_assembly(reader)
+    type(reader_type), intent(inout) :: reader
+    type(parameter_type), allocatable :: parameters(:)
+    type(remarks_type) :: found
+    character(:), allocatable :: text
+    integer :: c, entry, line
+    logical :: is_short, is_warning
+    do c = 1, reader%cards%n_cards
+      if (.not. is_one_of(reader%cards%cards(c)%key, 'PART|ASSEMBLY|INSTANCE')) cycle
+      call find_entry(reader%table, reader%cards%cards(c)%key, entry, is_short)
+      call read_parameters(reader%cards, reader%cards%cards(c), parameters)
+      call match_parameters(reader%table%entries(entry), parameters, reader%cards%cards(c)%line, &
+        .false., found)
+    end do
+    do c = 1, found%n
+      call found%get(c, line, is_warning, text)
+      if (.not. is_warning) call complain(reader, line, text)
+    end do
+  end subroutine check_assembly
 
 
   !> PERTURBATION: a step that shows what its loads alone do. That of a body at rest which is linear is what we have; CalculiX goes

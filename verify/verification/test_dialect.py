@@ -169,7 +169,7 @@ STEP = "*STEP\n*STATIC\n*END STEP\n"
 @pytest.mark.parametrize(("deck", "told"), [
     (BRICK.replace("*END PART\n", ""), "no *END PART"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Stone\n*END INSTANCE\n*END ASSEMBLY\n", "There is no part 'Stone'"),
-    (f"{BRICK}*ASSEMBLY\n*INSTANCE, PART=Brick\n*END INSTANCE\n*END ASSEMBLY\n", "needs NAME=name and PART=name"),
+    (f"{BRICK}*ASSEMBLY\n*INSTANCE, PART=Brick\n*END INSTANCE\n*END ASSEMBLY\n", "needs the parameter NAME=name"),
     (f"{BRICK}*ASSEMBLY\n{INSTANCE}{INSTANCE}*END ASSEMBLY\n", "The instance 'I' is defined twice"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n*END ASSEMBLY\n", "no *END INSTANCE"),
     (f"{BRICK}{INSTANCE}", "must stand between *ASSEMBLY"),
