@@ -262,6 +262,7 @@ contains
       'STEP TIME|TOTAL TIME', default='STEP TIME')
     call table%option('VALUE', VALUE_WORD, 'The values multiply that of the load, or are the load themselves.', &
       allowed='RELATIVE|ABSOLUTE', default='RELATIVE')
+    call table%differ('VALUE=ABSOLUTE is passed over under calculix, which does not know it.')
     call table%option('DEFINITION', VALUE_WORD, 'A table; factors at equal distances; a table with smooth steps; Fourier ' // &
       'series; product of two sines; exponential decay; the routine UAMP.', allowed= &
       'TABULAR|EQUALLY SPACED|SMOOTH STEP|PERIODIC|MODULATED|DECAY|USER', default='TABULAR')
@@ -538,7 +539,8 @@ contains
   !> The controls of a step.
   subroutine describe_controls(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('CONTROLS', IN_STEP, 'Changes how a step is solved, in this step and all later ones.', data= &
+    call table%card('CONTROLS', IN_BOTH, 'Changes how a step is solved, in this step and all later ones; in the ' // &
+      'model, in all steps.', data= &
       'TIME INCREMENTATION: I0, IR, IP, IC, IL, IG, -, IA; second line DF, DC, DB, -, -, -, DD. FIELD: Rn, Cn, -, ' // &
       '-, Rp, -, -, Rl. LINE SEARCH: -, s max, s min. GAP: penetration allowed over the edge of a facet. A blank ' // &
       'field keeps its value.')

@@ -84,6 +84,10 @@ contains
       call check_name(reader, c, amplitude%name)
       amplitude%is_total_time = parameter_word(parameters, 'TIME', 'STEPTIME') == 'TOTALTIME'
       amplitude%is_absolute = parameter_word(parameters, 'VALUE', 'RELATIVE') == 'ABSOLUTE'
+      if (amplitude%is_absolute .and. reader%dialect == DIALECT_CALCULIX) then
+        call note(reader, reader%cards%cards(c)%line, 'VALUE is not known to CalculiX and is passed over: the values are factors.')
+        amplitude%is_absolute = .false.
+      end if
       call read_course(reader, c, parameters, row, amplitude)
       call reader%amplitudes%add(amplitude%name, position, is_new)
       if (is_new) then

@@ -74,6 +74,7 @@ contains
       if (reader%step_of_card(c) == 0) then
         if (progress%n == 0 .and. is_card(reader, c, 'BOUNDARY')) call read_boundary(reader, model, c, 0, &
           progress%standing)
+        if (progress%n == 0 .and. is_card(reader, c, 'CONTROLS')) call read_controls(reader, c, progress%step%controls)
         cycle
       end if
       if (is_card(reader, c, 'STEP')) then

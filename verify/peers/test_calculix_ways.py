@@ -87,6 +87,30 @@ def test_amplitude_follows_the_clock(tables: Callable[..., list[Block]]) -> None
     assert list(blocks[0].rows.values())[0][0] == pytest.approx(50.0, rel=1e-6)  # half of 4 x 25 over an area of 1
 
 
+def test_all_output_shares_its_times(tables: Callable[..., list[Block]], tmp_path: Path) -> None:
+    """The last FREQUENCY of all PRINT and FILE cards counts for both files; under abaqus each has its own."""
+    step = "*STEP, NLGEOM\n*STATIC, DIRECT\n.1, 1.\n*CLOAD\n7, 1, 2.\n*NODE PRINT, NSET=N, FREQUENCY=3\nU\n*NODE FILE, FREQUENCY=4\nU\n*END STEP\n"
+    assert times(tables(CUBE + LINEAR + step)) == [0.4, 0.8, 1.0]
+    assert times(read_frd(tmp_path / "job.frd")) == [0.4, 0.8, 1.0]
+    assert times(tables(CUBE + LINEAR + step, "abaqus")) == [0.3, 0.6, 0.9, 1.0]
+
+
+def test_amplitudes_are_factors(tables: Callable[..., list[Block]]) -> None:
+    """VALUE=ABSOLUTE is no word of CalculiX: 100 on a face of 1 times 0.5 there, 0.5 alone under abaqus."""
+    text = CUBE + LINEAR + "*AMPLITUDE, NAME=A, VALUE=ABSOLUTE\n0., 0., 1., .5\n*STEP\n*STATIC\n*CLOAD, AMPLITUDE=A\n"
+    text += "".join(f"{n}, 1, 25.\n" for n in (2, 3, 6, 7)) + "*EL PRINT, ELSET=E\nS\n*END STEP\n"
+    for dialect, stress in (("calculix", 50.0), ("abaqus", 2.0)):
+        assert list(tables(text, dialect)[0].rows.values())[0][0] == pytest.approx(stress, rel=1e-6)
+
+
+def test_controls_of_the_model(tables: Callable[..., list[Block]]) -> None:
+    """CONTROLS may stand before the first step; it does not change a linear one."""
+    load = "*STEP\n*STATIC\n*CLOAD\n7, 1, 2.\n*NODE PRINT, NSET=N\nU\n*END STEP\n"
+    plain = tables(CUBE + LINEAR + load)[0].rows
+    extra = "*CONTROLS, PARAMETERS=FIELD\n.001, .01\n"
+    assert tables(CUBE + LINEAR + extra + load)[0].rows == plain
+
+
 @pytest.mark.parametrize("plastic", ["", "*PLASTIC\n1.E6, 0.\n"])
 def test_free_expansion(tables: Callable[..., list[Block]], plastic: str) -> None:
     """Under NLGEOM a thermal strain is a stretch: a free edge of 1 grows by alpha dT, the mechanical strain is zero."""
