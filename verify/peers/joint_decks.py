@@ -99,7 +99,7 @@ def change_cases() -> Iterator[tuple[str, str]]:
             return f"*MODEL CHANGE, TYPE=CONTACT PAIR, {word}\nB_Z0, A_Z1\n"
 
         text = bodies(a, b) + STEEL + sections("A", "B") + law(LINEAR) + pair("B_Z0", "A_Z1", kind) + held
-        yield f"out-and-in-{k}", (text + motion(switch("REMOVE") + "*BOUNDARY\nB_Z1N, 3, 3, -.01\n") + motion(switch("ADD"), HALVES)
+        yield f"out-and-in-{k}", (text + motion(switch("REMOVE") + "*BOUNDARY\nB_Z1N, 3, 3, -.01\n*DLOAD\n" + b.dload("X1", 10.0) + a.dload("X1", 10.0)) + motion(switch("ADD"), HALVES)
                                   + motion("*BOUNDARY\nB_Z1N, 3, 3, -.005\n"))
         creep = "*MATERIAL, NAME=EL\n*ELASTIC\n210000., .3\n*CREEP, LAW=NORTON\n1.E-12, 4., 0.\n"
         text = bodies(a, b) + creep + sections("A", "B") + law(LINEAR) + pair("B_Z0", "A_Z1", kind) + held
