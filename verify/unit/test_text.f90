@@ -229,8 +229,8 @@ contains
   end subroutine test_sorting
 
 
-  !> Rows of numbers have the characters of Fortran's own formatted write of them in single precision, where that can hold them: random numbers of all sizes that two digits of an exponent
-  !! hold, and sums of powers of two, half of which are ties.
+  !> Rows of numbers have the characters of Fortran's own formatted write of them in single precision, where that can hold
+  !! them: random numbers of all sizes that two digits of an exponent hold, and sums of powers of two, half of which are ties.
   subroutine test_rows(suite)
     type(suite_type), intent(inout) :: suite
     integer, parameter :: N = 20000
