@@ -216,7 +216,7 @@ class Case:
         reference = f"{low:.4g} to {high:.4g}" if low > 0 else f"at most {high:.4g}"
         self.checks.append(Check(quantity, place, time, reference, float(value), outside, 0.0, why))
 
-    def true(self, quantity: str, holds: bool, *, why: str, place: str = "", time: str = "") -> None:
+    def true(self, quantity: str, holds: bool, *, why: str, place: str, time: str) -> None:
         """Something that is so or not."""
         self.checks.append(
             Check(quantity, place, time, "true", float(holds), 0.0 if holds else math.inf, 0.0, why)

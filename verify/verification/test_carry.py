@@ -207,7 +207,8 @@ def test_snap_of_friction(proof: Proof) -> None:
     stored = 0.5 * (STIFF * PRESS**2 + WEAK * way**2)
     case.within("work of the snap", carried_work(job.path)[-1], (1e-3 * stored, stored), why="friction takes a part of what both bars have stored",
                 place="the pole", time="the end")  # fmt: skip
-    case.true("the snap is told in .cvg", "carried to another balance" in job.path.with_suffix(".cvg").read_text(), why="who reads it later has to know")
+    case.true("the snap is told in .cvg", "carried to another balance" in job.path.with_suffix(".cvg").read_text(), why="who reads it later has to know",
+              place="the pole", time="the end")  # fmt: skip
     case.done()
 
 
