@@ -559,7 +559,7 @@ contains
   end subroutine write_texts
 
 
-  !> Whether there are two threads: one for each kind of file. More share the packing and the conversion of one file after the other.
+  !> Whether there are two threads: one for each kind of file. More share the packing and the conversion of each file.
   logical function are_two()
 !$  use omp_lib, only: omp_get_max_threads, omp_get_level
     are_two = .false.
