@@ -31,7 +31,7 @@ module amontons_condensed
 
   real(DP), parameter :: WORTH = 4.0_DP            !< an interface may cost so many factors of the bulk [-]
   real(DP), parameter :: SMALL = 3.0e7_DP          !< operations that are not worth a thought [-]
-  real(DP), parameter :: INSIDE = 1.0e-3_DP        !< of what is allowed: the interface leaves less; single precision does not show [-]
+  real(DP), parameter :: INSIDE = 1.0e-3_DP        !< of what is allowed: so little that single precision does not show [-]
   real(DP), parameter :: NEGLIGIBLE = 0.3_DP       !< of what is allowed: what the bulk may be out of balance [-]
 
   !> The bulk's factor and the interface's.
