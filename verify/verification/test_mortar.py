@@ -347,9 +347,9 @@ def test_shrink_fit_quarter(proof: Proof) -> None:
     order = np.lexsort((inner.nodes[slaves, 1], angle))
     mirrored = np.lexsort((inner.nodes[slaves, 1], -angle))
     pressure = job.last("CPRESS")[slaves]
-    case.near("pressure, mirrored", pressure[order], pressure[mirrored], 1e-5, why="symmetry of the model; the tolerance of Newton's method")
-    case.true("it presses", bool(pressure.max() > 1.0), why="an interference of 0.005")
+    case.near("pressure, mirrored", pressure[order], pressure[mirrored], 1e-5, why="symmetry of the model; the tolerance of Newton's method", place="all slave nodes", time="1")
+    case.true("it presses", bool(pressure.max() > 1.0), why="an interference of 0.005", place="all slave nodes", time="1")
     force = job.last("RF")[: len(inner.nodes)]
     left, right = force[inner.node_sets["INNER_LEFT"], 0].sum(), force[inner.node_sets["INNER_RIGHT"], 2].sum()
-    case.near("forces on the planes of symmetry", left, right, 1e-6, why="symmetry")
+    case.near("forces on the planes of symmetry", left, right, 1e-6, why="symmetry", place="the inner ring", time="1")
     case.done()
