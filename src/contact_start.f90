@@ -1,4 +1,4 @@
-!> Contact start: where the slaves stand before the first iteration of an increment and of the job, and what overlap they are allowed.
+!> Contact start: where the slaves stand before the first iteration of an increment and of the job, and what overlap they may have.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_contact_start
   use amontons_kinds, only: DP, PI

@@ -10,7 +10,7 @@
 !! | CYCLE, STICK-SLIP FLIP | the hash of all slave nodes returns | smaller increments, a finer master |
 !! | PENETRATION JUMP | a slave node went deep inside at once | smaller increments |
 !! | LIMIT POINT | the stiffness is not positive while contact rests, or is singular and was not before | drive by displacement |
-!! | LIMIT POINT ... first at node | contact does not settle along the directions of the last iterations | drive by displacement, damp |
+!! | LIMIT POINT ... first at node | contact does not settle along the last directions | drive by displacement, damp |
 !! | SLOW | none of these | smaller increments |
 module amontons_failure
   use amontons_kinds, only: DP

@@ -458,10 +458,10 @@ contains
   end function table_row
 
 
-  !> Of pairs with points the nodes show what CalculiX shows there (found by experiment, verify/verification/test_points.py): on each
-  !! face the closed points are fitted by the functions of its corners, least squares, and what comes out at a corner is kept between the
-  !! least and the largest value of these points; a mid-side node takes the mean of its corners, and a node shows the mean of its faces that
-  !! have closed points.
+  !> Of pairs with points the nodes show what CalculiX shows there (found by experiment, verify/verification/test_points.py): on
+  !! each face the closed points are fitted by the functions of its corners, least squares, and what comes out at a corner is kept
+  !! between the least and the largest value of these points; a mid-side node takes the mean of its corners, and a node shows the
+  !! mean of its faces that have closed points.
   subroutine show_points(model, slaves, values)
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)      !< points stand facet by facet, pair by pair
@@ -519,7 +519,8 @@ contains
   end subroutine show_face
 
 
-  !> Values at the corners of a face whose function comes nearest to those at points; with too few points the one nearest to their mean.
+  !> Values at the corners of a face whose function comes nearest to those at points; with too few points the one nearest to their
+  !! mean.
   function fitted(basis, rows) result(at_corner)
     real(DP), intent(in) :: basis(:, :)            !< (m, n) functions of the corners at the points [-]
     real(DP), intent(in) :: rows(:, :)             !< (6, n)

@@ -278,9 +278,9 @@ contains
   end subroutine back_track
 
 
-  !> The length of the correction that the factor at hand gives for the imbalance as it is: the natural level of P. Deuflhard (Newton
-  !! Methods for Nonlinear Problems, Springer 2004, section 3.3). It is in displacements, and does not see what stiff parts do for
-  !! a moment. Cost: one solution.
+  !> The length of the correction that the factor at hand gives for the imbalance as it is: the natural level of P. Deuflhard
+  !! (Newton Methods for Nonlinear Problems, Springer 2004, section 3.3). It is in displacements, and does not see what stiff parts
+  !! do for a moment. Cost: one solution.
   real(DP) function next_correction(system) result(length)
     type(system_type), intent(inout) :: system     !< evaluated where the direction ends
     real(DP), allocatable :: b(:), v(:), flat(:)

@@ -38,7 +38,7 @@ module amontons_mortar
   type :: place_type
     integer :: facet = 0                           !< master facet that takes the largest part; 0: nothing is in front
     integer :: vertex = 0                          !< vertex of the slave surface whose facets touch
-    logical :: is_thin = .false.                   !< so little is in front that the node has no row; it still counts where rows are merged
+    logical :: is_thin = .false.                   !< so little is in front that the node has no row; it counts where rows merge
     logical :: is_merged = .false.                 !< the row went into that of another pair
     real(DP) :: whole = 0                          !< area of the node if all of it were covered [length^2]
     real(DP) :: xi(2) = 0                          !< middle of what the node has on that facet, natural coordinates [-]
@@ -254,7 +254,8 @@ contains
 
 
   !> One row in place of two of the same slave node against masters that lie side by side, or of slave surfaces that do: the means
-  !! of both by their areas, of which one may be negative (the transformed functions of corners are so in places). The second row is gone.
+  !! of both by their areas, of which one may be negative (the transformed functions of corners are so in places). The second
+  !! row is gone.
   subroutine merge_rows(a, i, b, j)
     type(mortar_type), intent(inout) :: a, b       !< two pairs
     integer, intent(in) :: i, j                    !< rows of the same node, both with a master in front

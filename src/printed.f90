@@ -241,27 +241,30 @@ contains
       record%n_cutbacks, record%n_factorisations, record%n_krylov, record%residual, record%correction
     if (printed%status == 0) printed%status = status
     call bring_out(printed, printed%sta)
-    if (printed%cvg /= 0) call print_course(printed, record, status)
-    if (printed%status == 0) printed%status = status
+    if (printed%cvg /= 0) call print_course(printed, record)
     call bring_out(printed, printed%cvg)
   end subroutine print_increment
 
 
   !> Writes below the iterations of an attempt what they do not tell: cycles, bodies that were carried, why it failed.
-  subroutine print_course(printed, record, status)
-    type(printed_type), intent(in) :: printed
+  subroutine print_course(printed, record)
+    type(printed_type), intent(inout) :: printed
     type(increment_record_type), intent(in) :: record
-    integer, intent(inout) :: status               !< of the last line
     character(:), allocatable :: words
+    integer :: status
+    status = 0
     if (record%n_cycles > 0) &
       write (printed%cvg, '(a,i0)', iostat=status) '  ** cycles of slave nodes that were acted on: ', record%n_cycles
+    if (printed%status == 0) printed%status = status
     if (.not. record%is_converged .and. allocated(record%reason)) &
       write (printed%cvg, '(2a)', iostat=status) '  ** ', record%reason
+    if (printed%status == 0) printed%status = status
     if (.not. record%is_converged .or. record%n_carried == 0) return
     words = '  ** carried in '
     if (record%n_snapped > 0) words = '  ** carried to another balance in '
     write (printed%cvg, '(a,i0,a,es11.4,a)', iostat=status) words, record%n_carried, ' iterations, work ', &
       record%carried_now, ', nothing of it left at the end'
+    if (printed%status == 0) printed%status = status
   end subroutine print_course
 
 

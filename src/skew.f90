@@ -7,8 +7,8 @@
 !! symmetric gives its elements such a part too, with the other sign, since it belongs to F_int; it has the pattern of K.
 !! Reference: J. Bonet, R. D. Wood, Nonlinear Continuum Mechanics for Finite Element Analysis (2008), section 8.5.
 !!
-!! Materials: the kernels of the elements take the symmetric part of the tangent c of a point. The rest, w = (c - c')/2, is linear in the
-!! stiffness: W = sum of V B' w B over the points, B the strains of the displacements, with the mean dilatation and the mean
+!! Materials: the kernels of the elements take the symmetric part of the tangent c of a point. The rest, w = (c - c')/2, is linear
+!! in the stiffness: W = sum of V B' w B over the points, B the strains of the displacements, with the mean dilatation and the mean
 !! gradients of the kinds that have them; c is that of the Kirchhoff stress, so V are the volumes at rest and B has the current
 !! gradients. W' = -W. C3D8I condenses its modes with W itself (room enhanced); of trusses w is zero.
 !! Theory: doc/theory/elements.md for B, doc/theory/solver.md for what is done with W.
