@@ -34,6 +34,17 @@ def test_floors_hold() -> None:
     assert lint.check_floors(rooms, lint.read_floors()) == []
 
 
+ROOT = Path(lint.__file__).resolve().parents[1]
+
+
+def test_the_house_is_clean() -> None:
+    """`make lint` finds nothing: the limits of the rooms, and fortitude's rules."""
+    sources = sorted(ROOT.glob("src/*.f90")) + sorted(ROOT.glob("verify/unit/*.f90"))
+    for command in ([sys.executable, lint.__file__], [Path(sys.executable).with_name("fortitude"), "check", "--output-format", "concise", *sources]):
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_clean_room_has_no_trouble(tmp_path: Path) -> None:
     """A room as it should be, with the forms that could be taken for something else."""
     declarations = """\
