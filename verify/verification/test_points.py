@@ -187,7 +187,7 @@ def test_tilting_on_a_dented_master(run_deck: Run) -> None:
 
 @pytest.mark.parametrize("order", [8, 20])
 def test_what_nodes_show(order: int, run_deck: Run, tmp_path: Path) -> None:
-    """The field CONTACT of the .frd file, as CalculiX 2.20 writes it (it agreed with that to all digits on faces of C3D4, C3D8 and C3D20,
+    """The field CONTACT of the .frd file, as CalculiX 2.20 writes it (it agreed with that to all digits on faces of C3D8 and C3D20,
     whole, cut into pieces and partly open): the closed points of a face are fitted by the functions of its corners, what comes out at a corner is kept
     between the least and the largest value of the points, and mid-side nodes take the mean of their corners.
 
