@@ -357,7 +357,7 @@ SHEAR_BLOCK = """\
 ** Upper block 1 x 1 x 0.5, lower block 2 x 2 x 1, meshes that do not match, E = 210000, nu = 0.3, mu = 0.3, NLGEOM.
 ** Step 1 presses the top down by 0.002 and keeps it from moving sideways; step 2 drags it by 0.004 along x while the
 ** press stays. First everything sticks but the rim, then the slip zone grows inwards, and at the end all of it slides.
-** 9936 unknowns, 144 slave nodes, 20 increments: some ten seconds on one core. Units: N, mm.
+** 9936 unknowns, 144 slave nodes, 20 increments: about five seconds on one core. Units: N, mm.
 """
 
 
@@ -386,7 +386,7 @@ def hertz_deck() -> str:
 **   E* = E/(1 - nu^2) = {modulus:.1f},  a = (3 P R / (4 E*))^(1/3),  p0 = 3 P / (2 pi a^2),  P = 4/3 E* R^(1/2) d^(3/2)
 ** d = {press:g} gives a = {a:.3f}, p0 = {p0:.1f}, P = {force:.0f} for a ball whose approach is measured far away.
 ** The equator is not: expect P some 6 % higher, and for that P the edge within one element (0.75), p0 within 1 %.
-** {3 * len(mesh.nodes)} unknowns, 5 increments: some seconds on one core. Units: N, mm.
+** {3 * len(mesh.nodes)} unknowns, 5 increments: about a second on one core. Units: N, mm.
 """
     return (
         head
@@ -413,7 +413,7 @@ def ironing_deck() -> str:
 ** After the shallow ironing of Fischer and Wriggers (2006): one layer of elements in plane strain (y is held), indenter
 ** E = 6896, slab E = 689.6, nu = 0.32, mu = 0.3, NLGEOM. The indenter's bottom is an arc of radius 0.75, 0.05 above the
 ** slab; step 1 presses its top down by 0.3, step 2 drags it by 4 along x: 27 facets of 0.15. Increments are automatic.
-** {3 * len(mesh.nodes)} unknowns, half of them held: about ten seconds on one core. Units: N, mm.
+** {3 * len(mesh.nodes)} unknowns, half of them held: about five seconds on one core. Units: N, mm.
 """
     return (
         head

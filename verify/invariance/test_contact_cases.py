@@ -124,7 +124,7 @@ CASES: dict[str, Callable[[], str]] = {
     "Hertz by mortar": lambda: deck_of_case("test_mortar", "test_hertz_point"),
     "stack": lambda: deck_of_case("test_overlaps", "test_stacked_blocks"),
     "corner of three walls": lambda: deck_of_case("test_overlaps", "test_corner_of_three_walls"),
-    "groove": lambda: deck_of_case("test_overlaps", "test_groove"),
+    "groove": lambda: deck_of_case("test_overlaps", "test_groove", form=""),
     "coarse side first": lambda: deck_of_case("test_overlaps", "test_coarse_side_first"),
     "lap of rings": lambda: deck_of_case("test_plane_contact", "test_lap_of_rings"),
     "capstan": lambda: deck_of_case("test_sliding", "test_capstan"),
