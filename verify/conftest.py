@@ -18,6 +18,14 @@ PAGES = os.environ.get("AMONTONS_PAGES")  # folder of the pages that `make verif
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What runs another program beside ours is slow."""
+    for item in items:
+        if "peers" in item.path.parts:
+            item.add_marker(pytest.mark.slow)
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """Markers."""
     config.addinivalue_line("markers", "slow: takes more than some seconds; `make check` leaves it out")

@@ -149,6 +149,7 @@ def open_in_browser(page: Path, folder: Path) -> tuple[str, str]:
 
 @pytest.mark.skipif(BROWSER is None, reason="Chromium is not installed (.ci/deps browser)")
 @pytest.mark.parametrize("case", ["contact", "quadratic"])
+@pytest.mark.slow
 def test_in_a_browser(cubes: Path, run_deck: Run, tmp_path: Path, case: str) -> None:
     """The view is drawn, the console stays empty, and nothing was asked of anybody."""
     result = cubes

@@ -15,6 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import fuzz
 
 
+@pytest.mark.slow
 def test_decks(program: Path, tmp_path: Path) -> None:
     """Mutated decks: no crash, no mistake of ours, no number that is none and no lost force behind exit code 0."""
     tally = fuzz.fuzz_decks(program, int(os.environ.get("AMONTONS_FUZZ", "40")), 11, tmp_path / "kept", 1e9)

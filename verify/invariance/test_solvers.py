@@ -107,6 +107,7 @@ def test_equations(run: Run, tmp_path: Path) -> None:
     assert np.abs(jobs[1].last("U") - expected).max() <= 1e-7 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_no_room_for_a_factor(program: Path, tmp_path: Path) -> None:
     """A factor of 200 megabytes with less left: the job says so before it starts, iterates, and gives the same answer."""
     text = cantilever("C3D8", (16, 16, 44), step="*STEP\n*STATIC, DIRECT\n0.25, 1.\n*NODE PRINT, NSET=TIP, FREQUENCY=4\nU\n")

@@ -59,6 +59,7 @@ def test_one_thread_against_two(run: Run, block: Path, tmp_path: Path) -> None: 
     assert_alike(*(results(run, block, tmp_path / str(n), n) for n in (1, 2)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_nlgeom", [False, True])
 def test_springs_with_one_thread_and_two(run: Run, tmp_path: Path, is_nlgeom: bool) -> None:
     """Compliant contact: its interface is factorised in single precision, of which nothing may be seen."""

@@ -52,6 +52,7 @@ def test_missing_include(run: Run, cubes: Path, tmp_path: Path) -> None:  # noqa
     assert not (tmp_path / "job.vtkhdf").exists()
 
 
+@pytest.mark.slow
 def test_a_million_lines(run: Run, tmp_path: Path) -> None:
     """A deck of a million lines is read, and a mistake in its last lines is told with its line."""
     n = 1_000_000
@@ -173,6 +174,7 @@ def test_no_room_for_any_file(program: Path, block: Path, tmp_path: Path, kiloby
     assert done.stdout.splitlines()[-1].startswith("*ERROR")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("megabytes", [200, 240, 280, 320, 400])
 def test_no_memory(program: Path, root: Path, tmp_path: Path, megabytes: int) -> None:
     """With too little memory the job ends with exit code 6 (8 if a library ends it its own way), never as if done; or it is done."""

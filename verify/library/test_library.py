@@ -357,6 +357,7 @@ def drive(job: amontons.Job, i: int) -> None:
     job.commit()
 
 
+@pytest.mark.slow
 def test_values_that_were_set_are_in_the_checkpoint(block: Path, tmp_path: Path) -> None:  # noqa: F811
     """Forces, pressures, displacements, temperatures and friction, set on the way: a job that was dropped goes on bitwise,
     wherever it was dropped, with what stood then."""

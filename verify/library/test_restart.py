@@ -209,6 +209,7 @@ def resume_fails(run: Run, deck: Path, folder: Path, sentence: str) -> None:
     assert sentence in last
 
 
+@pytest.mark.slow
 def test_checkpoints_that_cannot_be_used(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path) -> None:  # noqa: F811
     """Not there, empty, cut off, one bit changed anywhere, of another deck: told, and the files stay as they are."""
     resume_fails(run, block, tmp_path, "There is no checkpoint")

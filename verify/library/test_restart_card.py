@@ -94,6 +94,7 @@ def test_middle_of_a_step_bitwise(run: Run, friction: tuple[Path, Parts], tmp_pa
     assert_goes_on(folder / "whole.vtkhdf", tmp_path / "new.vtkhdf", n)
 
 
+@pytest.mark.slow
 def test_chain_of_restarts(run: Run, friction: tuple[Path, Parts], tmp_path: Path) -> None:
     """Old, then a job that goes on and keeps states itself, then a third one: bitwise the whole job; a card in the middle
     may include a file, and a third step has a set and an amplitude of the new deck."""
@@ -242,6 +243,7 @@ def test_a_torn_state_is_passed_over(run: Run, friction: tuple[Path, Parts], tmp
 
 
 @pytest.mark.parametrize("overlay", ["", ", OVERLAY"])
+@pytest.mark.slow
 def test_killed_jobs_keep_their_states(program: Path, run: Run, friction: tuple[Path, Parts], tmp_path: Path, overlay: str) -> None:
     """kill -9 at random moments of a job that goes on and keeps states: resumed, all files are those of one left alone."""
     folder, (_, steps) = friction

@@ -85,6 +85,7 @@ def test_hertz(proof: Proof, kind: str) -> None:
     case.done()
 
 
+@pytest.mark.slow
 def test_hertz_ball_in_space(proof: Proof) -> None:
     """A ball as a surface of revolution on a quarter of a block."""
     radius = 100.0

@@ -177,7 +177,7 @@ def test_turning_in_a_bore_is_no_fall(run: Run, tmp_path: Path) -> None:
         (overflowing(), ("LINEAR SOLVER: a force is not finite",), "out of scale"),
         (tilted("NONE"), ("CYCLE of length 2 at node",), "smaller increments"),
         (pressed_arch(), ("LIMIT POINT: the stiffness is not positive",), "prescribe displacements"),
-        (pulled_too_hard(), ("FREE BODY", "LIMIT POINT: contact finds no balance"), "friction"),
+        pytest.param(pulled_too_hard(), ("FREE BODY", "LIMIT POINT: contact finds no balance"), "friction", marks=pytest.mark.slow),
     ],
     ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "arch", "too little friction"],
 )

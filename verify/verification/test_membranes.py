@@ -58,6 +58,7 @@ def panel(prefix: str, shape: str, n: int) -> Sheet:
     return sheet(prefix, shape, (n, n), lambda u, v: (48 * u, 44 * u + v * (44 - 28 * u)))
 
 
+@pytest.mark.slow
 def test_cook_finite(proof: Proof) -> None:
     """Cook's membrane of nearly incompressible rubber."""
     case = proof(

@@ -192,6 +192,7 @@ def hertz(case: Case, name: str, pairs: str, cylinder: Plane, below: Plane, is_n
 
 
 @pytest.mark.parametrize(("mu", "is_nlgeom"), [(0.0, False), (0.2, False), (0.2, True)])
+@pytest.mark.slow
 def test_symmetric_pair(proof: Proof, mu: float, is_nlgeom: bool) -> None:
     """A on B and B on A, on meshes that do not match."""
     case = proof(
@@ -223,6 +224,7 @@ def test_symmetric_pair(proof: Proof, mu: float, is_nlgeom: bool) -> None:
     case.done()
 
 
+@pytest.mark.slow
 def test_coarse_side_first(proof: Proof) -> None:
     """A symmetric pair whose first slave is much too coarse: the fine side fills in between."""
     case = proof(
