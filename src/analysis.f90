@@ -26,7 +26,7 @@ module amontons_analysis
   use amontons_system, only: plan_solver, system_type, create_system, begin_step, begin_increment
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
-  use amontons_newton, only: newton_type, begin_newton, iterate, SNAP_NOW, SNAP_LATE
+  use amontons_newton, only: newton_type, begin_newton, iterate, SNAP_LATE
   use amontons_derived, only: add_inelastic_work, n_nodal_slaves
   use amontons_forensics, only: n_changed_since_first
   use amontons_stepper, only: stepper_type, course_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
@@ -422,8 +422,6 @@ contains
     call enter_step(analysis, error)
     if (allocated(error)) return
     call start_attempt(analysis, dt)
-    analysis%newton%may_be_cut = .false.
-    analysis%newton%snap_after = SNAP_NOW
     call begin_newton(analysis%newton, analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), &
       analysis%is_step_start, analysis%state)
   end subroutine begin_trial

@@ -17,7 +17,8 @@ module amontons_carry
   use amontons_rows, only: contact_row_type, relative_position
   use amontons_contact, only: touching_row
   use amontons_settle, only: settle_contact
-  use amontons_system, only: system_type, evaluate, find_direction, carry_bodies, TROUBLE_NONE, TROUBLE_SOLVER
+  use amontons_system, only: system_type, evaluate, TROUBLE_NONE, TROUBLE_SOLVER
+  use amontons_direction, only: find_direction, carry_bodies
   implicit none
   private
   public :: is_carried_off, find_carried_direction, find_snap_direction, model_extent

@@ -19,7 +19,8 @@ module amontons_library
   use amontons_sparse, only: sparse_type, full_of, multiply_transpose
   use amontons_state, only: state_type
   use amontons_user_job, only: end_routines
-  use amontons_system, only: evaluate, linearise, tangent_matrix, TROUBLE_NONE
+  use amontons_system, only: evaluate, TROUBLE_NONE
+  use amontons_direction, only: linearise, tangent_matrix
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
     enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
   use amontons_drive, only: arm_drives, settle_drives

@@ -14,12 +14,11 @@ module amontons_line_search
   use amontons_steps, only: step_type, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type, STATUS_OPEN
   use amontons_slip, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip, NODE_SLIP, NODE_BALANCED
-  use amontons_slaves, only: slip_view_type
   use amontons_travel, only: farthest_travel
   use amontons_sparse, only: multiply, multiply_transpose
   use amontons_condensed, only: apply_condensed
   use amontons_reduced, only: apply_reduced
-  use amontons_system, only: system_type, evaluate, residual_pair, TROUBLE_NONE
+  use amontons_system, only: system_type, place_type, place_of, evaluate, residual_pair, TROUBLE_NONE
   implicit none
   private
   public :: search_type, search_line
@@ -42,12 +41,8 @@ module amontons_line_search
   end type search_type
 
   !> Where the search started.
-  type :: start_type
-    real(DP), allocatable :: u(:, :)
-    type(slave_type), allocatable :: slaves(:)
-    type(slave_type), allocatable :: ahead(:)      !< the same for the end of the whole direction
-    type(slip_view_type) :: view
-    real(DP) :: merit = 0
+  type, extends(place_type) :: start_type
+    type(slave_type), allocatable :: ahead(:)      !< the slaves for the end of the whole direction
     real(DP) :: pair = 0                           !< d'R(u)
     logical :: is_comparable = .false.             !< no prescribed displacement was missing at u
   end type start_type
@@ -66,11 +61,8 @@ contains
     integer, intent(out) :: trouble                !< TROUBLE_... if no step length gives a sound configuration
     type(start_type) :: start
     type(slip_verdict_type), allocatable :: verdicts(:)
-    start%u = state%new%u
-    start%slaves = state%new%slaves
+    start%place_type = place_of(system, state)
     start%ahead = ahead
-    start%view = system%contact%view
-    start%merit = system%merit
     start%pair = residual_pair(system, du)
     start%is_comparable = all(system%base%offset == 0.0_DP)
     call first_step(system, model, step, du, start, state, search, trouble)

@@ -1,4 +1,4 @@
-!> Newton: one increment, iteration by iteration; reads like the page of the theory manual (doc/theory/solver.md).
+!> Newton: one increment, iteration by iteration; reads like the page of the theory manual (doc/theory/newton.md).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_newton
   use amontons_kinds, only: DP
@@ -16,11 +16,11 @@ module amontons_newton
   use amontons_line_search, only: search_type, search_line
   use amontons_settle, only: settle_contact
   use amontons_carry, only: is_carried_off, find_carried_direction, find_snap_direction, model_extent
-  use amontons_system, only: system_type, begin_increment, evaluate, find_direction, carry_bodies, TROUBLE_NONE, &
-    TROUBLE_ELEMENT
+  use amontons_system, only: system_type, begin_increment, evaluate, TROUBLE_NONE, TROUBLE_ELEMENT
+  use amontons_direction, only: find_direction, carry_bodies
   implicit none
   private
-  public :: newton_type, begin_newton, iterate, SNAP_NOW, SNAP_LATE, TROUBLE_FREE, TROUBLE_THROUGH
+  public :: newton_type, begin_newton, iterate, SNAP_LATE, TROUBLE_FREE, TROUBLE_THROUGH
 
   integer, parameter :: SNAP_NOW = 0, SNAP_LATE = 2, SNAP_NEVER = huge(1)   !< for snap_after
   integer, parameter :: TROUBLE_FREE = 4            !< a body flies off: newton%farthest is a node of it
@@ -59,26 +59,16 @@ contains
   !> The start of an increment: the loads are those of its end, and every node goes on with the velocity of the last
   !! increment. Slave nodes keep their status, unless they go so far that they may meet or leave their master.
   subroutine begin_newton(newton, system, model, step, is_step_start, state)
-    type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment
+    type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment, all else begins anew
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state       !< trial = committed, with the new times
     real(DP) :: dt, travel
-    newton%progress = progress_type()
-    newton%record = iteration_record_type()
-    newton%forensics = forensics_type()
-    newton%n_shifted = system%n_shifted
-    newton%n_carried = 0
-    newton%n_cycles = 0
-    newton%n_uphill = 0
-    newton%farthest = 0
-    newton%n_snapped = 0
-    newton%n_unsettled = 0
-    newton%snap_part = 0.0_DP
+    newton = newton_type(progress_type(), iteration_record_type(), forensics=forensics_type(), n_shifted=system%n_shifted, &
+      force_scale=newton%force_scale)
     system%contact%hold = HOLD_NEVER
-    newton%is_carried = .false.
     if (system%carry > 0.0_DP) call carry_bodies(system, model, state%new, 0.0_DP)   ! an attempt ended in the midst of it
     call begin_increment(system, model, step, is_step_start, state)
     newton%trouble = TROUBLE_ELEMENT
@@ -96,12 +86,11 @@ contains
     end if
     call note_slaves(newton%forensics, state%new%slaves, system%merit)
     newton%force_scale = max(newton%force_scale, system%largest_force)
-    newton%largest_seen = 0.0_DP
     call note_residual(newton, system, step%controls%r_n)
   end subroutine begin_newton
 
 
-  !> One iteration: linearise, solve, let contact settle ahead, go along the direction, judge.
+  !> One iteration: a direction along which contact settles, a step along it, and the verdict on where it leads.
   subroutine iterate(newton, system, model, step, state, verdict, error)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(inout) :: system
@@ -110,14 +99,33 @@ contains
     type(state_type), intent(inout) :: state
     integer, intent(out) :: verdict                !< VERDICT_...; newton%trouble tells more
     type(error_type), allocatable, intent(out) :: error
-    type(search_type) :: search
     type(slave_type), allocatable :: ahead(:)
-    real(DP), allocatable :: du(:, :), u(:, :), residual(:, :)
+    real(DP), allocatable :: du(:, :)
     integer :: n_krylov
     verdict = VERDICT_DIVERGES
     if (newton%trouble /= TROUBLE_NONE) return
     n_krylov = system%n_krylov
     allocate (du, mold=state%new%u)
+    call choose_direction(newton, system, model, step, state, du, ahead, error)
+    if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
+    call go_along(newton, system, model, step, du, ahead, state)
+    if (newton%trouble /= TROUBLE_NONE) return
+    newton%record%n_krylov = system%n_krylov - n_krylov
+    call judge_iterate(newton, system, model, step, state, verdict)
+  end subroutine iterate
+
+
+  !> The Newton direction, with contact settled at its end. Where no body is held there, they are carried; where contact does
+  !! not settle, they are carried on to the next balance.
+  subroutine choose_direction(newton, system, model, step, state, du, ahead, error)
+    type(newton_type), intent(inout) :: newton
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
+    real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
+    type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at the end of the direction
+    type(error_type), allocatable, intent(out) :: error
     call find_direction(system, model, step, state, du, newton%trouble, error)
     if (allocated(error)) return
     newton%is_carried = is_carried_off(system, model, du, newton%trouble)
@@ -130,13 +138,25 @@ contains
       newton%trouble, error)
     if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
     newton%n_unsettled = merge(newton%n_unsettled + 1, 0, is_unsettled(system, step, newton))
-    if (newton%n_unsettled > newton%snap_after) then
-      call find_snap_direction(system, model, step, state, newton%snap_part, du, ahead, newton%trouble, error)
-      newton%snap_after = merge(SNAP_NOW, SNAP_NEVER, system%is_settled)
-      newton%is_carried = .true.
-      newton%n_snapped = newton%n_snapped + 1
-      if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
-    end if
+    if (newton%n_unsettled <= newton%snap_after) return
+    call find_snap_direction(system, model, step, state, newton%snap_part, du, ahead, newton%trouble, error)
+    newton%snap_after = merge(SNAP_NOW, SNAP_NEVER, system%is_settled)
+    newton%is_carried = .true.
+    newton%n_snapped = newton%n_snapped + 1
+  end subroutine choose_direction
+
+
+  !> A step along the direction, of the length that the line search gives it, and what is noted where it ends.
+  subroutine go_along(newton, system, model, step, du, ahead, state)
+    type(newton_type), intent(inout) :: newton
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
+    type(slave_type), intent(in) :: ahead(:)       !< memory of the slave nodes at the end of the direction
+    type(state_type), intent(inout) :: state       !< in: evaluated at u; out: evaluated at the new iterate
+    type(search_type) :: search
+    real(DP), allocatable :: u(:, :), residual(:, :)
     u = state%new%u
     residual = system%residual
     call search_line(system, model, step, du, ahead, state, search, newton%trouble)
@@ -147,16 +167,31 @@ contains
     call watch_bodies(newton, model, state)
     if (newton%trouble /= TROUBLE_NONE) return
     call note_residual(newton, system, step%controls%r_n)
-    call note_step(newton, system, state, search, system%n_krylov - n_krylov)
+    call note_step(newton, system, state, search)
+  end subroutine go_along
+
+
+  !> The verdict on the iterate: by its residual and correction, by cycles of slave nodes, and by slave nodes that passed through
+  !! their master.
+  subroutine judge_iterate(newton, system, model, step, state, verdict)
+    type(newton_type), intent(inout) :: newton
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: verdict                !< VERDICT_...
+    logical :: is_snapping, has_contact
+    is_snapping = newton%n_unsettled > newton%snap_after
+    has_contact = any(state%new%slaves%status /= STATUS_OPEN)
     verdict = judge(step%controls, newton%progress)
-    if (newton%n_unsettled > newton%snap_after .and. verdict /= VERDICT_CONVERGED .and. &
-      newton%progress%iteration < step%controls%i_c) verdict = VERDICT_GO_ON   ! through a snap imbalances grow
-    if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. any(state%new%slaves%status /= STATUS_OPEN) .and. &
-      .not. newton%is_carried) call judge_early(newton%progress, verdict)
+    if (is_snapping .and. verdict /= VERDICT_CONVERGED .and. newton%progress%iteration < step%controls%i_c) &
+      verdict = VERDICT_GO_ON                      ! through a snap imbalances grow
+    if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. has_contact .and. .not. newton%is_carried) &
+      call judge_early(newton%progress, verdict)
     if (step%line_search == SEARCH_AUTO) call watch_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)
-  end subroutine iterate
+  end subroutine judge_iterate
 
 
   !> Whether contact did not settle along the direction.
@@ -259,12 +294,11 @@ contains
 
 
   !> Correction and record of the iteration.
-  subroutine note_step(newton, system, state, search, n_krylov)
+  subroutine note_step(newton, system, state, search)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state
     type(search_type), intent(in) :: search
-    integer, intent(in) :: n_krylov
     real(DP) :: largest
     integer :: status
     largest = max(maxval(abs(state%new%u - state%old%u)), tiny(1.0_DP))
@@ -283,7 +317,6 @@ contains
       record%n_opened = search%n_opened
       record%n_closed_now = search%n_closed
       record%step_length = search%step_length
-      record%n_krylov = n_krylov
       record%worst_gap = 0.0_DP
       if (system%contact%worst_slave > 0) record%worst_gap = &
         system%contact%worst_gap * system%contact%edge(state%new%slaves(system%contact%worst_slave)%pair)

@@ -14,10 +14,10 @@ module amontons_settle
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type
-  use amontons_slaves, only: slip_view_type
   use amontons_forensics, only: forensics_type, note_slaves, find_cycle, DEPTH
   use amontons_cycles, only: keep_to_edges
-  use amontons_system, only: system_type, foresee, correct_direction, return_to, TROUBLE_NONE
+  use amontons_system, only: system_type, place_type, place_of, foresee, return_to, TROUBLE_NONE
+  use amontons_direction, only: correct_direction
   implicit none
   private
   public :: settle_contact
@@ -28,15 +28,6 @@ module amontons_settle
   real(DP), parameter :: NO_BETTER = 0.99_DP       !< of the merit before: not less [-]
   real(DP), parameter :: NEGLIGIBLE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any case [-]
   real(DP), parameter :: ROUNDING = 1.0e-10_DP     !< part of the largest merit of the rounds: no less is left where u had none [-]
-
-  !> Where the direction starts, to come back to.
-  type :: start_type
-    real(DP), allocatable :: u(:, :), force(:, :)
-    type(slave_type), allocatable :: slaves(:)
-    real(DP) :: merit = 0
-    real(DP), allocatable :: residual(:, :)
-    type(slip_view_type) :: view
-  end type start_type
 
   !> The best place found.
   type :: best_type
@@ -60,7 +51,7 @@ contains
     type(slave_type), allocatable, intent(out) :: slaves(:)
     integer, intent(out) :: n_rounds               !< corrections made
     type(error_type), allocatable, intent(out) :: error
-    type(start_type) :: start
+    type(place_type) :: start
     type(best_type) :: best
     type(forensics_type) :: rounds
     real(DP), allocatable :: correction(:, :), first(:, :)
@@ -73,13 +64,13 @@ contains
     largest = 0.0_DP
     slaves = state%new%slaves
     if (step%line_search /= SEARCH_AUTO .or. .not. system%is_condensed) return
-    start = start_type(state%new%u, state%new%internal_force, slaves, system%merit, system%residual, system%contact%view)
+    start = place_of(system, state)
     first = du
     best%du = du
     best%slaves = start%slaves
     allocate (correction, mold=du)
     allocate (n_lost(size(slaves)), source=0)
-    call foresee(system, model, state, start%u, start%force, du)
+    call foresee(system, model, start, du, state)
     do
       call keep_to_edges(system%contact, start%slaves, state%new%slaves, n_lost, is_kept)
       if (is_kept .and. n_rounds < MOST_ROUNDS) then   ! from the start, with the nodes that keep to their edges
@@ -87,7 +78,7 @@ contains
         best = best_type(du=du, slaves=start%slaves)
         state%new%slaves = start%slaves
         n_rounds = n_rounds + 1
-        call foresee(system, model, state, start%u, start%force, du)
+        call foresee(system, model, start, du, state)
       end if
       call note_best(system, state, du, best)
       call note_slaves(rounds, state%new%slaves, system%merit)
@@ -105,10 +96,7 @@ contains
     du = best%du
     slaves = best%slaves
     system%is_settled = n_rounds < MOST_ROUNDS .and. .not. is_round
-    system%merit = start%merit
-    system%residual = start%residual
-    system%contact%view = start%view
-    call return_to(system, model, step, start%u, start%slaves, state, error)
+    call return_to(system, model, step, start, state, error)
   end subroutine settle_contact
 
 
@@ -140,7 +128,7 @@ contains
   subroutine advance(system, model, start, correction, state, du)
     type(system_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
-    type(start_type), intent(in) :: start
+    type(place_type), intent(in) :: start
     real(DP), intent(in) :: correction(:, :)
     type(state_type), intent(inout) :: state
     real(DP), intent(inout) :: du(:, :)
@@ -155,14 +143,14 @@ contains
     do halving = 0, MOST_HALVINGS
       length = 0.5_DP**halving
       state%new%slaves = slaves
-      call foresee(system, model, state, start%u, start%force, du + length * correction)
+      call foresee(system, model, start, du + length * correction, state)
       if (system%merit < least) chosen = length
       least = min(least, system%merit)
       if (system%merit <= before) exit
     end do
     if (chosen < length .or. chosen > length) then
       state%new%slaves = slaves
-      call foresee(system, model, state, start%u, start%force, du + chosen * correction)
+      call foresee(system, model, start, du + chosen * correction, state)
     end if
     du = du + chosen * correction
   end subroutine advance

@@ -11,8 +11,9 @@ program test_contact_tangent
   use amontons_steps, only: step_type
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
-  use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, linearise, change_forces, &
-    tangent_matrix, find_direction, foresee
+  use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, place_type, place_of, &
+    foresee
+  use amontons_direction, only: linearise, change_forces, tangent_matrix, find_direction
   use amontons_contact, only: is_cornered
   use amontons_contact_tangent, only: linearise_contact, contact_matrices, spring_factors
   use amontons_sprung, only: springs_type
@@ -192,6 +193,7 @@ contains
     type(model_type) :: model
     type(system_type) :: system
     type(state_type) :: state, start
+    type(place_type) :: place
     type(error_type), allocatable :: error
     real(DP), allocatable :: du(:, :), foreseen(:, :)
     integer, allocatable :: status(:)
@@ -206,11 +208,12 @@ contains
     call evaluate(system, model, model%steps(1), .false., state, trouble)
     call linearise(system, model, model%steps(1), state, trouble, error)
     start = state
+    place = place_of(system, state)
     n_changes = 0
     do i = 2, 4
       call fill(du, i, 0.05_DP)
       state = start
-      call foresee(system, model, state, start%new%u, start%new%internal_force, du)
+      call foresee(system, model, place, du, state)
       foreseen = system%residual
       status = state%new%slaves%status
       n_changes = n_changes + count(status /= start%new%slaves%status)
