@@ -536,33 +536,50 @@ contains
   end subroutine pass_on
 
 
-  !> One slave node: where it is, its status by the trial traction, its force.
+  !> One slave node: where it is, and what its law makes of that.
   subroutine evaluate_slave(contact, model, old, u_old, x, is_frozen, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: old
     real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    logical, intent(in) :: is_frozen
+    logical, intent(in) :: is_frozen               !< it keeps its status
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields
-    type(trial_type) :: trial
-    real(DP) :: free_normal(3), share, mu, most, d(3), N, gap, imbalance(3), free(3, 3)
-    integer :: status, before
-    associate (slave => fields%slaves(s), view => contact%view)
+    integer :: before
+    associate (slave => fields%slaves(s))
       before = slave%status
       if (slave%row > 0 .and. .not. contact%is_small(slave%pair) .and. contact%overlaps%is_kept(s)) call renew_place(contact, slave)
       if (slave%facet == 0 .and. slave%row == 0) call find_again(contact, x, s, slave)
       call locate_slave(contact, x, slave)
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
         call press_slave(contact, model, old, u_old, contact%carried(:, s), s, fields)
-        return
+      else
+        call hold_slave(contact, model, old, u_old, is_frozen, before, s, fields)
       end if
+    end associate
+  end subroutine evaluate_slave
+
+
+  !> A slave node of exact contact: its status by the trial traction along what supports and other pairs leave free, its force from its
+  !! imbalance. Theory: doc/theory/contact.md, section 3.
+  subroutine hold_slave(contact, model, old, u_old, is_frozen, before, s, fields)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: old
+    real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
+    logical, intent(in) :: is_frozen               !< it keeps its status
+    integer, intent(in) :: before                  !< status before
+    integer, intent(in) :: s                       !< index of the slave
+    type(fields_type), intent(inout) :: fields
+    type(trial_type) :: trial
+    real(DP) :: free(3, 3), free_normal(3), share, mu, most, Rhat(3), d(3)
+    associate (slave => fields%slaves(s), law => contact%laws(fields%slaves(s)%pair))
       free = free_directions(contact%overlaps, fields%slaves, s, left_free(contact%axes(:, :, s), contact%mask(:, s)))
       contact%free(:, :, s) = free
-      contact%friction(s) = contact%laws(slave%pair)%friction
+      contact%friction(s) = law%friction
       if (is_friction_taken(contact%overlaps, fields%slaves, s, free, contact%laws%friction)) contact%friction(s) = 0.0_DP
-      imbalance = matmul(free, contact%carried(:, s))
+      Rhat = matmul(free, contact%carried(:, s))
       free_normal = matmul(free, slave%normal)
       share = norm2(free_normal)
       if (slave%facet == 0 .or. share < SUPPORTED) then
@@ -570,51 +587,65 @@ contains
         call lose_master(slave)
         if (old%status == STATUS_OPEN) slave%origin_facet = 0
         slave%slip_increment = 0.0_DP
-        call set_view(view, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, spread(0.0_DP, 1, 3))
+        call set_view(contact%view, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, spread(0.0_DP, 1, 3))
         return
       end if
       free_normal = free_normal / share
-      mu = contact%friction(s) / share
-      most = contact%laws(slave%pair)%shear_limit * slave%area
       d = 0.0_DP
       if (slave%origin_facet > 0) d = contact_slip_vector(contact, model, fields%u, slave)
-      if (is_led(free, d - dot_product(slave%normal, d) * slave%normal, contact%edge(slave%pair))) then
-        contact%friction(s) = 0.0_DP
-        mu = 0.0_DP
-      end if
+      if (is_led(free, d - dot_product(slave%normal, d) * slave%normal, contact%edge(slave%pair))) contact%friction(s) = 0.0_DP
+      mu = contact%friction(s) / share
+      most = law%shear_limit * slave%area
       d = matmul(free, d)
-      gap = slave%gap                              ! an open node that grazes its master stays open: it would only chatter
-      if (before == STATUS_OPEN) gap = gap + GRAZE * contact%edge(slave%pair)
-      call trial_traction(imbalance, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
-      status = merge(before, trial%status, is_frozen)
-      if (status /= STATUS_OPEN .and. slave%origin_facet == 0) then
+      call ask_status()
+      if (slave%status /= STATUS_OPEN .and. slave%origin_facet == 0) then
         call close_slave(contact, model, u_old, fields%u, slave)
         d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))   ! since first touch: stick or slip is asked again
-        call trial_traction(imbalance, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
-        status = merge(before, trial%status, is_frozen)
+        call ask_status()
       end if
-      if (status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
-      slave%status = status
+      if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       contact%direction(:, s) = trial%direction
-      N = -dot_product(free_normal, imbalance)
       slave%slip_increment = d - dot_product(free_normal, d) * free_normal
-      if (status == STATUS_OPEN) slave%slip_increment = 0.0_DP
-      slave%status = status
-      if (status /= STATUS_OPEN .and. contact%laws(slave%pair)%is_user_friction) call rub_by_user(contact, model, before, &
-        imbalance / slave%area, d, s, fields)
-      if (is_frozen) slave%status = status
-      status = slave%status
-      if (contact%laws(slave%pair)%is_user_friction .and. status == STATUS_SLIP) then
-        slave%force = N / share * slave%normal
-      else
-        call set_force(slave, imbalance, N / share, min(mu * N, most) * trial%direction)
-      end if
-      if (status == STATUS_STICK .and. is_cornered(contact, s)) slave%shear = -imbalance - N * free_normal
-      call set_view(view, s, status, imbalance + N * free_normal, N, slave%slip_increment)
-      view%position(:, s) = d
+      if (slave%status == STATUS_OPEN) slave%slip_increment = 0.0_DP
+      call set_forces(-dot_product(free_normal, Rhat))
+      contact%view%position(:, s) = d
       call count_changes(contact, before, s, slave)
     end associate
-  end subroutine evaluate_slave
+
+  contains
+
+    !> Trial traction and status. An open node that grazes its master stays open: it would only chatter.
+    subroutine ask_status()
+      real(DP) :: gap
+      associate (slave => fields%slaves(s))
+        gap = slave%gap
+        if (before == STATUS_OPEN) gap = gap + GRAZE * contact%edge(slave%pair)
+        call trial_traction(Rhat, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
+        slave%status = merge(before, trial%status, is_frozen)
+      end associate
+    end subroutine ask_status
+
+    !> Normal force and friction by the status; of a routine of the user where the pair has one.
+    subroutine set_forces(N)
+      real(DP), intent(in) :: N                    !< normal force that the imbalance asks for [force]
+      integer :: status
+      associate (slave => fields%slaves(s))
+        status = slave%status
+        if (contact%laws(slave%pair)%is_user_friction .and. status /= STATUS_OPEN) then
+          call rub_by_user(contact, model, before, Rhat / slave%area, d, s, fields)
+          if (is_frozen) slave%status = status
+        end if
+        if (contact%laws(slave%pair)%is_user_friction .and. slave%status == STATUS_SLIP) then
+          slave%force = N / share * slave%normal
+        else
+          call set_force(slave, Rhat, N / share, min(mu * N, most) * trial%direction)
+        end if
+        if (slave%status == STATUS_STICK .and. is_cornered(contact, s)) slave%shear = -Rhat - N * free_normal
+        call set_view(contact%view, s, slave%status, Rhat + N * free_normal, N, slave%slip_increment)
+      end associate
+    end subroutine set_forces
+
+  end subroutine hold_slave
 
 
   !> Whether supports alone move a slave along its master: none of its directions along the master is free. What friction is
