@@ -351,6 +351,22 @@ static void factorise_together(const supernode_plan *plan, const cholmod_sparse 
 #pragma omp barrier
 }
 
+/* How a thread begins: its number, how many they are, and, after all have said whether they have room, whether one has not. */
+static void join_team(int has_room, int *id, int *team, int *is_poor)
+{
+  *id = 0;
+  *team = 1;
+#ifdef _OPENMP
+  *id = omp_get_thread_num();
+  *team = omp_get_num_threads();
+#endif
+  if (!has_room) {
+#pragma omp atomic write
+    *is_poor = 1;
+  }
+#pragma omp barrier
+}
+
 /* Fills the factor with the numbers of a matrix: lower triangle, permuted, packed. Returns the column in which it broke, counted
  * from 1; 0: done; -1: no memory. */
 int amontons_plan_factorise(const supernode_plan *plan, const cholmod_sparse *a, cholmod_factor *l)
@@ -358,17 +374,9 @@ int amontons_plan_factorise(const supernode_plan *plan, const cholmod_sparse *a,
   int broken = 0, is_poor = 0;
 #pragma omp parallel num_threads(plan->n_parts)
   {
-    int id = 0, team = 1, own = 0;
+    int id, team, own = 0;
     bench work;
-#ifdef _OPENMP
-    id = omp_get_thread_num();
-    team = omp_get_num_threads();
-#endif
-    if (!bench_new(&work, plan, l->n)) {
-#pragma omp atomic write
-      is_poor = 1;
-    }
-#pragma omp barrier
+    join_team(bench_new(&work, plan, l->n), &id, &team, &is_poor);
     for (int p = id; p < plan->n_parts && !is_poor; p += team)
       for (int k = plan->start[p]; k < plan->start[p + 1]; k++) {
         int at = factorise_alone(plan, a, l, plan->members[k], &work);
@@ -464,17 +472,9 @@ int amontons_plan_forward(const supernode_plan *plan, const cholmod_factor *l, d
   if (!above) return 0;
 #pragma omp parallel num_threads(n_parts)
   {
-    int id = 0, team = 1;
+    int id, team;
     double *product = malloc(((size_t)plan->most_rows + 1) * sizeof(double));
-#ifdef _OPENMP
-    id = omp_get_thread_num();
-    team = omp_get_num_threads();
-#endif
-    if (!product) {
-#pragma omp atomic write
-      is_poor = 1;
-    }
-#pragma omp barrier
+    join_team(product != NULL, &id, &team, &is_poor);
     for (int p = id; p < n_parts && !is_poor; p += team) {
       double *mine = above + (size_t)p * room;
       EACH_ABOVE(c) mine[c] = 0;
@@ -501,17 +501,9 @@ int amontons_plan_backward(const supernode_plan *plan, const cholmod_factor *l, 
   int n_parts = plan->n_parts, is_poor = 0;
 #pragma omp parallel num_threads(n_parts)
   {
-    int id = 0, team = 1;
+    int id, team;
     double *gathered = malloc(((size_t)plan->most_rows + 1) * sizeof(double));
-#ifdef _OPENMP
-    id = omp_get_thread_num();
-    team = omp_get_num_threads();
-#endif
-    if (!gathered) {
-#pragma omp atomic write
-      is_poor = 1;
-    }
-#pragma omp barrier
+    join_team(gathered != NULL, &id, &team, &is_poor);
     for (int k = plan->n_supernodes - 1; k >= plan->start[n_parts] && !is_poor; k--)
       backward_together(l, plan->members[k], x, gathered, id, team);
     for (int p = id; p < n_parts && !is_poor; p += team)
