@@ -11,6 +11,7 @@
 module amontons_carry
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
+  use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type
   use amontons_steps, only: step_type
   use amontons_state, only: state_type, slave_type, STATUS_OPEN
@@ -21,7 +22,7 @@ module amontons_carry
   use amontons_direction, only: find_direction, carry_bodies
   implicit none
   private
-  public :: is_carried_off, find_carried_direction, find_snap_direction, model_extent
+  public :: is_carried_off, find_carried_direction, find_snap_direction
 
   real(DP), parameter :: LEAST = 1.0e-9_DP         !< part of the stiffness that carries at first [-]
   real(DP), parameter :: MOST = 1.0_DP             !< at most [-]
@@ -42,15 +43,8 @@ contains
     integer, intent(in) :: trouble                 !< TROUBLE_... of the direction
     is_carried_off = trouble == TROUBLE_SOLVER .and. size(system%contact%view%status) > 0
     if (trouble /= TROUBLE_NONE .or. size(system%contact%view%status) == 0) return
-    is_carried_off = .not. maxval(abs(du)) <= model_extent(model) + 2.0_DP * maxval(abs(system%base%offset))
+    is_carried_off = .not. maxval(abs(du)) <= mesh_extent(model%mesh) + 2.0_DP * maxval(abs(system%base%offset))
   end function is_carried_off
-
-
-  !> The diagonal of the box around the model [length].
-  pure real(DP) function model_extent(model)
-    type(model_type), intent(in) :: model
-    model_extent = norm2(maxval(model%mesh%coordinates, dim=2) - minval(model%mesh%coordinates, dim=2))
-  end function model_extent
 
 
   !> A direction with every node held by a part of its own stiffness, which is chosen so that bodies go where they touch; contact
@@ -142,7 +136,7 @@ contains
       end associate
     end do
     way = min(way, merge(BEYOND, 1.0_DP, system%is_condensed) * share * maxval(abs(du)))
-    way = max(way, 1.0e-6_DP * model_extent(model))
+    way = max(way, 1.0e-6_DP * mesh_extent(model%mesh))
   end function free_way
 
 end module amontons_carry

@@ -23,7 +23,7 @@ module amontons_deck
   use amontons_deck_mpc, only: read_spreads, read_sectors
   use amontons_deck_springs, only: read_springs, read_ropes
   use amontons_deck_sets, only: read_sets
-  use amontons_deck_times, only: read_time_points
+  use amontons_deck_output, only: read_time_points
   use amontons_deck_steps, only: read_steps
   use amontons_errors, only: complaints_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK

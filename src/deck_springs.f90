@@ -11,9 +11,8 @@ module amontons_deck_springs
   use amontons_deck_mesh, only: draft_type, is_of, NOT_GIVEN
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, need_no_data, &
     is_card
-  use amontons_materials, only: curve_type
+  use amontons_materials, only: spring_type, curve_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_springs, only: spring_type
   use amontons_text, only: text_of
   use amontons_ties, only: frame_rule_type, frame_at
   use amontons_topology, only: KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, FAMILY_SPRING, FAMILY_MASS, KIND_SPRINGA

@@ -2,10 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_steps
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text, line_text
+  use amontons_cards, only: parameter_type, row_type, next_row, line_text
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
-  use amontons_card_table, only: NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, &
-    SECTION_VARIABLES
   use amontons_deck_conditions, only: thermal_type, start_thermal, begin_thermal_step, read_temperature, &
     hand_over_temperatures, cut_temperatures
   use amontons_deck_loads, only: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, &
@@ -13,44 +11,33 @@ module amontons_deck_steps
   use amontons_deck_changes, only: is_element_change, read_element_change, read_section_change, read_removal, &
     read_material_change, read_plastic_change
   use amontons_deck_contact, only: read_contact_change
-  use amontons_deck_times, only: find_time_points, times_in_step
+  use amontons_deck_output, only: output_type, begin_output, read_output_card, close_output
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     need_no_data, is_card
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_steps, only: step_type, controls_type, print_request_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, &
-    SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO, SOLVER_AUTO, SOLVER_ITERATIVE, &
-    PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, frd_request_type, N_FRD, FRD_ERROR
-  use amontons_text, only: text_of, squeezed, parse_integer, parse_real, is_one_of, joined_words, NUMBER_OK
+  use amontons_steps, only: step_type, controls_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, &
+    SEARCH_NODAL, SEARCH_AUTO, SOLVER_AUTO, SOLVER_ITERATIVE
+  use amontons_text, only: text_of, parse_integer, parse_real, is_one_of, NUMBER_OK
   use amontons_ties, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
-  use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC
   implicit none
   private
   public :: read_steps
-
-  character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
-    'CSTATUS|CFORCE|CNORMF|CSHEARF|CELS|PEEQ|CEEQ|PE|CE|ENER|ME|THE|SDV|ERR|NOE|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD|' // &
-    'ALLSD'                                               !< what the result files hold
-  character(*), parameter :: FRD_WORDS(N_FRD) = [character(15) :: 'U', 'NT', 'S', 'E|THE', 'ME|THE', 'THE', 'RF', &
-    'PEEQ|CEEQ|PE|CE', 'ENER', 'CDIS|CSTR', 'CELS', 'SDV', 'ERR|S']   !< what asks for the fields of the .frd file
-  integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 2, 2, 2, 2, 1, 2, 2, 3, 3, 2, 2]   !< cards of nodes, elements, contact
 
   !> What is known while the steps are read.
   type :: progress_type
     type(step_type) :: step                      !< present step; what is sticky stays in it for the next one
     type(thermal_type) :: thermal
     type(standing_type) :: standing
+    type(output_type) :: output
     type(standing_type) :: base                  !< loads before the first PERTURBATION step
     type(thermal_type) :: base_thermal           !< temperatures before it
     integer :: n = 0                             !< steps begun
     real(DP) :: total_time = 0                   !< at the end of the step before [time]
     logical :: has_static = .false.
     logical :: has_refused = .false.             !< a card of this step is refused, maybe its procedure
-    logical :: has_prints(4) = .false.           !< (PRINT_...) this step has such a card
-    logical :: has_files(3) = .false.            !< (nodes, elements, contact) this step has such a FILE or OUTPUT card
     logical :: is_open = .false.
     integer :: interaction = 0                   !< the one that the last CHANGE card names
     integer :: material = 0                      !< the one that the last CHANGE MATERIAL made
-    integer :: print_list = 0, file_list = 0     !< lists of TIME POINTS in force; 0: FREQUENCY counts
   end type progress_type
 
 contains
@@ -132,8 +119,7 @@ contains
     progress%is_open = .true.
     progress%has_static = .false.
     progress%has_refused = .false.
-    progress%has_prints = .false.
-    progress%has_files = .false.
+    call begin_output(progress%output)
     progress%step%title = ''
     do while (next_row(reader%cards, row))
       if (progress%step%title /= '') progress%step%title = progress%step%title // ' '
@@ -201,8 +187,7 @@ contains
     call hand_over_loads(progress%standing, progress%step%prescribed, progress%step%concentrated, &
       progress%step%distributed)
     call hand_over_temperatures(progress%thermal, progress%step%temperatures)
-    call times_in_step(reader, progress%print_list, progress%total_time, progress%step%period, progress%step%print_times)
-    call times_in_step(reader, progress%file_list, progress%total_time, progress%step%period, progress%step%file_times)
+    call close_output(reader, progress%output, progress%total_time, progress%step)
     if (progress%n == reader%cut_step) then
       call cut_loads(progress%standing, reader%cut_time / progress%step%period)
       call cut_temperatures(progress%thermal, reader%cut_time / progress%step%period)
@@ -259,17 +244,8 @@ contains
           return
         end if
         call read_contact_change(reader, model, c, progress%interaction, progress%step)
-      case ('NODEPRINT')
-        call read_print(reader, c, PRINT_NODE, NODE_VARIABLES, progress)
-      case ('ELPRINT')
-        call read_print(reader, c, PRINT_ELEMENT, ELEMENT_VARIABLES, progress)
-      case ('CONTACTPRINT')
-        call read_print(reader, c, PRINT_CONTACT, CONTACT_VARIABLES, progress)
-      case ('SECTIONPRINT')
-        call read_section_print(reader, model, c, progress)
-      case ('NODEFILE', 'NODEOUTPUT', 'ELFILE', 'ELOUTPUT', 'ELEMENTOUTPUT', 'CONTACTFILE', 'CONTACTOUTPUT', &
-        'ENERGYFILE', 'ENERGYOUTPUT', 'OUTPUT')
-        call read_file_request(reader, c, progress)
+      case default
+        call read_output_card(reader, model, c, progress%output, progress%step)
       end select
     end associate
   end subroutine read_step_card
@@ -551,269 +527,5 @@ contains
       search = SEARCH_AUTO
     end select
   end subroutine read_line_search
-
-
-  !> NODE PRINT, EL PRINT, CONTACT PRINT: the first one of a kind in a step wipes those of earlier steps.
-  subroutine read_print(reader, c, kind, known, progress)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    integer, intent(in) :: kind                  !< PRINT_...
-    character(*), intent(in) :: known            !< variables separated by |
-    type(progress_type), intent(inout) :: progress
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    type(print_request_type) :: request
-    character(:), allocatable :: name
-    call open_card(reader, c, parameters, row)
-    call begin_prints(kind, progress)
-    call read_frequency(reader, c, parameters, progress%step%print_frequency, progress%print_list)
-    if (reader%dialect == DIALECT_CALCULIX) call share_frequency(parameters, progress%step%print_frequency, &
-      progress%print_list, progress%step%file_frequency, progress%file_list)
-    request%kind = kind
-    name = ''
-    request%is_totals = parameter_word(parameters, 'TOTALS', 'NO') == 'YES'
-    request%is_only_totals = parameter_word(parameters, 'TOTALS', 'NO') == 'ONLY'
-    if (kind == PRINT_NODE) then
-      name = parameter_text(parameters, 'NSET')
-      request%set = reader%node_sets%find(name)
-      request%is_local = parameter_word(parameters, 'GLOBAL', &
-        trim(merge('NO ', 'YES', reader%dialect == DIALECT_CALCULIX))) == 'NO'
-    else if (kind == PRINT_ELEMENT) then
-      name = parameter_text(parameters, 'ELSET')
-      request%set = reader%element_sets%find(name)
-      request%is_local = parameter_word(parameters, 'GLOBAL', 'NO') == 'NO'
-    else
-      call read_contact_choice(reader, c, parameters, request)
-    end if
-    if (kind /= PRINT_CONTACT .and. request%set == 0) then
-      if (name /= '') then
-        call complain(reader, reader%cards%cards(c)%line, 'There is no ' // &
-          trim(merge('node   ', 'element', kind == PRINT_NODE)) // ' set ''' // name // '''.')
-        return
-      else if (reader%dialect == DIALECT_CALCULIX) then
-        call complain(reader, reader%cards%cards(c)%line, trim(merge('*NODE PRINT needs NSET', &
-          '*EL PRINT needs ELSET ', kind == PRINT_NODE)) // ' under the calculix dialect.')
-        return
-      end if
-    end if
-    call read_variables(reader, row, known, request%variables)
-    if (size(request%variables) > 0) progress%step%prints = [progress%step%prints, request]
-  end subroutine read_print
-
-
-  !> Which slave nodes a CONTACT PRINT is of: NSET, SLAVE, MASTER.
-  subroutine read_contact_choice(reader, c, parameters, request)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    type(parameter_type), intent(in) :: parameters(:)
-    type(print_request_type), intent(inout) :: request
-    request%set = reader%node_sets%find(parameter_text(parameters, 'NSET'))
-    request%slave = reader%surfaces%find(parameter_text(parameters, 'SLAVE'))
-    request%master = reader%surfaces%find(parameter_text(parameters, 'MASTER'))
-    call tell_unknown('NSET', 'node set', request%set)
-    call tell_unknown('SLAVE', 'surface', request%slave)
-    call tell_unknown('MASTER', 'surface', request%master)
-
-  contains
-
-    !> An error if the parameter names what is not there.
-    subroutine tell_unknown(parameter, what, found)
-      character(*), intent(in) :: parameter, what
-      integer, intent(in) :: found
-      if (found > 0 .or. .not. has_parameter(parameters, parameter)) return
-      call complain(reader, reader%cards%cards(c)%line, 'There is no ' // what // ' ''' // &
-        parameter_text(parameters, parameter) // '''.')
-    end subroutine tell_unknown
-
-  end subroutine read_contact_choice
-
-
-  !> The first PRINT card of a kind in a step wipes those of earlier steps.
-  subroutine begin_prints(kind, progress)
-    integer, intent(in) :: kind                  !< PRINT_...
-    type(progress_type), intent(inout) :: progress
-    if (.not. progress%has_prints(kind)) progress%step%prints = pack(progress%step%prints, progress%step%prints%kind &
-      /= kind)
-    progress%has_prints(kind) = .true.
-  end subroutine begin_prints
-
-
-  !> SECTION PRINT: the surface must be one of faces; each of its variables asks for the same block.
-  subroutine read_section_print(reader, model, c, progress)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: c                     !< index of the card
-    type(progress_type), intent(inout) :: progress
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    type(print_request_type) :: request
-    character(:), allocatable :: name, trouble
-    integer :: i
-    call open_card(reader, c, parameters, row)
-    call begin_prints(PRINT_SECTION, progress)
-    call read_frequency(reader, c, parameters, progress%step%print_frequency, progress%print_list)
-    if (reader%dialect == DIALECT_CALCULIX) call share_frequency(parameters, progress%step%print_frequency, &
-      progress%print_list, progress%step%file_frequency, progress%file_list)
-    request%kind = PRINT_SECTION
-    name = parameter_text(parameters, 'SURFACE')
-    if (name == '') return
-    request%set = reader%surfaces%find(name)
-    trouble = ''
-    if (request%set == 0) then
-      trouble = 'There is no surface ''' // name // '''.'
-    else if (model%surfaces(request%set)%is_node_based) then
-      trouble = '*SECTION PRINT needs a surface of element faces; ''' // name // ''' is one of nodes.'
-    else
-      associate (surface => model%surfaces(request%set))
-        do i = 1, size(surface%element)
-          associate (kind => element_kind(model%mesh%kind(surface%element(i))))
-            if (kind%family == FAMILY_AXISYMMETRIC) trouble = '*SECTION PRINT is not supported for axisymmetric ' // &
-              'elements, of which the surface ''' // name // ''' has some. Sum up the RF of *NODE PRINT.'
-          end associate
-        end do
-      end associate
-    end if
-    if (trouble /= '') call complain(reader, reader%cards%cards(c)%line, trouble)
-    call read_variables(reader, row, SECTION_VARIABLES, request%variables)
-    if (size(request%variables) > 0 .and. trouble == '') progress%step%prints = [progress%step%prints, request]
-  end subroutine read_section_print
-
-
-  !> The variables of a PRINT card; of long names such as CDISP the first four letters count.
-  subroutine read_variables(reader, row, known, variables)
-    type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
-    character(*), intent(in) :: known            !< variables separated by |
-    character(4), allocatable, intent(out) :: variables(:)
-    character(:), allocatable :: key
-    integer :: i
-    allocate (variables(0))
-    do while (next_row(reader%cards, row))
-      do i = 1, row%n
-        key = squeezed(field_text(reader%cards, row, i))
-        if (key == '') cycle
-        if (len(key) > 4) key = key(:4)
-        if (is_one_of(key, known)) then
-          if (.not. any(variables == key)) variables = [character(4) :: variables, key]
-        else
-          call note(reader, row%line, 'The variable ' // field_text(reader%cards, row, i) // &
-            ' is not printed; known is ' // joined_words(known) // '.')
-        end if
-      end do
-    end do
-  end subroutine read_variables
-
-
-  !> FREQUENCY or TIME POINTS of a card; the last one of all cards wins.
-  subroutine read_frequency(reader, c, parameters, frequency, list)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    type(parameter_type), intent(in) :: parameters(:)
-    integer, intent(inout) :: frequency
-    integer, intent(inout) :: list               !< of TIME POINTS in force; 0: none
-    integer :: value, status
-    if (has_parameter(parameters, 'TIME POINTS')) then
-      call find_time_points(reader, c, parameter_text(parameters, 'TIME POINTS'), list)
-    else if (has_parameter(parameters, 'FREQUENCY')) then
-      list = 0
-    end if
-    if (.not. has_parameter(parameters, 'FREQUENCY')) return
-    call parse_integer(parameter_text(parameters, 'FREQUENCY'), value, status)
-    if (status /= NUMBER_OK) return              ! told when the card was checked
-    if (value < 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'FREQUENCY must not be negative.')
-    else
-      frequency = value
-    end if
-  end subroutine read_frequency
-
-
-  !> In CalculiX the last FREQUENCY or TIME POINTS of PRINT and FILE cards counts for all of them; 0 only for its own kind.
-  pure subroutine share_frequency(parameters, frequency, list, other_frequency, other_list)
-    type(parameter_type), intent(in) :: parameters(:)
-    integer, intent(in) :: frequency, list       !< of the kind of the card
-    integer, intent(inout) :: other_frequency, other_list
-    if (.not. (has_parameter(parameters, 'TIME POINTS') .or. has_parameter(parameters, 'FREQUENCY')) .or. frequency == 0) return
-    other_list = list
-    if (other_frequency > 0) other_frequency = frequency
-  end subroutine share_frequency
-
-
-  !> A FILE or OUTPUT card: its frequency; its variables count for the .frd file alone, for the result file holds all
-  !! fields. The first card of a kind in a step replaces those of earlier steps. HISTORY is not for fields.
-  subroutine read_file_request(reader, c, progress)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    type(progress_type), intent(inout) :: progress
-    type(row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    character(:), allocatable :: unknown, word
-    type(frd_request_type) :: request
-    logical :: has_no_error                      ! NOE: stress brings no error along
-    integer :: i, group
-    call open_card(reader, c, parameters, row)
-    if (has_parameter(parameters, 'HISTORY')) return
-    request%is_wanted = .true.
-    request%is_local = parameter_word(parameters, 'GLOBAL', 'YES') == 'NO'
-    if (reader%dialect == DIALECT_CALCULIX .and. has_parameter(parameters, 'NSET')) then
-      request%set = reader%node_sets%find(parameter_text(parameters, 'NSET'))
-      if (request%set == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no node set ''' // &
-        parameter_text(parameters, 'NSET') // '''.')
-    end if
-    call read_frequency(reader, c, parameters, progress%step%file_frequency, progress%file_list)
-    if (reader%dialect == DIALECT_CALCULIX) call share_frequency(parameters, progress%step%file_frequency, progress%file_list, &
-      progress%step%print_frequency, progress%print_list)
-    group = file_group(reader%cards%cards(c)%key)
-    if (group > 0) then
-      if (.not. progress%has_files(group)) where (FRD_GROUPS == group) progress%step%frd%is_wanted = .false.
-      progress%has_files(group) = .true.
-    end if
-    unknown = ''
-    has_no_error = .false.
-    do while (next_row(reader%cards, row))
-      do i = 1, row%n
-        word = field_text(reader%cards, row, i)
-        call ask_frd(word, request, progress%step%frd)
-        has_no_error = has_no_error .or. is_one_of(word, 'NOE')
-        if (is_one_of(word, FILE_VARIABLES) .or. is_one_of(without_digits(word), FILE_VARIABLES)) cycle
-        if (unknown /= '') unknown = unknown // ', '
-        unknown = unknown // word
-      end do
-    end do
-    if (has_no_error) progress%step%frd(FRD_ERROR)%is_wanted = .false.
-    if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'job.vtkhdf always holds the same fields, and ' // &
-      'job.frd those asked for; what is in neither: ' // unknown // '.')
-  end subroutine read_file_request
-
-
-  !> The field that a component is of: RF of RF3, S of S12.
-  pure function without_digits(word) result(field)
-    character(*), intent(in) :: word
-    character(:), allocatable :: field
-    field = word(:verify(word, '0123456789', back=.true.))
-  end function without_digits
-
-
-  !> What a card asks for: 1 values of nodes, 2 of elements, 3 of contact, 0 none of these.
-  pure integer function file_group(card) result(group)
-    character(*), intent(in) :: card             !< its name without blanks
-    group = 0
-    if (index(card, 'NODE') == 1) group = 1
-    if (index(card, 'EL') == 1) group = 2
-    if (index(card, 'CONTACT') == 1) group = 3
-  end function file_group
-
-
-  !> Asks for the fields of the .frd file that a variable stands for, if there are any. Stress brings its error along, as in
-  !! CalculiX.
-  subroutine ask_frd(word, request, frd)
-    character(*), intent(in) :: word
-    type(frd_request_type), intent(in) :: request
-    type(frd_request_type), intent(inout) :: frd(:)   !< (N_FRD)
-    integer :: i
-    do i = 1, N_FRD
-      if (is_one_of(word, trim(FRD_WORDS(i)))) frd(i) = request
-    end do
-  end subroutine ask_frd
 
 end module amontons_deck_steps

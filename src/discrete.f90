@@ -6,13 +6,13 @@
 !! Theory: doc/theory/elements.md, section "Trusses, springs, gaps and masses".
 module amontons_discrete
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, PI
   use amontons_condition, only: stress_under, CONDITION_UNIAXIAL
   use amontons_material_point, only: point_type
-  use amontons_materials, only: material_type, LAW_SAINT_VENANT
+  use amontons_materials, only: material_type, spring_type, curve_type, evaluate_curve, evaluate_table, find_interval, &
+    LAW_SAINT_VENANT
   use amontons_points, only: points_type, begin_point, end_point, ELEMENT_OK, ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
-  use amontons_springs, only: spring_force
   use amontons_shapes, only: shape_functions, quadrature
   use amontons_stress, only: STRESS_OK, LARGEST_GRADIENT
   use amontons_topology, only: KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, MAX_NODES, MAX_POINTS
@@ -304,5 +304,62 @@ contains
     stiffness(:6, :6) = 0
     call add_bar(2, 1.0_DP, tension / now, slope - tension / now, line, ENDS, stiffness)
   end subroutine axial_spring
+
+
+  !> Tension of a spring and its derivative.
+  !!
+  !! Gap: with the overclosure d = - clearance - elongation the tension is - k d (1/2 + atan(d/eps)/pi), eps = pi pull/k, so that
+  !! far away pull is left of it, and k d when closed. Reference: CalculiX's manual, sections "GAPUNI" and "*GAP".
+  pure subroutine spring_force(spring, elongation, temperature, tension, slope)
+    type(spring_type), intent(in) :: spring
+    real(DP), intent(in) :: elongation           !< [length]
+    real(DP), intent(in) :: temperature          !< [temperature]
+    real(DP), intent(out) :: tension             !< [force]
+    real(DP), intent(out) :: slope               !< d tension / d elongation [force/length]
+    real(DP) :: constant(1), d, eps
+    if (spring%is_gap) then
+      d = -spring%clearance - elongation
+      eps = PI * spring%pull / spring%stiffness
+      tension = -spring%stiffness * d * (0.5_DP + atan2(d, eps) / PI)
+      slope = spring%stiffness * (0.5_DP + (atan2(d, eps) + d * eps / (d**2 + eps**2 + tiny(1.0_DP))) / PI)
+    else if (spring%is_rope) then
+      d = elongation - spring%clearance
+      slope = merge(spring%stiffness, 0.0_DP, d > 0.0_DP)
+      tension = slope * d
+    else if (allocated(spring%force)) then
+      call force_by_tables(spring%force, elongation, temperature, tension, slope)
+    else
+      call evaluate_table(spring%constant, temperature, constant)
+      tension = constant(1) * elongation
+      slope = constant(1)
+    end if
+  end subroutine spring_force
+
+
+  !> Force and slope by tables, linear in between and constant outside, also over the temperature.
+  pure subroutine force_by_tables(tables, elongation, temperature, force, slope)
+    type(curve_type), intent(in) :: tables(:)    !< ascending temperatures
+    real(DP), intent(in) :: elongation, temperature
+    real(DP), intent(out) :: force, slope
+    real(DP) :: s, other_force, other_slope
+    integer :: i
+    call find_interval(tables%temperature, temperature, i, s)
+    call force_of(tables(i), force, slope)
+    if (.not. s > 0) return
+    call force_of(tables(i + 1), other_force, other_slope)
+    force = force + s * (other_force - force)
+    slope = slope + s * (other_slope - slope)
+
+  contains
+
+    !> One table.
+    pure subroutine force_of(table, f, df)
+      type(curve_type), intent(in) :: table
+      real(DP), intent(out) :: f, df
+      call evaluate_curve(table, elongation, f, df)
+      if (elongation < table%strain(1)) df = 0
+    end subroutine force_of
+
+  end subroutine force_by_tables
 
 end module amontons_discrete

@@ -393,9 +393,7 @@ contains
   end subroutine get_values
 
 
-  !> Sets a quantity: FRICTION of an interaction; P of a surface; NT, CF, CF1 to CF3, U, U1 to U3 of a node set. One value
-  !! per component, for all, or one per component and row. The manual says when it is reached: at the end of the
-  !! increments solved next.
+  !> Sets a quantity by name. Which there are, and when they are reached, say `drive_values` and doc/manual/library.md.
   subroutine set_values(job, quantity, set, values, error)
     type(job_type), intent(inout) :: job
     character(*), intent(in) :: quantity

@@ -1,11 +1,11 @@
-!> Materials: the parameters of a material as the user gave them; no formulas.
+!> Materials: the parameters of a material, or of a spring, as the user gave them; no formulas but their tables.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_materials
   use amontons_kinds, only: DP
   use amontons_user, only: routines_type
   implicit none
   private
-  public :: material_type, table_type, curve_type, orientation_type, evaluate_table, evaluate_curves, &
+  public :: material_type, spring_type, table_type, curve_type, orientation_type, evaluate_table, evaluate_curves, &
     evaluate_curve, find_interval
   public :: law_of, LAW_HENCKY, LAW_SAINT_VENANT, LONGEST_LAW
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM
@@ -63,6 +63,19 @@ module amontons_materials
     real(DP), allocatable :: strain(:)          !< (n) ascending, the first 0 [-]
     real(DP), allocatable :: stress(:)          !< (n) yield stress [stress]
   end type curve_type
+
+  !> The law of the springs of one card.
+  type :: spring_type
+    type(table_type) :: constant                 !< over the temperature; not there: force, or the gap [force/length]
+    type(curve_type), allocatable :: force(:)    !< (temperatures) force (stress) over the elongation (strain)
+    logical :: is_gap = .false.
+    logical :: is_rope = .false.
+    integer :: length_node = 0                   !< of a rope: the node that tells its length; it moves nothing
+    real(DP) :: clearance = 0                    !< of a gap at the start, or of a rope: by how much it is slack [length]
+    real(DP) :: stiffness = 0                    !< of a closed gap, of a taut rope [force/length]
+    real(DP) :: pull = 0                         !< of a gap that is wide open [force]
+    real(DP) :: axes(3, 2) = 0                   !< directions at its nodes, in place of 1 to 3; zero: not given
+  end type spring_type
 
   !> A local system of axes of a section.
   type :: orientation_type

@@ -6,7 +6,7 @@ module amontons_mesh
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
-  public :: mesh_type, set_type, finish_mesh, element_nodes, append_node, is_out
+  public :: mesh_type, set_type, finish_mesh, element_nodes, append_node, is_out, mesh_extent
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -137,6 +137,13 @@ contains
     mesh%node_label = [mesh%node_label, maxval(mesh%node_label) + 1]
     mesh%n_nodes = node
   end subroutine append_node
+
+
+  !> The diagonal of the box around the mesh [length].
+  pure real(DP) function mesh_extent(mesh)
+    type(mesh_type), intent(in) :: mesh
+    mesh_extent = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
+  end function mesh_extent
 
 
   !> Whether an element is taken out in the present step.

@@ -4,11 +4,10 @@ module amontons_model
   use amontons_kinds, only: DP
   use amontons_archive, only: label_type
   use amontons_mesh, only: mesh_type
-  use amontons_materials, only: material_type, orientation_type
+  use amontons_materials, only: material_type, orientation_type, spring_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
   use amontons_loads, only: amplitude_type, equation_type
   use amontons_ties, only: bond_type, tie_type, spread_type
-  use amontons_springs, only: spring_type
   use amontons_steps, only: step_type
   use amontons_user, only: routines_type
   implicit none

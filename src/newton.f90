@@ -3,6 +3,7 @@
 module amontons_newton
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
+  use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, SEARCH_AUTO
   use amontons_history, only: iteration_record_type
@@ -15,7 +16,7 @@ module amontons_newton
     VERDICT_CONVERGED, VERDICT_TOO_SLOW
   use amontons_line_search, only: search_type, search_line
   use amontons_settle, only: settle_contact
-  use amontons_carry, only: is_carried_off, find_carried_direction, find_snap_direction, model_extent
+  use amontons_carry, only: is_carried_off, find_carried_direction, find_snap_direction
   use amontons_system, only: system_type, begin_increment, evaluate, TROUBLE_NONE, TROUBLE_ELEMENT
   use amontons_direction, only: find_direction, carry_bodies
   implicit none
@@ -272,7 +273,7 @@ contains
     type(state_type), intent(in) :: state
     real(DP) :: most
     if (newton%is_carried) newton%farthest = maxloc(maxval(abs(state%new%u - state%old%u), dim=1), dim=1)
-    most = merge(CARRIED_OFF, FAR_OFF, newton%is_carried) * model_extent(model)
+    most = merge(CARRIED_OFF, FAR_OFF, newton%is_carried) * mesh_extent(model%mesh)
     if (maxval(abs(state%new%u - state%old%u)) <= most) return
     newton%trouble = TROUBLE_FREE
     newton%farthest = maxloc(maxval(abs(state%new%u - state%old%u), dim=1), dim=1)

@@ -40,7 +40,7 @@ module amontons_plastic
 
   !> The increment's fixed data, for the scalar equations.
   type :: problem_type
-    real(DP) :: G, q_trial, temperature, time, dt, p_old, c_old, yield_old, back_old
+    real(DP) :: G, q_trial, temperature, time, dt, p_old, c_old, back_old
     real(DP) :: creep(3)                           !< A, n, m
   end type problem_type
 
@@ -81,7 +81,7 @@ contains
     real(DP) :: yield, slope
     status = RETURN_OK
     problem = problem_type(G=G, q_trial=q_trial, temperature=temperature, time=times(1), dt=times(2), &
-      p_old=past(HISTORY_PEEQ), c_old=past(HISTORY_CEEQ), yield_old=0, back_old=0, creep=0)
+      p_old=past(HISTORY_PEEQ), c_old=past(HISTORY_CEEQ), back_old=0, creep=0)
     if (material%creep_law /= CREEP_NONE) call evaluate_table(material%creep, temperature, problem%creep)
     if (allocated(material%kinematic)) call evaluate_curves(material%kinematic, temperature, problem%p_old, &
       problem%back_old, slope)

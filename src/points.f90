@@ -3,8 +3,7 @@
 module amontons_points
   use amontons_kinds, only: DP
   use amontons_material_point, only: point_type
-  use amontons_materials, only: material_type, MAX_HISTORY
-  use amontons_springs, only: spring_type
+  use amontons_materials, only: spring_type, material_type, MAX_HISTORY
   use amontons_tensor, only: IDENTITY, determinant_minus_one
   use amontons_topology, only: MAX_NODES, MAX_POINTS
   use amontons_user_material, only: user_point_type

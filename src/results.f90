@@ -29,7 +29,7 @@ module amontons_results
   use amontons_tensor, only: von_mises
   use amontons_version, only: VERSION
   use amontons_topology, only: element_kind, kind_type, MAX_FACE_NODES
-  use amontons_mesh, only: mesh_type, set_type
+  use amontons_mesh, only: mesh_type, set_type, mesh_extent
   use amontons_surfaces, only: surface_type
   use amontons_steps, only: is_output_due, step_type
   use amontons_materials, only: law_of, HISTORY_PEEQ, LONGEST_LAW, USER_STATE
@@ -49,7 +49,7 @@ module amontons_results
   implicit none
   private
   public :: results_type, open_results, resume_results, write_increment, write_attempt, write_iteration, close_results
-  public :: take_result_pages, apply_result_pages, drop_results, is_writing, point_fields, model_size
+  public :: take_result_pages, apply_result_pages, drop_results, is_writing, point_fields
 
   !> A result file that is being written.
   type :: results_type
@@ -97,7 +97,7 @@ contains
     call draw_profiles(model, results%shown)
     results%n_nodes = model%mesh%n_nodes + results%shown%n_points
     results%n_points = model%mesh%n_points
-    results%far = model_size(model%mesh)
+    results%far = mesh_extent(model%mesh)
     results%point_columns = POINT_COLUMNS
     results%integration_columns = columns_of_points(model)
     if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
@@ -126,7 +126,7 @@ contains
     results%n_nodes = model%mesh%n_nodes + results%shown%n_points
     results%n_points = model%mesh%n_points
     results%n_slaves = n_slaves
-    results%far = model_size(model%mesh)
+    results%far = mesh_extent(model%mesh)
     results%point_columns = POINT_COLUMNS
     results%integration_columns = columns_of_points(model)
     if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
@@ -290,14 +290,6 @@ contains
     type(results_type), intent(inout) :: results
     call drop_store(results%store)
   end subroutine abandon
-
-
-  !> The diagonal of the box around the reference mesh [length].
-  pure function model_size(mesh) result(diagonal)
-    type(mesh_type), intent(in) :: mesh
-    real(DP) :: diagonal
-    diagonal = norm2(maxval(mesh%coordinates, 2) - minval(mesh%coordinates, 2))
-  end function model_size
 
 
   !> /VTKHDF: the mesh.

@@ -8,12 +8,13 @@ module amontons_values
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   use amontons_text, only: squeezed, text_of, parse_integer, NUMBER_OK
   use amontons_topology, only: kind_type, facet_kind_type, element_kind, facet_kind
+  use amontons_mesh, only: mesh_extent
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
   use amontons_state, only: history_row
   use amontons_constraints, only: condense_forces
   use amontons_columns, only: column_type, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
   use amontons_derived, only: nodal_slaves
-  use amontons_results, only: point_fields, model_size
+  use amontons_results, only: point_fields
   use amontons_analysis, only: analysis_type, is_at_end
   use amontons_drive, only: set_driven, set_friction, loads_now, DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, &
     DRIVE_TEMPERATURE
@@ -241,7 +242,7 @@ contains
     associate (model => analysis%model, last => first + POINT_COLUMNS(i)%width - 1)
       allocate (reals(N_POINT_REALS, model%mesh%n_nodes), integers(N_POINT_INTEGERS, model%mesh%n_nodes))
       call point_fields(model, analysis%state%new, nodal_slaves(model, analysis%state%new%slaves), &
-        model_size(model%mesh), reals, integers)
+        mesh_extent(model%mesh), reals, integers)
       if (kind == 1) values = real(integers(first(1):last(1), nodes), DP)
       if (kind == 2) values = reals(first(2):last(2), nodes)
     end associate

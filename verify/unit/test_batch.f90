@@ -5,7 +5,7 @@ program test_batch
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
   use amontons_batch, only: batch_type, rule_type, make_rule, is_batched, load_lane, batch_forces, batch_tangent, WIDTH
-  use amontons_element, only: element_system, points_type, ELEMENT_OK
+  use amontons_element, only: element_forces, points_type, ELEMENT_OK
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_topology, only: KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, MAX_NODES
   use check, only: suite_type
@@ -65,7 +65,7 @@ contains
     call batch_tangent(batch, rule, kind == KIND_C3D8, is_nlgeom)
     worst = 0
     do lane = 1, WIDTH
-      call element_system(kind, materials(lane), batch%X(lane, :, :), batch%u(lane, :, :), is_nlgeom, force, K_e, points, status)
+      call element_forces(kind, materials(lane), batch%X(lane, :, :), batch%u(lane, :, :), is_nlgeom, force, points, status, K_e)
       call suite%that(name // ': element', status == ELEMENT_OK)
       worst(1) = max(worst(1), maxval(abs(batch%force(lane, :, :) - force(:, :8))) / maxval(abs(force)))
       worst(2) = max(worst(2), maxval(abs(batch%stress(lane, :, :) - points%stress(:, :8))) / maxval(abs(points%stress(:, :8))))

@@ -2,13 +2,12 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_discrete
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
-  use amontons_element, only: points_type, element_system, element_forces, element_volume, &
+  use amontons_element, only: points_type, element_forces, element_volume, &
     element_body_force, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP
-  use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
+  use amontons_materials, only: spring_type, material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
     KIND_GAPUNI, KIND_MASS, MAX_NODES
-  use amontons_springs, only: spring_type
   use check, only: suite_type
   implicit none
   integer, parameter :: N_DOF = 3 * MAX_NODES
@@ -109,7 +108,7 @@ contains
     call equip(plus)
     call equip(minus)
     u = reshape([-0.1_DP, 0.3_DP, 0.2_DP, 0.4_DP, -0.5_DP, 0.1_DP, 0.15_DP, -0.12_DP, 0.11_DP], [3, 3])
-    call element_system(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, K, points, status)
+    call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status, K)
     call suite%that(entry%name // 'status', status == ELEMENT_OK)
     worst = 0
     worst_force = 0

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_element
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
-  use amontons_element, only: points_type, element_system, element_forces, element_tangent, element_volume, &
+  use amontons_element, only: points_type, element_forces, element_tangent, element_volume, &
     element_body_force, facet_pressure, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
@@ -145,7 +145,7 @@ contains
     call distort(kind, 0.2_DP, X)
     call random_number(u)
     u = 0.2_DP * (u - 0.5_DP) + matmul(H, X)
-    call element_system(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, K, points, status)
+    call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status, K)
     call suite%that(title(kind, is_nlgeom, 'system: status'), status == ELEMENT_OK)
     do a = 1, n
       do j = 1, 3
@@ -204,8 +204,8 @@ contains
     call distort(kind, 0.2_DP, X)
     call random_number(u)
     u = 1e-9_DP * u
-    call element_system(kind, material, X(:, :n), u(:, :n), .true., f1, K1, points, status)
-    call element_system(kind, material, X(:, :n), u(:, :n), .false., f2, K2, points, status)
+    call element_forces(kind, material, X(:, :n), u(:, :n), .true., f1, points, status, K1)
+    call element_forces(kind, material, X(:, :n), u(:, :n), .false., f2, points, status, K2)
     call suite%near(title(kind, .true., 'tiny: force'), norm2(f1 - f2), 0.0_DP, 2e-8_DP * norm2(f2))
     call suite%near(title(kind, .true., 'tiny: tangent'), norm2(K1(:3 * n, :3 * n) - K2(:3 * n, :3 * n)), 0.0_DP, &
       2e-8_DP * norm2(K2(:3 * n, :3 * n)))
@@ -231,7 +231,7 @@ contains
     call suite%near(title(kind, .false., 'translation: force'), maxval(abs(force)), 0.0_DP, 0.0_DP)
     call element_tangent(kind, material, X(:, :n), 0 * u(:, :n), .true., K0, points, status)
     u = matmul(Q - IDENTITY, X)
-    call element_system(kind, material, X(:, :n), u(:, :n), .true., force, K, points, status)
+    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status, K)
     call suite%near(title(kind, .true., 'rotation: stress'), maxval(abs(points%stress(:, :entry%n_points))), 0.0_DP, &
       1e-14_DP * material%youngs_modulus)
     worst = 0
@@ -501,7 +501,7 @@ contains
     call element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
     call suite%that(title(kind, .false., 'small theory knows no inversion'), status == ELEMENT_OK)
     u(2, n) = ieee_value(1.0_DP, ieee_quiet_nan)
-    call element_system(kind, material, X(:, :n), u(:, :n), .true., force, K, points, status)
+    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status, K)
     call suite%that(title(kind, .true., 'exit: NaN'), status == ELEMENT_NOT_FINITE)
     u(2, n) = ieee_value(1.0_DP, ieee_positive_inf)
     call element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)

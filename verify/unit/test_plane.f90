@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_plane
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
-  use amontons_element, only: points_type, element_system, element_forces, element_tangent, element_volume, &
+  use amontons_element, only: points_type, element_forces, element_tangent, element_volume, &
     element_body_force, edge_pressure, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP, PI
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
@@ -142,7 +142,7 @@ contains
     points%section = THICKNESS
     plus%section = THICKNESS
     minus%section = THICKNESS
-    call element_system(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, K, points, status)
+    call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status, K)
     call suite%that(title(kind, is_nlgeom, 'system: status'), status == ELEMENT_OK)
     worst = 0
     worst_force = 0
@@ -183,8 +183,8 @@ contains
     call random_number(u)
     u = 1e-9_DP * u
     points%section = THICKNESS
-    call element_system(kind, material, X(:, :n), u(:, :n), .true., f1, K1, points, status)
-    call element_system(kind, material, X(:, :n), u(:, :n), .false., f2, K2, points, status)
+    call element_forces(kind, material, X(:, :n), u(:, :n), .true., f1, points, status, K1)
+    call element_forces(kind, material, X(:, :n), u(:, :n), .false., f2, points, status, K2)
     call suite%near(title(kind, .true., 'tiny: force'), norm2(f1 - f2), 0.0_DP, 3e-8_DP * norm2(f2))
     call suite%near(title(kind, .true., 'tiny: tangent'), norm2(K1(:3 * n, :3 * n) - K2(:3 * n, :3 * n)), 0.0_DP, &
       2e-8_DP * norm2(K2(:3 * n, :3 * n)))
