@@ -31,6 +31,8 @@ TYPE = re.compile(r"^type\s*(?:,|::|\s\w)", re.I)
 STOP = re.compile(r"(?:^|\)\s*)(?:error\s+)?stop(?:\s|$|\()", re.I)
 PRINT = re.compile(r"^print\b|\bwrite\s*\(\s*(?:\*|6|output_unit|error_unit)\s*,", re.I)
 USE = re.compile(r"^use\s+amontons_(\w+)", re.I)
+THEORY_HEADING = re.compile(r"^#+ .*\[([^\]]+)\]$")
+FLOOR_ROW = re.compile(r"^\| \d \w+ \|([^|]*)\|")
 NOT_A_VARIABLE = re.compile(r"^(?:use|public|private|procedure|generic|import|type|interface|end)\b", re.I)
 
 
@@ -228,6 +230,21 @@ def write_uses(rooms: dict[str, Room], floors: dict[str, list[str]]) -> None:
     path.write_text(re.sub(r"^uses_(\w+)\s*=.*$", line_of, path.read_text().replace("\\\n", " "), flags=re.M))
 
 
+def check_documents(names: set[str], root: Path) -> list[str]:
+    """Rooms that the documentation sends a reader to are there: in brackets in headings of the theory, and in the table of floors."""
+    troubles = []
+    for page in [*sorted((root / "doc" / "theory").glob("*.md")), root / "doc" / "developer" / "architecture.md"]:
+        for number, line in enumerate(page.read_text().splitlines(), 1):
+            if heading := THEORY_HEADING.match(line):
+                told = [word.partition(":")[0].strip() for word in heading[1].split(",")]
+            elif floor := FLOOR_ROW.match(line):
+                told = re.findall(r"`(\w+)`", floor[1])
+            else:
+                continue
+            troubles += [f"{page.relative_to(root)}:{number}: there is no room {name}" for name in told if name not in names]
+    return troubles
+
+
 def main() -> int:
     """See the top of this file."""
     rooms = {path.stem: read_room(path) for path in sorted(SOURCE.glob("*.f90"))}
@@ -235,7 +252,8 @@ def main() -> int:
     if "--write" in sys.argv:
         write_uses(rooms, floors)
         floors = read_floors()
-    troubles = check_floors(rooms, floors) + [trouble for room in rooms.values() for trouble in room.troubles]
+    troubles = check_floors(rooms, floors) + check_documents(set(rooms), ROOT)
+    troubles += [trouble for room in rooms.values() for trouble in room.troubles]
     print("\n".join(troubles or [f"lint: {len(rooms)} rooms, nothing wrong."]))
     return 1 if troubles else 0
 

@@ -120,6 +120,17 @@ def lay_out(*words: str | Path) -> int:
     return subprocess.run(command, capture_output=True, timeout=60).returncode
 
 
+def test_rooms_of_the_documents(tmp_path: Path) -> None:
+    """A heading of the theory and the table of floors name rooms that are there."""
+    theory, developer = tmp_path / "doc" / "theory", tmp_path / "doc" / "developer"
+    theory.mkdir(parents=True)
+    developer.mkdir()
+    (theory / "contact.md").write_text("## Slip [slip: classify_slip, gap]\n\ntext [stepper]\n### Lost [crossing]\n")
+    (developer / "architecture.md").write_text("| floor | rooms |\n|---|---|\n| 4 kernels | `slip` `kernel` | pure `procedures` |\n")
+    assert lint.check_documents({"slip", "gap"}, tmp_path) == [
+        "doc/theory/contact.md:4: there is no room crossing", "doc/developer/architecture.md:3: there is no room kernel"]
+
+
 def test_layout(tmp_path: Path) -> None:
     """Blanks around operators, two blank lines between procedures, continuation lines left alone; and then no change."""
     first, second = wrap("    x=2*[1,2]\n    call say('a//b'//text, &\n      y)   ! c//d"), wrap("    y = 1")
