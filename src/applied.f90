@@ -5,6 +5,7 @@
 !! a load's stiffness goes into K, what a pressure has beside it into assembly%skew.
 module amontons_applied
   use amontons_kinds, only: DP
+  use amontons_tensor, only: IDENTITY
   use amontons_assembly, only: assembly_type, add_block, material_of
   use amontons_element, only: element_body_force, facet_pressure, edge_pressure, element_point_volumes, ELEMENT_OK
   use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
@@ -21,7 +22,6 @@ module amontons_applied
   implicit none
   private
   public :: assemble_loads
-  public :: centrifugal_forces
 
 contains
 
@@ -211,8 +211,7 @@ contains
     n = size(X, 2)
     force = 0
     call unit_mass(kind, X, section, mass)
-    P = reshape([1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP], [3, 3]) &
-      - spread(spin(:, 2), 2, 3) * spread(spin(:, 2), 1, 3)
+    P = IDENTITY - spread(spin(:, 2), 2, 3) * spread(spin(:, 2), 1, 3)
     if (kind >= KIND_CPS3 .and. kind <= KIND_CAX8R) P(3, :) = 0   ! nothing moves out of the plane
     P = spin(1, 3) * P
     do b = 1, n

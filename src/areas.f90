@@ -7,10 +7,9 @@ module amontons_areas
   use amontons_mesh, only: mesh_type
   use amontons_surfaces, only: surface_type
   use amontons_shapes, only: facet_shapes, facet_quadrature
-  use amontons_compliance, only: node_shares
   implicit none
   private
-  public :: mean_edge
+  public :: mean_edge, node_shares
   public :: faces_type, add_face_areas, face_area, depth_of, cover_slave, sum_shares
 
   !> Faces of elements.
@@ -239,5 +238,23 @@ contains
     end do
     if (n_edges > 0) edge = total / real(n_edges, DP)
   end function mean_edge
+
+
+  !> The part of a face's area that each of its nodes takes, as CalculiX shares it: it never pulls on a corner.
+  pure function node_shares(n_corners, n_nodes) result(share)
+    integer, intent(in) :: n_corners, n_nodes
+    real(DP) :: share(n_nodes)                     !< [-]
+    share = 1.0_DP / real(n_corners, DP)
+    if (n_nodes == n_corners) return
+    select case (n_corners)
+    case (2)                                       ! an edge of 3 nodes is the face of 8 that CalculiX makes of it
+      share = [0.26_DP, 0.26_DP, 0.48_DP]
+    case (3)
+      share = [0.003_DP, 0.003_DP, 0.003_DP, 0.997_DP, 0.997_DP, 0.997_DP] / 3.0_DP
+    case default
+      share = 0.24_DP
+      share(:4) = 0.01_DP
+    end select
+  end function node_shares
 
 end module amontons_areas

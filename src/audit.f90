@@ -30,7 +30,6 @@ module amontons_audit
   implicit none
   private
   public :: audit_model, audit_summary
-  public :: check_pushes
 
   real(DP), parameter :: SAME = 1.0e-9_DP          !< displacements this near, over the largest, are equal [-]
 

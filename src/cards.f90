@@ -10,8 +10,8 @@ module amontons_cards
     parse_real
   implicit none
   private
-  public :: cards_type, card_type, parameter_type, row_type, remarks_type
-  public :: open_cards, open_cards_text, publish_remarks, keyword_text, line_text, read_parameters
+  public :: cards_type, parameter_type, row_type, remarks_type
+  public :: open_cards, open_cards_text, publish_remarks, line_text, read_parameters
   public :: start_text, append_line, find_cards, start_rows, next_row, field_text, field_integer, field_real, is_empty_field
 
   integer, parameter :: MAX_DEPTH = 32          !< includes within includes

@@ -64,7 +64,7 @@ contains
     part = LEAST
     n_rounds = 0
     do attempt = 1, MOST_TRIES
-      call evaluate(system, model, step, .true., state, trouble)   ! contact had settled elsewhere: all is as it is at u again
+      call evaluate(system, model, step, state, trouble, is_frozen=.true.)   ! contact had settled elsewhere
       if (trouble /= TROUBLE_NONE) return
       call carry_bodies(system, model, state%new, part)
       call find_direction(system, model, step, state, du, trouble, error)
@@ -103,7 +103,7 @@ contains
     integer :: n_rounds
     part = max(LEAST_SNAP, part / SNAP_RATIO)
     do
-      call evaluate(system, model, step, .true., state, trouble)
+      call evaluate(system, model, step, state, trouble, is_frozen=.true.)
       if (trouble /= TROUBLE_NONE) return
       call carry_bodies(system, model, state%new, part)
       call find_direction(system, model, step, state, du, trouble, error)

@@ -5,13 +5,12 @@
 !! CalculiX CrunchiX user's manual, "Node-to-face penalty contact"), so that its decks give its answers. h is the
 !! overclosure, minus the gap.
 module amontons_compliance
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, PI
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
   implicit none
   private
-  public :: law_pressure, law_reach, law_shear, node_shares
+  public :: law_pressure, law_reach, law_shear, shear_most
 
-  real(DP), parameter :: PI = acos(-1.0_DP)
   real(DP), parameter :: LOG_HUNDRED = log(100.0_DP)    !< EXPONENTIAL: the pressure at c0 is a hundredth of p0
   real(DP), parameter :: MOST_EXPONENT = 23.0_DP        !< EXPONENTIAL: goes on as a straight line beyond e**23 p0 [-]
 
@@ -108,6 +107,16 @@ contains
   end function law_reach
 
 
+  !> The largest shear force that a compliant law lets a node carry.
+  pure real(DP) function shear_most(law, area, pressure) result(most)
+    type(interaction_type), intent(in) :: law
+    real(DP), intent(in) :: area                   !< [length^2]
+    real(DP), intent(in) :: pressure               !< [stress]
+    most = min(law%friction * max(pressure, 0.0_DP), law%shear_limit) * area
+    if (law%behavior == BEHAVIOR_TIED) most = law%shear_limit * area
+  end function shear_most
+
+
   !> Friction by return mapping: shear is lambda times the elastic slip, up to the limit; what is beyond is slip for good.
   !!
   !! After: the force on the slave is -stiffness times the new elastic slip.
@@ -128,23 +137,5 @@ contains
     if (stiffness > 0.0_DP) elastic = limit / (stiffness * length) * trial
     slip = trial - elastic
   end subroutine law_shear
-
-
-  !> The part of a face's area that each of its nodes takes, as CalculiX shares it: it never pulls on a corner.
-  pure function node_shares(n_corners, n_nodes) result(share)
-    integer, intent(in) :: n_corners, n_nodes
-    real(DP) :: share(n_nodes)                     !< [-]
-    share = 1.0_DP / real(n_corners, DP)
-    if (n_nodes == n_corners) return
-    select case (n_corners)
-    case (2)                                       ! an edge of 3 nodes is the face of 8 that CalculiX makes of it
-      share = [0.26_DP, 0.26_DP, 0.48_DP]
-    case (3)
-      share = [0.003_DP, 0.003_DP, 0.003_DP, 0.997_DP, 0.997_DP, 0.997_DP] / 3.0_DP
-    case default
-      share = 0.24_DP
-      share(:4) = 0.01_DP
-    end select
-  end function node_shares
 
 end module amontons_compliance

@@ -9,7 +9,7 @@ module amontons_contact
   use amontons_topology, only: N_SOLID_KINDS
   use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, is_compliant, pair_laws, BEHAVIOR_TIED, BEHAVIOR_USER
-  use amontons_slaves, only: slip_view_type, lose_master, set_force, set_view, shear_most
+  use amontons_slaves, only: slip_view_type, lose_master, set_force, set_view
   use amontons_user_contact, only: user_answer_type, ask_interface, ask_friction
   use amontons_steps, only: step_type
   use amontons_state, only: fields_type, slave_type, amplitude_memory, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
@@ -26,12 +26,12 @@ module amontons_contact
   use amontons_mortar, only: mortar_type, create_mortar, unite_shares, integrate_mortar, merge_rows, turned_with
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
   use amontons_slip, only: trial_type, trial_traction
-  use amontons_compliance, only: law_pressure, law_reach, law_shear
+  use amontons_compliance, only: law_pressure, law_reach, law_shear, shear_most
   implicit none
   private
   public :: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, fit_contact
-  public :: touching_row, origin_row, row_imbalance, contact_slip_vector, elastic_trial, is_cornered, renew_rows, &
-    refresh_facet, set_origin, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
+  public :: touching_row, origin_row, contact_slip_vector, elastic_trial, is_cornered, renew_rows, refresh_facet, &
+    set_origin, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
 
   integer, parameter :: HOLD_NEVER = 0            !< the node's status was not held in this increment
   integer, parameter :: HOLD_NOW = 1              !< it is held, whatever its trial traction says
@@ -561,8 +561,8 @@ contains
   end subroutine evaluate_slave
 
 
-  !> A slave node of exact contact: its status by the trial traction along what supports and other pairs leave free, its force from its
-  !! imbalance. Theory: doc/theory/contact.md, section 3.
+  !> A slave node of exact contact: its status by the trial traction along what supports and other pairs leave free, its force
+  !! from its imbalance. Theory: doc/theory/contact.md, section 3.
   subroutine hold_slave(contact, model, old, u_old, is_frozen, before, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model

@@ -16,11 +16,10 @@ module amontons_contact_tangent
   use amontons_sparse, only: sparse_type, from_triplets, multiply, product_of, sum_of, transpose_of
   use amontons_gap, only: gap_derivative, gap_derivative_type, vertex_derivative
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER
-  use amontons_compliance, only: law_pressure
+  use amontons_compliance, only: law_pressure, shear_most
   use amontons_rows, only: contact_row_type, relative_position
   use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector, elastic_trial, &
     is_cornered
-  use amontons_slaves, only: shear_most
   implicit none
   private
   public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices, contact_springs, &

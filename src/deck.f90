@@ -33,7 +33,6 @@ module amontons_deck
   implicit none
   private
   public :: read_deck, read_deck_text, explain_deck
-  public :: take_whole_steps
 
 contains
 

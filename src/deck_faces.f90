@@ -7,7 +7,7 @@ module amontons_deck_faces
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
-  public :: faces_type, index_faces, find_free_faces, find_left_faces, n_hidden_faces
+  public :: faces_type, find_free_faces, find_left_faces, n_hidden_faces
 
   !> The elements at each node, for looking up faces.
   type :: faces_type

@@ -9,7 +9,7 @@ module amontons_deck_parts
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: cards_type, row_type, parameter_type, remarks_type, start_text, append_line, find_cards, &
     read_parameters, start_rows, next_row, field_text, field_integer, field_real, line_text
-  use amontons_tensor, only: cross_product
+  use amontons_tensor, only: cross_product, IDENTITY
   use amontons_text, only: squeezed, text_of, is_one_of, parse_integer, NUMBER_OK
   use amontons_topology, only: kind_type, element_kind, kind_of_name
   implicit none
@@ -211,7 +211,7 @@ contains
       instance%is_moved = .true.
       if (n == 1) then
         instance%shift = x(:3)
-        instance%turn = unit_matrix()
+        instance%turn = IDENTITY
         cycle
       end if
       instance%centre = x(:3)
@@ -224,20 +224,11 @@ contains
       s = sin(x(7) * PI / 180)
       k = 1 - cos(x(7) * PI / 180)
       do i = 1, 3                                ! Rodrigues: 1 + s [a] + (1 - cos) [a] [a]
-        associate (e => unit_matrix())
-          instance%turn(:, i) = e(:, i) + s * cross_product(axis, e(:, i)) + &
-            k * cross_product(axis, cross_product(axis, e(:, i)))
-        end associate
+        instance%turn(:, i) = IDENTITY(:, i) + s * cross_product(axis, IDENTITY(:, i)) + &
+          k * cross_product(axis, cross_product(axis, IDENTITY(:, i)))
       end do
     end do
   end subroutine read_placement
-
-
-  !> The unit matrix.
-  pure function unit_matrix() result(E)
-    real(DP) :: E(3, 3)
-    E = reshape([1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP], [3, 3])
-  end function unit_matrix
 
 
   !> The value of a parameter as written.
@@ -437,7 +428,7 @@ contains
   !> Whether an instance is turned, and not only shifted.
   pure logical function is_turned(scope)
     type(scope_type), intent(in) :: scope
-    is_turned = scope%is_moved .and. any(abs(scope%turn - unit_matrix()) > 1.0e-12_DP)
+    is_turned = scope%is_moved .and. any(abs(scope%turn - IDENTITY) > 1.0e-12_DP)
   end function is_turned
 
 

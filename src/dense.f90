@@ -1,4 +1,4 @@
-!> Dense: LAPACK for small matrices: solve, eigenvalues, singular values, rank, null space, least squares.
+!> Dense: LAPACK for small matrices: solve, eigenvalues, singular values, rank, least squares.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Arguments are copied, never overwritten. LAPACK makes NaN on purpose when it tests the machine: traps are masked
@@ -11,7 +11,7 @@ module amontons_dense
     potrf => dpotrf, potri => dpotri, gemv => dgemv, dgesv, dsymv, dgecon, dsyev, dgesdd, dgelsd
   implicit none
   private
-  public :: solve_small, symmetric_eigen, singular_values, rank_of, null_space, least_squares
+  public :: solve_small, symmetric_eigen, singular_values, rank_of, least_squares
   public :: factorise_dense, solve_dense, triangle_times, square_of_triangle, invert_positive, symmetric_times, transposed_times
   public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED, WORTH_THREADS, BLOCK
 
@@ -99,20 +99,7 @@ contains
     real(DP), intent(in) :: a(:, :)            !< (m, n)
     real(DP), intent(out) :: values(:)         !< (min(m, n)) descending
     integer, intent(out) :: status             !< DENSE_OK or DENSE_FAILED
-    real(DP) :: right(1, 1)
-    call decompose(a, 'N', values, right, status)
-  end subroutine singular_values
-
-
-  !> Singular values and, if asked, right singular vectors.
-  subroutine decompose(a, job, values, right, status)
-    real(DP), intent(in) :: a(:, :)            !< (m, n)
-    character(1), intent(in) :: job            !< 'N' values only, 'A' vectors also
-    real(DP), intent(out) :: values(:)         !< (min(m, n)) descending
-    real(DP), intent(out) :: right(:, :)       !< (n, n) vectors in rows if job is 'A'
-    integer, intent(out) :: status
-    real(DP) :: copy(size(a, 1), size(a, 2)), best(1)
-    real(DP) :: left(merge(size(a, 1), 1, job == 'A'), merge(size(a, 1), 1, job == 'A'))
+    real(DP) :: copy(size(a, 1), size(a, 2)), left(1, 1), right(1, 1), best(1)
     real(DP), allocatable :: work(:)
     integer :: iwork(8 * size(values)), m, n, info
     type(ieee_status_type) :: environment
@@ -120,18 +107,17 @@ contains
     n = size(a, 2)
     copy = a
     values = 0
-    right = 0
     status = DENSE_OK
     if (size(a) == 0) return
     status = DENSE_FAILED
     if (.not. all_finite(a)) return
     call mask_traps(environment)
-    call dgesdd(job, m, n, copy, m, values, left, size(left, 1), right, size(right, 1), best, -1, iwork, info)
+    call dgesdd('N', m, n, copy, m, values, left, 1, right, 1, best, -1, iwork, info)
     allocate (work(nint(best(1))))
-    call dgesdd(job, m, n, copy, m, values, left, size(left, 1), right, size(right, 1), work, size(work), iwork, info)
+    call dgesdd('N', m, n, copy, m, values, left, 1, right, 1, work, size(work), iwork, info)
     call ieee_set_status(environment)
     if (info == 0) status = DENSE_OK
-  end subroutine decompose
+  end subroutine singular_values
 
 
   !> Number of singular values above a part of the largest.
@@ -145,27 +131,6 @@ contains
     call singular_values(a, values, status)
     if (size(values) > 0) rank = count(values > tolerance * values(1))
   end subroutine rank_of
-
-
-  !> Orthonormal basis of all x with A x = 0: what a set of constraints leaves free.
-  subroutine null_space(a, tolerance, basis, status)
-    real(DP), intent(in) :: a(:, :)                    !< (m, n)
-    real(DP), intent(in) :: tolerance                  !< part of the largest singular value that counts as 0 [-]
-    real(DP), allocatable, intent(out) :: basis(:, :)  !< (n, n - rank) in columns
-    integer, intent(out) :: status                     !< DENSE_OK or DENSE_FAILED
-    real(DP) :: values(min(size(a, 1), size(a, 2))), right(size(a, 2), size(a, 2))
-    integer :: rank, n, k
-    n = size(a, 2)
-    if (size(a) == 0) then
-      right = reshape([(merge(1.0_DP, 0.0_DP, mod(k, n + 1) == 0), k=0, n * n - 1)], [n, n])
-      rank = 0
-      status = DENSE_OK
-    else
-      call decompose(a, 'A', values, right, status)
-      rank = count(values > tolerance * values(1))
-    end if
-    basis = transpose(right(rank + 1:, :))
-  end subroutine null_space
 
 
   !> The x that makes |A x - b| smallest, and is itself smallest among those (by the singular value decomposition).

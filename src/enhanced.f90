@@ -18,7 +18,7 @@ module amontons_enhanced
   use amontons_topology, only: MAX_NODES
   implicit none
   private
-  public :: modes_type, incompatible_gradients, improve_modes, correct_modes, condense_modes, add_skew
+  public :: modes_type, incompatible_gradients, improve_modes, condense_modes, add_skew
   public :: N_MODES
 
   integer, parameter :: N_MODES = 3                !< vectors of amplitudes: nine numbers

@@ -21,7 +21,7 @@ module amontons_facets
   implicit none
   private
   public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, corners_of, is_line
-  public :: EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE, EDGE_ANGLE
+  public :: EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
 
   integer, parameter :: EDGE_FREE = 0         !< no facet across
   integer, parameter :: EDGE_SMOOTH = 1       !< the normals of both sides differ by less than the feature angle

@@ -1,15 +1,14 @@
 !> Kinds: the number kinds of the whole program, and a few constants of mathematics.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_kinds
-  use, intrinsic :: iso_fortran_env, only: int8, int32, int64, real32, real64
+  use, intrinsic :: iso_fortran_env, only: int8, int64, real32, real64
   implicit none
   private
-  public :: DP, SP, I8, I32, I64, PI, NAME_LENGTH
+  public :: DP, SP, I8, I64, PI, NAME_LENGTH
 
   integer, parameter :: DP = real64           !< every real number of the program but those of a preconditioner
   integer, parameter :: SP = real32           !< of a preconditioner: it need not be exact
   integer, parameter :: I8 = int8             !< bytes
-  integer, parameter :: I32 = int32           !< the integers of METIS
   integer, parameter :: I64 = int64           !< sizes, clocks, row pointers of large matrices
   real(DP), parameter :: PI = 3.141592653589793_DP
   integer, parameter :: NAME_LENGTH = 80      !< longest name of a set, surface, material, ... in a deck

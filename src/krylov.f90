@@ -10,10 +10,9 @@ module amontons_krylov
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, multiply_symmetric
-  use amontons_factor, only: factor_type, solve
   implicit none
   private
-  public :: operator_type, matrix_operator_type, factor_operator_type
+  public :: operator_type, matrix_operator_type
   public :: krylov_options_type, krylov_report_type, gmres, conjugate_gradients
   public :: KRYLOV_CONVERGED, KRYLOV_TOO_MANY, KRYLOV_STAGNATED, KRYLOV_INDEFINITE, KRYLOV_NOT_FINITE
 
@@ -51,13 +50,6 @@ module amontons_krylov
   contains
     procedure :: apply => apply_matrix
   end type matrix_operator_type
-
-  !> The inverse of a factorised matrix as an operator: the preconditioner.
-  type, extends(operator_type) :: factor_operator_type
-    type(factor_type), pointer :: factor => null()  !< ready, not owned
-  contains
-    procedure :: apply => apply_factor
-  end type factor_operator_type
 
   !> When to stop. The residual must come below max(tolerance |b|, floor).
   type :: krylov_options_type
@@ -399,14 +391,5 @@ contains
     real(DP), intent(out) :: y(:)                           !< (n)
     call multiply_symmetric(self%matrix, x, y)
   end subroutine apply_matrix
-
-
-  !> y = A^-1 x.
-  subroutine apply_factor(self, x, y)
-    class(factor_operator_type), intent(inout) :: self
-    real(DP), intent(in) :: x(:)                            !< (n)
-    real(DP), intent(out) :: y(:)                           !< (n)
-    call solve(self%factor, x, y)
-  end subroutine apply_factor
 
 end module amontons_krylov

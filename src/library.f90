@@ -445,7 +445,7 @@ contains
       if (i_step > 0) then
         call use_threads(analysis%options%n_threads)
         state = analysis%state
-        call evaluate(system, analysis%model, analysis%model%steps(i_step), .true., state, trouble)
+        call evaluate(system, analysis%model, analysis%model%steps(i_step), state, trouble, is_frozen=.true.)
         if (trouble == TROUBLE_NONE) then
           call linearise(system, analysis%model, analysis%model%steps(i_step), state, trouble, error)
         end if

@@ -142,7 +142,7 @@ contains
     state%new%u = u
     state%new%slaves = start%slaves
     if (is_whole) state%new%slaves = start%ahead
-    call evaluate(system, model, step, .false., state, trouble)
+    call evaluate(system, model, step, state, trouble, is_frozen=.false.)
   end subroutine go
 
 

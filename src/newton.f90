@@ -77,13 +77,13 @@ contains
       dt = state%new%total_time - state%old%total_time
       travel = farthest_travel(system%contact, model, state%old%slaves, dt * state%old%v)
       state%new%u = state%old%u + dt * state%old%v
-      call evaluate(system, model, step, travel < FAR_TRAVEL, state, newton%trouble)
+      call evaluate(system, model, step, state, newton%trouble, is_frozen=travel < FAR_TRAVEL)
     end if
     if (newton%trouble /= TROUBLE_NONE) then
       state%new%u = state%old%u
       state%new%slaves = state%old%slaves
       call begin_increment(system, model, step, is_step_start, state)
-      call evaluate(system, model, step, .true., state, newton%trouble)
+      call evaluate(system, model, step, state, newton%trouble, is_frozen=.true.)
     end if
     call note_slaves(newton%forensics, state%new%slaves, system%merit)
     newton%force_scale = max(newton%force_scale, system%largest_force)
@@ -225,7 +225,7 @@ contains
       if (is_found .and. .not. is_changed .and. newton%may_be_cut .and. verdict == VERDICT_GO_ON) verdict = VERDICT_TOO_SLOW
     end if
     if (.not. is_changed) return
-    call evaluate(system, model, step, .false., state, newton%trouble)
+    call evaluate(system, model, step, state, newton%trouble, is_frozen=.false.)
     call note_residual(newton, system, step%controls%r_n)
     if (newton%trouble /= TROUBLE_NONE) then
       verdict = VERDICT_DIVERGES

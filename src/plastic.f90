@@ -11,7 +11,7 @@ module amontons_plastic
     LAW_SAINT_VENANT, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
   implicit none
   private
-  public :: return_type, flow_type, return_radially, is_inelastic, RETURN_OK, RETURN_FAILED, deform_ramberg_osgood, &
+  public :: return_type, flow_type, return_radially, is_inelastic, RETURN_OK, deform_ramberg_osgood, &
     return_anisotropic
 
   integer, parameter :: RETURN_OK = 0              !< all is well

@@ -15,8 +15,7 @@ module amontons_profiles
   use amontons_tensor, only: IDENTITY
   implicit none
   private
-  public :: profile_type, place_type, find_place, place_at, point_of, extent_of, add_line, add_arc, finish_profile, &
-    are_joined
+  public :: profile_type, place_type, find_place, place_at, point_of, extent_of, add_line, add_arc, finish_profile
   public :: PROFILE_FLAT, PROFILE_DRAWN, PROFILE_TURNED
 
   integer, parameter :: PROFILE_FLAT = 1       !< a line in the plane of plane and axisymmetric elements

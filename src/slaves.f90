@@ -2,12 +2,12 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_slaves
   use amontons_kinds, only: DP
-  use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED
+  use amontons_surfaces, only: interaction_type, is_compliant
   use amontons_compliance, only: law_pressure
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   implicit none
   private
-  public :: slip_view_type, lose_master, set_force, set_view, shear_most, rounding_force, commit_slip
+  public :: slip_view_type, lose_master, set_force, set_view, rounding_force, commit_slip
 
   !> What the slip procedure looks at, for all slave nodes at one configuration.
   type :: slip_view_type
@@ -63,16 +63,6 @@ contains
     view%slip(:, s) = slip
     view%position(:, s) = 0.0_DP
   end subroutine set_view
-
-
-  !> The largest shear force that a compliant law lets a node carry.
-  pure real(DP) function shear_most(law, area, pressure) result(most)
-    type(interaction_type), intent(in) :: law
-    real(DP), intent(in) :: area                   !< [length^2]
-    real(DP), intent(in) :: pressure               !< [stress]
-    most = min(law%friction * max(pressure, 0.0_DP), law%shear_limit) * area
-    if (law%behavior == BEHAVIOR_TIED) most = law%shear_limit * area
-  end function shear_most
 
 
   !> The largest force that a compliant law makes of the rounding of coordinates: of a gap of one unit in their last place.

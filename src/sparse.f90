@@ -12,7 +12,7 @@ module amontons_sparse
   implicit none
   private
   public :: sparse_type, reduction_type
-  public :: from_triplets, symmetric_pattern, expand_pattern, entry_position, transpose_of, full_of, product_of, sum_of
+  public :: from_triplets, entry_position, transpose_of, full_of, product_of, sum_of
   public :: multiply, multiply_transpose, multiply_symmetric
   public :: analyse_reduction, reduce_matrix, is_same_pattern
 
@@ -149,75 +149,6 @@ contains
   end subroutine allocate_matrix
 
 
-  !> Upper triangle of the pattern in which all items of a list are coupled with each other (the unknowns or nodes of
-  !> an element). The diagonal is always present. Cost: linear in the sum of squares of the list lengths.
-  subroutine symmetric_pattern(n, n_lists, first, items, matrix, error)
-    integer, intent(in) :: n                   !< rows and columns
-    integer, intent(in) :: n_lists
-    integer, intent(in) :: first(:)            !< (n_lists + 1) start of each list in items
-    integer, intent(in) :: items(:)            !< 1 to n
-    type(sparse_type), intent(out) :: matrix   !< values 0
-    type(error_type), allocatable, intent(out) :: error
-    integer, allocatable :: list_first(:), lists(:)
-    type(list_type) :: below
-    integer, allocatable :: below_first(:)
-    integer :: n_items
-    n_items = first(n_lists + 1) - 1
-    if (any(items(:n_items) < 1) .or. any(items(:n_items) > n)) then
-      call set_error(error, EXIT_INTERNAL, 'An item of a pattern lies outside the matrix.')
-      return
-    end if
-    call invert_lists(n, n_lists, first, items, list_first, lists)
-    call gather_below(n, first, items, list_first, lists, below_first, below)
-    call rows_from_below(n, below_first, below, matrix, error)
-  end subroutine symmetric_pattern
-
-
-  !> Turns lists of items into lists of lists: which lists hold an item.
-  pure subroutine invert_lists(n, n_lists, first, items, list_first, lists)
-    integer, intent(in) :: n, n_lists
-    integer, intent(in) :: first(:), items(:)
-    integer, allocatable, intent(out) :: list_first(:)   !< (n + 1)
-    integer, allocatable, intent(out) :: lists(:)
-    integer :: next(n), l, p, i
-    allocate (list_first(n + 1), lists(first(n_lists + 1) - 1))
-    call count_items(items(:first(n_lists + 1) - 1), n, list_first)
-    next = list_first(:n)
-    do l = 1, n_lists
-      do p = first(l), first(l + 1) - 1
-        i = items(p)
-        lists(next(i)) = l
-        next(i) = next(i) + 1
-      end do
-    end do
-  end subroutine invert_lists
-
-
-  !> For each item the smaller items that share a list with it, unsorted.
-  pure subroutine gather_below(n, first, items, list_first, lists, below_first, below)
-    integer, intent(in) :: n
-    integer, intent(in) :: first(:), items(:), list_first(:), lists(:)
-    integer, allocatable, intent(out) :: below_first(:)  !< (n + 1)
-    type(list_type), intent(out) :: below
-    integer :: seen(n), i, p, q
-    allocate (below_first(n + 1))
-    seen = 0
-    do i = 1, n
-      below_first(i) = below%n + 1
-      seen(i) = i
-      do p = list_first(i), list_first(i + 1) - 1
-        do q = first(lists(p)), first(lists(p) + 1) - 1
-          if (items(q) > i) cycle
-          if (seen(items(q)) == i) cycle
-          seen(items(q)) = i
-          call below%append(items(q))
-        end do
-      end do
-    end do
-    below_first(n + 1) = below%n + 1
-  end subroutine gather_below
-
-
   !> The upper triangle whose transpose has the given unsorted rows below the diagonal: walking down these rows meets
   !> the columns of each upper row in ascending order, so nothing has to be sorted. The diagonal is added.
   subroutine rows_from_below(n, below_first, below, matrix, error)
@@ -245,40 +176,6 @@ contains
       end do
     end do
   end subroutine rows_from_below
-
-
-  !> The pattern of unknowns from the pattern of nodes, `block` unknowns to a node, numbered node by node.
-  !> Cheaper by the square of `block` than asking symmetric_pattern for the unknowns.
-  subroutine expand_pattern(nodes, block, matrix, error)
-    type(sparse_type), intent(in) :: nodes     !< upper triangle with diagonal
-    integer, intent(in) :: block               !< unknowns to a node
-    type(sparse_type), intent(out) :: matrix   !< upper triangle, values 0
-    type(error_type), allocatable, intent(out) :: error
-    integer :: i, a, b, p, n
-    integer(I64) :: n_entries
-    n_entries = size(nodes%column, kind=I64) * int(block**2, I64)
-    n_entries = n_entries - int(nodes%n_rows, I64) * int((block**2 - block) / 2, I64)   ! lower halves of the diagonal
-    if (n_entries > int(huge(n), I64)) then
-      call set_too_large(error)
-      return
-    end if
-    call allocate_matrix(matrix, nodes%n_rows * block, nodes%n_rows * block, int(n_entries))
-    n = 0
-    do i = 1, nodes%n_rows
-      do a = 1, block
-        matrix%first((i - 1) * block + a) = n + 1
-        do b = a, block
-          n = n + 1
-          matrix%column(n) = (i - 1) * block + b
-        end do
-        do p = nodes%first(i) + 1, nodes%first(i + 1) - 1
-          matrix%column(n + 1:n + block) = [((nodes%column(p) - 1) * block + b, b=1, block)]
-          n = n + block
-        end do
-      end do
-    end do
-    matrix%first(matrix%n_rows + 1) = n + 1
-  end subroutine expand_pattern
 
 
   !> Where an entry stands in column(:) and value(:); 0 if the pattern does not have it. Cost: binary search.

@@ -223,13 +223,13 @@ contains
 
 
   !> Imbalance, contact and residual at state%new%u: forces only.
-  subroutine evaluate(system, model, step, is_frozen, state, trouble)
+  subroutine evaluate(system, model, step, state, trouble, is_frozen)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    logical, intent(in) :: is_frozen               !< .true.: every slave node keeps its status
     type(state_type), intent(inout) :: state
     integer, intent(out) :: trouble                !< TROUBLE_...
+    logical, intent(in) :: is_frozen               !< every slave node keeps its status
     type(error_type), allocatable :: error         ! rows that contradict each other here
     integer :: failed
     integer(I64) :: clock

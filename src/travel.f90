@@ -13,7 +13,6 @@ module amontons_travel
   implicit none
   private
   public :: farthest_travel, passed_through
-  public :: has_crossed
 
   real(DP), parameter :: OUT_OF_SIGHT = 3.0_DP    !< a node deeper than this times the longest edge of its master is not found [-]
 

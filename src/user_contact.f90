@@ -7,7 +7,7 @@
 !!
 !!     F = A (s_1 n - s_2 t_1 - s_3 t_2)
 module amontons_user_contact
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
   use amontons_user, only: uinter_type, fric_type, call_uinter, call_fric, CALL_NAME
   use amontons_surfaces, only: interaction_type
@@ -18,7 +18,7 @@ module amontons_user_contact
   public :: user_answer_type, ask_interface, ask_friction
 
   integer, parameter :: LM_SLIP = 0, LM_STICK = 1, LM_OPEN = 2   ! LM of FRIC
-  real(DP), parameter :: NEAR_X = cos(0.1_DP * acos(-1.0_DP) / 180.0_DP)   ! a normal nearer to x takes z instead [-]
+  real(DP), parameter :: NEAR_X = cos(0.1_DP * PI / 180.0_DP)   ! a normal nearer to x takes z instead [-]
 
   !> How the force on a slave changes, by the last call.
   type :: user_answer_type

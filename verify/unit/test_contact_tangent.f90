@@ -144,7 +144,7 @@ contains
     end do
     if (present(plane)) u(1, model%surfaces(1)%nodes) = u(1, model%surfaces(1)%nodes) + 0.05_DP
     state%new%u = u
-    call evaluate(system, model, step, .true., state, trouble)
+    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
     call suite%that(name // ': evaluated', trouble == 0)
     if (present(shared)) then
       if (shared == 1) call suite%that(name // ': there are levels', system%contact%overlaps%n_levels > 1)
@@ -155,7 +155,7 @@ contains
     call suite%that(name // ': slipping nodes', count(state%new%slaves%status == STATUS_SLIP) > 2)
     call linearise(system, model, step, state, trouble, error)
     state%new%slaves%stiffness = 100.0_DP
-    call evaluate(system, model, step, .true., state, trouble)
+    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
     call linearise_contact(system%contact, model, state%old, state%new, system%links)
     if (all(system%links%is_spring)) call check_factors(name, system)
     if (friction > 0.0_DP) call check_condensed(name, system, model, step, state)   ! without friction the upper block is free
@@ -165,10 +165,10 @@ contains
       call change_forces(system, reshape(du, [3 * n]), w)
       call condense_forces(system%base, reshape(w, [3, n]), exact)
       state%new%u = u + H * du
-      call evaluate(system, model, step, .true., state, trouble)
+      call evaluate(system, model, step, state, trouble, is_frozen=.true.)
       plus = system%residual
       state%new%u = u - H * du
-      call evaluate(system, model, step, .true., state, trouble)
+      call evaluate(system, model, step, state, trouble, is_frozen=.true.)
       minus = system%residual
       call check_matrix(name, system, i)
       call suite%near(name // ': tangent', norm2((minus - plus) / (2.0_DP * H) - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
@@ -205,7 +205,7 @@ contains
     allocate (du, mold=state%new%u)
     call fill(du, 1, 0.02_DP)
     state%new%u = du
-    call evaluate(system, model, model%steps(1), .false., state, trouble)
+    call evaluate(system, model, model%steps(1), state, trouble, is_frozen=.false.)
     call linearise(system, model, model%steps(1), state, trouble, error)
     start = state
     place = place_of(system, state)
@@ -219,7 +219,7 @@ contains
       n_changes = n_changes + count(status /= start%new%slaves%status)
       state = start
       state%new%u = start%new%u + du
-      call evaluate(system, model, model%steps(1), .false., state, trouble)
+      call evaluate(system, model, model%steps(1), state, trouble, is_frozen=.false.)
       call suite%that('foresight: the same statuses', all(status == state%new%slaves%status))
       call suite%near('foresight: the same residual', norm2(foreseen - system%residual) / norm2(foreseen), 0.0_DP, 1.0e-11_DP)
     end do

@@ -3,7 +3,7 @@
 program test_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
-  use amontons_dense, only: solve_small, symmetric_eigen, singular_values, rank_of, null_space, least_squares, invert_positive, &
+  use amontons_dense, only: solve_small, symmetric_eigen, singular_values, rank_of, least_squares, invert_positive, &
     symmetric_times, transposed_times, triangle_times, factorise_dense, solve_dense, &
     DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
   use check, only: suite_type
@@ -21,7 +21,7 @@ program test_dense
   call test_known()
   call test_singular()
   call test_not_finite()
-  call test_null_space()
+  call test_rank()
   call test_least_squares()
   call test_positive()
   call test_threads()
@@ -142,7 +142,6 @@ contains
 
   subroutine test_not_finite()
     real(DP) :: a(2, 2), x(2), v(2, 2)
-    real(DP), allocatable :: basis(:, :)
     integer :: status, rank
     a = 1
     a(2, 1) = ieee_value(1.0_DP, ieee_quiet_nan)
@@ -154,40 +153,25 @@ contains
     call suite%that('NaN: singular values', status == DENSE_FAILED)
     call rank_of(a, 1.0e-10_DP, rank, status)
     call suite%that('NaN: rank', status == DENSE_FAILED)
-    call null_space(a, 1.0e-10_DP, basis, status)
-    call suite%that('NaN: null space', status == DENSE_FAILED)
     call least_squares(a, [1.0_DP, 1.0_DP], 1.0e-10_DP, x, rank, status)
     call suite%that('NaN: least squares', status == DENSE_FAILED)
   end subroutine test_not_finite
 
 
   !> A product of random matrices of inner size 4 has rank 4.
-  subroutine test_null_space()
-    real(DP) :: left(9, 4), right(4, 7), a(9, 7)
-    real(DP), allocatable :: basis(:, :)
+  subroutine test_rank()
+    real(DP) :: left(9, 4), right(4, 7)
     integer :: status, rank
     call random_number(left)
     call random_number(right)
-    a = matmul(left, right)
-    call rank_of(a, 1.0e-10_DP, rank, status)
-    call suite%that('null space: rank', rank == 4)
-    call null_space(a, 1.0e-10_DP, basis, status)
-    call suite%that('null space: status', status == DENSE_OK)
-    call suite%that('null space: dimensions', all(shape(basis) == [7, 3]))
-    call suite%near('null space: A N = 0', norm_1(matmul(a, basis)), 0.0_DP, 1.0e-13_DP)
-    call suite%near('null space: orthonormal', norm_1(matmul(transpose(basis), basis) - unit(3)), 0.0_DP, 1.0e-13_DP)
-    call null_space(a(:2, :), 1.0e-10_DP, basis, status)
-    call suite%that('null space of a wide matrix', all(shape(basis) == [7, 5]))
-    call suite%near('null space of a wide matrix: A N = 0', norm_1(matmul(a(:2, :), basis)), 0.0_DP, 1.0e-13_DP)
-    call null_space(a(:0, :), 1.0e-10_DP, basis, status)
-    call suite%near('null space of nothing: all', norm_1(basis - unit(7)), 0.0_DP, 0.0_DP)
-  end subroutine test_null_space
+    call rank_of(matmul(left, right), 1.0e-10_DP, rank, status)
+    call suite%that('rank of a product', status == DENSE_OK .and. rank == 4)
+  end subroutine test_rank
 
 
   !> The residual is orthogonal to the columns; without full rank the solution is orthogonal to the null space.
   subroutine test_least_squares()
     real(DP) :: a(8, 5), b(8), x(5)
-    real(DP), allocatable :: basis(:, :)
     integer :: rank, status
     call random_number(a)
     call random_number(b)
@@ -197,11 +181,10 @@ contains
                     0.0_DP, 1.0e-13_DP)
     a(:, 5) = a(:, 1) - 2 * a(:, 3)
     call least_squares(a, b, 1.0e-12_DP, x, rank, status)
-    call null_space(a, 1.0e-12_DP, basis, status)
     call suite%that('least squares: rank 4', rank == 4)
     call suite%near('least squares: residual orthogonal again', maxval(abs(matmul(transpose(a), matmul(a, x) - b))), &
                     0.0_DP, 1.0e-13_DP)
-    call suite%near('least squares: smallest', maxval(abs(matmul(transpose(basis), x))), 0.0_DP, 1.0e-13_DP)
+    call suite%near('least squares: smallest', x(1) - 2 * x(3) - x(5), 0.0_DP, 1.0e-13_DP)   ! a (1, 0, -2, 0, -1) = 0
     call least_squares(a(:2, :), b(:2), 1.0e-12_DP, x, rank, status)
     call suite%near('least squares: wide matrix solved', maxval(abs(matmul(a(:2, :), x) - b(:2))), 0.0_DP, 1.0e-13_DP)
   end subroutine test_least_squares

@@ -2,10 +2,11 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module krylov_samples
   use amontons_kinds, only: DP
+  use amontons_factor, only: factor_type, solve
   use amontons_krylov, only: operator_type
   implicit none
   private
-  public :: dense_operator_type, identity_type
+  public :: dense_operator_type, factor_operator_type, identity_type
 
   !> A dense matrix as an operator that counts.
   type, extends(operator_type) :: dense_operator_type
@@ -14,6 +15,13 @@ module krylov_samples
   contains
     procedure :: apply => apply_dense
   end type dense_operator_type
+
+  !> The inverse of a factorised matrix.
+  type, extends(operator_type) :: factor_operator_type
+    type(factor_type), pointer :: factor => null()
+  contains
+    procedure :: apply => apply_factor
+  end type factor_operator_type
 
   !> No preconditioner; it counts too.
   type, extends(operator_type) :: identity_type
@@ -41,6 +49,15 @@ contains
     self%n_applied = self%n_applied + 1
   end subroutine apply_identity
 
+
+  !> y = A^-1 x.
+  subroutine apply_factor(self, x, y)
+    class(factor_operator_type), intent(inout) :: self
+    real(DP), intent(in) :: x(:)
+    real(DP), intent(out) :: y(:)
+    call solve(self%factor, x, y)
+  end subroutine apply_factor
+
 end module krylov_samples
 
 program test_krylov
@@ -49,10 +66,10 @@ program test_krylov
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, from_triplets
   use amontons_factor, only: factor_type, analyse, factorise
-  use amontons_krylov, only: factor_operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, &
+  use amontons_krylov, only: matrix_operator_type, krylov_options_type, krylov_report_type, &
     gmres, conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_TOO_MANY, KRYLOV_STAGNATED, KRYLOV_INDEFINITE, &
     KRYLOV_NOT_FINITE
-  use krylov_samples, only: dense_operator_type, identity_type
+  use krylov_samples, only: dense_operator_type, factor_operator_type, identity_type
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

@@ -3,7 +3,7 @@
 program test_partition
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
-  use amontons_sparse, only: sparse_type, symmetric_pattern, expand_pattern, from_triplets
+  use amontons_sparse, only: sparse_type, from_triplets
   use amontons_partition, only: partition_mesh, order_nodes, order_unknowns, separator_of
   use amontons_factor, only: factor_type, analyse
   use check, only: suite_type
@@ -73,14 +73,38 @@ contains
   end subroutine test_parts
 
 
+  !> The pattern of the cube, so many unknowns to a node: those of an element are all coupled. Upper triangle, zeros.
+  subroutine couple(n_unknowns, matrix)
+    integer, intent(in) :: n_unknowns              !< to a node
+    type(sparse_type), intent(out) :: matrix
+    integer, allocatable :: of_element(:), row(:), column(:)
+    type(error_type), allocatable :: error
+    integer :: e, i, j, n, k
+    n = 8 * n_unknowns                             ! of an element
+    allocate (row(N_ELEMENTS * n**2), column(N_ELEMENTS * n**2))
+    k = 0
+    do e = 1, N_ELEMENTS
+      of_element = [((n_unknowns * (nodes(i) - 1) + j, j=1, n_unknowns), i=first(e), first(e + 1) - 1)]
+      do i = 1, n
+        do j = 1, n
+          if (of_element(i) > of_element(j)) cycle
+          k = k + 1
+          row(k) = of_element(i)
+          column(k) = of_element(j)
+        end do
+      end do
+    end do
+    call from_triplets(n_unknowns * N_NODES, n_unknowns * N_NODES, row(:k), column(:k), spread(0.0_DP, 1, k), matrix, error)
+  end subroutine couple
+
+
   !> Three unknowns a node: nothing smaller than a layer of nodes separates a cube into halves that are nearly even, and one
   !! layer does.
   subroutine test_separator()
-    type(sparse_type) :: of_nodes, matrix
+    type(sparse_type) :: matrix
     type(error_type), allocatable :: error
     integer :: n_separating, i
-    call symmetric_pattern(N_NODES, N_ELEMENTS, first, nodes, of_nodes, error)
-    call expand_pattern(of_nodes, 3, matrix, error)
+    call couple(3, matrix)
     call separator_of(matrix, [((i + 2) / 3, i=1, 3 * N_NODES)], N_NODES, n_separating, error)
     call suite%that('separator: no error', .not. allocated(error))
     call suite%that('separator: about a layer of nodes', n_separating >= 3 * (N + 1)**2 * 8 / 10 .and. &
@@ -138,7 +162,7 @@ contains
     integer, allocatable :: order(:), again(:)
     real(DP) :: natural
     integer :: k
-    call symmetric_pattern(N_NODES, N_ELEMENTS, first, nodes, graph, error)
+    call couple(1, graph)
     call order_nodes(graph, order, error=error)
     call suite%that('order: no error', .not. allocated(error))
     call suite%that('order: a permutation', is_permutation(order, N_NODES))
@@ -159,15 +183,14 @@ contains
 
   !> Unknowns of a group stay together, also when the numbers of the groups interleave.
   subroutine test_groups()
-    type(sparse_type) :: graph, matrix
+    type(sparse_type) :: matrix
     type(factor_type) :: factor
     type(error_type), allocatable :: error
     integer, allocatable :: order(:), group(:)
     real(DP) :: by_metis
     integer :: k
     allocate (group(3 * N_NODES))
-    call symmetric_pattern(N_NODES, N_ELEMENTS, first, nodes, graph, error)
-    call expand_pattern(graph, 3, matrix, error)
+    call couple(3, matrix)
     do k = 1, N_NODES
       group(3 * k - 2:3 * k) = k
     end do

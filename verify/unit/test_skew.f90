@@ -79,7 +79,7 @@ contains
     real(DP), intent(out) :: residual(:, :)
     integer :: trouble
     state%new%u = u
-    call evaluate(system, model, model%steps(1), .true., state, trouble)
+    call evaluate(system, model, model%steps(1), state, trouble, is_frozen=.true.)
     call suite%that('evaluated', trouble == 0)
     residual = system%residual
   end subroutine residual_at

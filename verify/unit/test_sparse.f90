@@ -3,8 +3,8 @@
 program test_sparse
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
-  use amontons_sparse, only: sparse_type, reduction_type, from_triplets, symmetric_pattern, expand_pattern, &
-    entry_position, transpose_of, full_of, product_of, sum_of, multiply, multiply_transpose, multiply_symmetric, &
+  use amontons_sparse, only: sparse_type, reduction_type, from_triplets, entry_position, &
+    transpose_of, full_of, product_of, sum_of, multiply, multiply_transpose, multiply_symmetric, &
     analyse_reduction, reduce_matrix
   use check, only: suite_type
   implicit none
@@ -15,7 +15,6 @@ program test_sparse
   do k = 1, size(SIZES)
     call test_triplets(SIZES(k), SIZES(k) + 3)
     call test_products(SIZES(k))
-    call test_pattern(SIZES(k))
     call test_reduction(SIZES(k), (2 * SIZES(k) + 2) / 3)
   end do
   call test_reduction(6, 0)
@@ -172,54 +171,6 @@ contains
   end subroutine test_products
 
 
-  subroutine test_pattern(n)
-    integer, intent(in) :: n
-    type(sparse_type) :: pattern, direct, expanded
-    type(error_type), allocatable :: error
-    integer :: first(n + 1), items(3 * n), unknowns(6 * n), l, i, j
-    logical :: coupled(n, n)
-    real(DP) :: place(3 * n)
-    call random_number(place)
-    items = 1 + int(real(n, DP) * place)
-    items(1::3) = [(l, l=1, n)]   ! every item is in a list
-    first = [(3 * l + 1, l=0, n)]
-    coupled = .false.
-    do i = 1, n
-      coupled(i, i) = .true.
-    end do
-    do l = 1, n
-      do i = 3 * l - 2, 3 * l
-        do j = 3 * l - 2, 3 * l
-          coupled(items(i), items(j)) = .true.
-        end do
-      end do
-    end do
-    call symmetric_pattern(n, n, first, items, pattern, error)
-    call suite%that('pattern: no error', .not. allocated(error))
-    call suite%that('pattern: sorted', is_sorted(pattern))
-    pattern%value = 1
-    call suite%that('pattern: upper triangle of the couplings, with diagonal', &
-                    all((dense_of(pattern) > 0) .eqv. upper(coupled)))
-    unknowns = [(2 * items(l) - 1, 2 * items(l), l=1, 3 * n)]
-    call symmetric_pattern(2 * n, n, [(6 * l + 1, l=0, n)], unknowns, direct, error)
-    call expand_pattern(pattern, 2, expanded, error)
-    call suite%that('expand_pattern: the same as from the unknowns', size(direct%column) == size(expanded%column))
-    call suite%that('expand_pattern: rows', all(direct%first == expanded%first))
-    call suite%that('expand_pattern: columns', all(direct%column == expanded%column))
-  end subroutine test_pattern
-
-
-  !> The upper triangle of a table.
-  function upper(table) result(above)
-    logical, intent(in) :: table(:, :)
-    logical :: above(size(table, 1), size(table, 2))
-    integer :: i, j
-    do j = 1, size(table, 2)
-      above(:, j) = table(:, j) .and. [(j >= i, i=1, size(table, 1))]
-    end do
-  end function upper
-
-
   !> Rows of C empty, with one entry (1 or another number, columns shared), and with several.
   subroutine random_relation(n, m, relation, dense)
     integer, intent(in) :: n, m
@@ -280,7 +231,11 @@ contains
   function upper_part(a) result(part)
     real(DP), intent(in) :: a(:, :)
     real(DP) :: part(size(a, 1), size(a, 2))
-    part = merge(a, 0.0_DP, upper(abs(a) >= 0))
+    integer :: j
+    part = 0
+    do j = 1, size(a, 2)
+      part(:min(j, size(a, 1)), j) = a(:min(j, size(a, 1)), j)
+    end do
   end function upper_part
 
 
@@ -290,10 +245,11 @@ contains
     type(sparse_type) :: pattern
     type(error_type), allocatable :: error
     real(DP), dimension(N) :: x, y, again, other
-    integer :: first(N - WIDTH + 1), items((N - WIDTH) * WIDTH), l, i
-    first = [(WIDTH * l + 1, l=0, N - WIDTH)]
-    items = [((l + i, i=1, WIDTH), l=0, N - WIDTH - 1)]
-    call symmetric_pattern(N, N - WIDTH, first, items, pattern, error)
+    integer, allocatable :: row(:), column(:)
+    integer :: i, j
+    row = [((i, j=i, min(i + WIDTH - 1, N)), i=1, N)]
+    column = [((j, j=i, min(i + WIDTH - 1, N)), i=1, N)]
+    call from_triplets(N, N, row, column, spread(0.0_DP, 1, size(row)), pattern, error)
     call random_number(pattern%value)
     call random_number(x)
     call multiply_symmetric(pattern, x, y)
@@ -314,8 +270,6 @@ contains
     call expect_error('a column outside the matrix', error)
     call from_triplets(2, 2, [1, 2], [1], [1.0_DP, 1.0_DP], a, error)
     call expect_error('triplets of unequal length', error)
-    call symmetric_pattern(2, 1, [1, 3], [1, 3], a, error)
-    call expect_error('an item outside the pattern', error)
     call from_triplets(3, 3, [1, 2, 3], [1, 2, 3], [1.0_DP, 1.0_DP, 1.0_DP], a, error)
     call from_triplets(2, 2, [1, 2], [1, 2], [1.0_DP, 1.0_DP], c, error)
     call analyse_reduction(a, c, reduction, r, error)
