@@ -756,15 +756,15 @@ contains
       if (analysis%pnewdt < 1.0_DP) record%reason = 'A user routine asks for a smaller increment: PNEWDT is ' // &
         text_of(analysis%pnewdt) // '.'
       call close_record(analysis, record)
-      call tell_attempt(analysis, journal)
       call reject_increment(analysis%stepper, step, dt, verdict, outcome)
       if (analysis%pnewdt < 1.0_DP .and. outcome == CUT_BACK) analysis%stepper%dt = max(step%dt_min, analysis%pnewdt * dt)
+      record%story = failure_lines(analysis%model, analysis%system, analysis%state, analysis%newton, record%reason)
+      if (outcome /= CUT_BACK) record%story = [failed_attempts(analysis%records(:analysis%n_records)), record%story]
+      call tell_attempt(analysis, journal)
       if (outcome /= CUT_BACK) then
         write (place, '(a,i0,a,i0,a,i0,a,i0,a)') 'Step ', record%step, ', increment ', record%increment, ', attempt ', &
           record%attempt, ', iteration ', record%n_iterations, ': '
-        call journal%explain(trim(place) // ' ' // record%reason, &
-          [failed_attempts(analysis%records(:analysis%n_records)), failure_lines(analysis%model, analysis%system, analysis%state, &
-          analysis%newton, record%reason)])
+        call journal%explain(trim(place) // ' ' // record%reason, record%story)
         call set_error(error, EXIT_NOT_CONVERGED, trim(place) // ' ' // record%reason // &
           ' No smaller increment is allowed. All converged increments are on disk.')
       end if

@@ -137,7 +137,8 @@ uses_newton = kinds errors history mesh steps model state contact system directi
 uses_stepper = kinds steps converge
 uses_columns = kinds errors history store
 uses_shown = kinds profiles topology model analytic
-uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state derived columns shown
+uses_told = errors history store
+uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state derived columns shown told
 uses_printed = kinds errors text tensor history posix topology mesh materials steps model state derived
 uses_frd = kinds errors version text history posix dense topology mesh materials steps model shapes state derived printed
 

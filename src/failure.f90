@@ -15,7 +15,7 @@
 module amontons_failure
   use amontons_kinds, only: DP
   use amontons_text, only: text_of
-  use amontons_history, only: increment_record_type
+  use amontons_history, only: increment_record_type, STORY_LENGTH
   use amontons_model, only: model_type
   use amontons_state, only: state_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_forensics, only: find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
@@ -175,8 +175,8 @@ contains
     type(state_type), intent(in) :: state
     type(newton_type), intent(in) :: newton
     character(*), intent(in) :: reason             !< of failure_reason
-    character(160), allocatable :: lines(:)
-    character(160) :: line
+    character(STORY_LENGTH), allocatable :: lines(:)
+    character(STORY_LENGTH) :: line
     real(DP), allocatable :: size_of(:)
     integer :: i, n
     allocate (lines(0))
@@ -184,7 +184,7 @@ contains
       write (line, '(a,i0,a,es10.3,a,es10.3,a)') 'After ', newton%progress%iteration, &
         ' iterations the largest imbalance is ', newton%progress%residual(0), ' of the largest force, the correction ', &
         newton%progress%correction, '.'
-      lines = [line, [character(160) :: 'Nodes with the largest imbalance:']]
+      lines = [line, [character(STORY_LENGTH) :: 'Nodes with the largest imbalance:']]
       size_of = norm2(system%residual, dim=1)
       do i = 1, min(N_WORST, model%mesh%n_nodes)
         n = maxloc(size_of, dim=1)
@@ -203,7 +203,7 @@ contains
   !> By what the attempts at the last increment failed, in a line; empty if there was one.
   function failed_attempts(records) result(line)
     type(increment_record_type), intent(in) :: records(:)   !< the last one is of the last attempt
-    character(160) :: line
+    character(STORY_LENGTH) :: line
     character(:), allocatable :: reason
     integer :: i, n
     line = ''

@@ -5,12 +5,15 @@ module amontons_history
   implicit none
   private
   public :: iteration_record_type, increment_record_type
+  public :: STORY_LENGTH
   public :: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV, PHASE_OUTPUT, PHASE_OTHER, N_PHASES, PHASE_NAMES
 
   integer, parameter :: PHASE_ASSEMBLY = 1, PHASE_CONTACT = 2, PHASE_FACTOR = 3, PHASE_KRYLOV = 4, PHASE_OUTPUT = 5, &
     PHASE_OTHER = 6, N_PHASES = 6
   character(12), parameter :: PHASE_NAMES(N_PHASES) = &
     [character(12) :: 'assembly', 'contact', 'factor', 'krylov', 'output', 'other']
+
+  integer, parameter :: STORY_LENGTH = 160     !< of a line of a story
 
   !> One Newton iteration (a row of .cvg).
   type :: iteration_record_type
@@ -63,6 +66,7 @@ module amontons_history
     real(DP) :: strain_energy = 0              !< stored in the elements [energy]
     real(DP) :: contact_energy = 0             !< stored by compliant laws of contact [energy]
     character(:), allocatable :: reason        !< why the attempt failed; empty if it converged
+    character(STORY_LENGTH), allocatable :: story(:)   !< of a failed attempt: the nodes least in balance, and what can be done
   end type increment_record_type
 
 end module amontons_history

@@ -251,7 +251,7 @@ contains
     type(printed_type), intent(inout) :: printed
     type(increment_record_type), intent(in) :: record
     character(:), allocatable :: words
-    integer :: status
+    integer :: status, i
     status = 0
     if (record%n_cycles > 0) &
       write (printed%cvg, '(a,i0)', iostat=status) '  ** cycles of slave nodes that were acted on: ', record%n_cycles
@@ -259,6 +259,12 @@ contains
     if (.not. record%is_converged .and. allocated(record%reason)) &
       write (printed%cvg, '(2a)', iostat=status) '  ** ', record%reason
     if (printed%status == 0) printed%status = status
+    if (allocated(record%story)) then
+      do i = 1, size(record%story)
+        if (record%story(i) /= '') write (printed%cvg, '(2a)', iostat=status) '  ** ', trim(record%story(i))
+        if (printed%status == 0) printed%status = status
+      end do
+    end if
     if (.not. record%is_converged .or. record%n_carried == 0) return
     words = '  ** carried in '
     if (record%n_snapped > 0) words = '  ** carried to another balance in '

@@ -36,9 +36,10 @@ module amontons_results
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type, PHASE_NAMES
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
+  use amontons_told, only: told_type, create_told, open_told, append_told
   use amontons_store, only: append_rows, apply_pages, close_store, create_group, create_store, create_table, drop_store, &
     flush_store, form_type, open_store, open_table, pages_type, store_type, table_type, take_pages, write_attribute, &
-    write_data, STORE_I64, STORE_TEXT, STORE_U8
+    write_data, STORE_I64, STORE_U8
   use amontons_shown, only: shown_type, draw_profiles, displacement_of
   use amontons_columns, only: append_columns, check_finite, column_type, create_columns, open_columns, write_columns, &
     CONTACT_COLUMNS, CONTROL_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, &
@@ -71,12 +72,11 @@ module amontons_results
     type(table_type), allocatable :: contact(:)        !< created with the first fields, which know the slave nodes
     type(table_type), allocatable :: pairs(:)          !< sums over pairs; only with pairs
     type(table_type), allocatable :: history(:)
-    type(table_type) :: reason
+    type(told_type) :: told                            !< of attempts, in words
     type(table_type), allocatable :: iterations(:)
   end type results_type
 
   integer, parameter :: LONGEST_NAME = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
-  integer, parameter :: REASON_LENGTH = 240            !< longest reason why an attempt failed
   real(DP), parameter :: UNTOLD = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
 
   ! The constant tables of /VTKHDF/Steps: all frames show the same mesh, as one part.
@@ -137,8 +137,7 @@ contains
       PAIR_COLUMNS, size(model%pairs), results%pairs, error)
     if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, &
       results%history, error)
-    if (.not. allocated(error)) call open_table(results%store, results%reason, '/AMONTONS/history/reason', &
-      form_type(storage=STORE_TEXT, width=REASON_LENGTH), error)
+    if (.not. allocated(error)) call open_told(results%told, results%store, error)
     if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, &
       results%iterations, error)
     if (allocated(error)) call drop_store(results%store)
@@ -388,9 +387,7 @@ contains
     if (n_pairs > 0) call create_columns(results%store, '/AMONTONS/pair_history', PAIR_COLUMNS, n_pairs, results%pairs, error)
     if (allocated(error)) return
     call create_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, results%history, error)
-    if (.not. allocated(error)) call create_table(results%store, results%reason, '/AMONTONS/history/reason', &
-      form_type(storage=STORE_TEXT, width=REASON_LENGTH), '[-]', &
-      'Why the attempt failed; empty if it converged.', error)
+    if (.not. allocated(error)) call create_told(results%told, results%store, error)
     if (.not. allocated(error)) call create_columns(results%store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, &
       results%iterations, error)
   end subroutine create_histories
@@ -840,7 +837,7 @@ contains
       reals(:, 1) = finite(reals(:, 1))
       call append_columns(results%store, HISTORY_COLUMNS, integers, reals, results%history, error)
     end if
-    if (.not. allocated(error)) call append_rows(results%store, results%reason, text_of(record%reason), error)
+    if (.not. allocated(error)) call append_told(results%told, results%store, record, error)
     if (.not. allocated(error)) call flush_store(results%store, error)
     if (allocated(error)) call abandon(results)
   end subroutine write_row

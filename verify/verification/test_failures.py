@@ -189,10 +189,18 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
     assert any(reason in done.stdout for reason in reasons), done.stdout
     assert "Remedy:" in done.stdout, done.stdout
     assert advice in done.stdout, done.stdout
-    assert any(reason in (tmp_path / "job.cvg").read_text() for reason in reasons)
+    course = (tmp_path / "job.cvg").read_text()
+    assert any(reason in course for reason in reasons)
     with h5py.File(tmp_path / "job.vtkhdf") as file:
         told = [str(reason) for reason in file["AMONTONS/history/reason"].asstr()]
+        lines = [str(line) for line in file["AMONTONS/failures/line"].asstr()]
+        attempt = file["AMONTONS/failures/attempt"][:]
     assert any(reason in told[-1] for reason in reasons), told
+    assert attempt[-1] == len(told) - 1
+    last = [line for line, row in zip(lines, attempt, strict=True) if row == attempt[-1]]
+    assert advice in last[-1], last
+    assert all(f"  ** {line}\n" in course for line in last if line), "the story in .cvg is that of the result file"
+    assert all(f"  {line}\n" in done.stdout for line in last if line), "and that of the terminal"
     if any(reason.startswith(("CYCLE", "STICK", "LEFT")) for reason in reasons):
         worst = re.findall(r"node \d+: imbalance .*, pair \S+ / \S+, gap \S+: ((?:open|stick|slip)\S*(?: \S+)*)", done.stdout)
         assert 1 <= len(worst) <= 10, done.stdout
