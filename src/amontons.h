@@ -57,6 +57,17 @@ typedef struct {
 int amontons_abi(void);
 void amontons_version(char *text, int room); /* e.g. "0.1.0", ended by 0 */
 
+/* What friction does at n slave nodes of your own, in an iterate u and after the whole search direction d (the procedure of
+ * doc/theory/contact.md, section 4; no job is needed). All nodes are closed. The arrays hold the nodes at u, then at u + d:
+ * tangential[2][n][3] the imbalance across the normal, normal_force[2][n] positive in compression, slip[2][n][3] since the
+ * start of the increment; direction[n][3] is d there, tangential, relative to the master. controls: NULL, or 5 numbers: |DR|
+ * that is in balance over mu N, the same as a force, a slip that is none, least and largest length. Answers: verdicts[n][2],
+ * scenario 1 to 4 (0: none) and AMONTONS_NODE_...; step lengths alpha[n]. Answers that are not wanted may be NULL. */
+enum { AMONTONS_NODE_STICK = 1, AMONTONS_NODE_SLIP = 2, AMONTONS_NODE_BALANCED = 3, AMONTONS_NODE_OPENED = 4 };
+int amontons_classify(int64_t n, const double *tangential, const double *normal_force, const double *slip,
+                      const double *direction, const double *mu, const double *controls, int32_t *verdicts,
+                      double *alpha);
+
 /* Begins a job. There is one to ask for the message, and to close, even if it could not begin; NULL: no memory. */
 int amontons_open(const amontons_options *options, amontons_job **job);
 void amontons_close(amontons_job *job);

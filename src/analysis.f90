@@ -30,8 +30,8 @@ module amontons_analysis
   use amontons_derived, only: add_inelastic_work, n_nodal_slaves
   use amontons_forensics, only: n_changed_since_first
   use amontons_stepper, only: stepper_type, course_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
-    STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK
-  use amontons_failure, only: failure_reason, failure_lines, failed_attempts
+    STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
+  use amontons_failure, only: failure_reason, failure_lines, failed_attempts, edge_lines, is_free_for_good
   use amontons_store, only: mend_store
   use amontons_results, only: results_type, open_results, resume_results, write_increment, write_attempt, &
     write_iteration, close_results, take_result_pages, apply_result_pages, drop_results, &
@@ -456,6 +456,7 @@ contains
       record%is_converged = .true.
       record%n_carried = analysis%newton%n_carried
       record%n_snapped = analysis%newton%n_snapped
+      record%story = edge_lines(analysis%model, analysis%state)
       call close_damping(analysis%system%share, step, analysis%state, damped)
       call close_ledger(analysis%model, analysis%state, record, damped)
       call close_record(analysis, record)
@@ -758,6 +759,7 @@ contains
       call close_record(analysis, record)
       call reject_increment(analysis%stepper, step, dt, verdict, outcome)
       if (analysis%pnewdt < 1.0_DP .and. outcome == CUT_BACK) analysis%stepper%dt = max(step%dt_min, analysis%pnewdt * dt)
+      if (is_free_for_good(analysis%records(:analysis%n_records))) outcome = GIVE_UP
       record%story = failure_lines(analysis%model, analysis%system, analysis%state, analysis%newton, record%reason)
       if (outcome /= CUT_BACK) record%story = [failed_attempts(analysis%records(:analysis%n_records)), record%story]
       call tell_attempt(analysis, journal)
@@ -765,8 +767,9 @@ contains
         write (place, '(a,i0,a,i0,a,i0,a,i0,a)') 'Step ', record%step, ', increment ', record%increment, ', attempt ', &
           record%attempt, ', iteration ', record%n_iterations, ': '
         call journal%explain(trim(place) // ' ' // record%reason, record%story)
-        call set_error(error, EXIT_NOT_CONVERGED, trim(place) // ' ' // record%reason // &
-          ' No smaller increment is allowed. All converged increments are on disk.')
+        call set_error(error, EXIT_NOT_CONVERGED, trim(place) // ' ' // record%reason // trim(merge( &
+          ' A smaller increment does not hold it.', ' No smaller increment is allowed.     ', &
+          is_free_for_good(analysis%records(:analysis%n_records)))) // ' All converged increments are on disk.')
       end if
     end associate
     call restore_state(analysis%state)

@@ -12,7 +12,7 @@ module amontons_capi
   use amontons_sparse, only: sparse_type
   use amontons_library, only: job_type, job_options_type, listener_type, open_job, advance_job, advance_job_to, try_job, &
     begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, &
-    get_names, get_matrix
+    get_names, get_matrix, classify_nodes, slip_controls_type
   implicit none
   private
 
@@ -66,6 +66,32 @@ contains
   integer(c_int) function capi_abi() bind(C, name='amontons_abi')
     capi_abi = ABI
   end function capi_abi
+
+
+  !> State, scenario and step length of slave nodes of the caller's own; the indices of the arrays run the other way in C.
+  integer(c_int) function capi_classify(n, Rt, normal_force, slip, direction, mu, controls, verdicts, alpha) &
+    bind(C, name='amontons_classify') result(status)
+    integer(c_int64_t), value :: n                 !< nodes
+    real(c_double), intent(in), optional :: Rt(3, n, 2)   !< tangential imbalance at u and at u + d [force]
+    real(c_double), intent(in), optional :: normal_force(n, 2)   !< the same [force]
+    real(c_double), intent(in), optional :: slip(3, n, 2)   !< since the start of the increment [length]
+    real(c_double), intent(in), optional :: direction(3, n)   !< d, tangential, relative to the master [length]
+    real(c_double), intent(in), optional :: mu(n)  !< coefficients of friction [-]
+    real(c_double), intent(in), optional :: controls(5)   !< balance, force_zero, slip_zero, alpha_min, alpha_max
+    integer(c_int32_t), intent(out), optional :: verdicts(2, n)   !< scenario and state
+    real(c_double), intent(out), optional :: alpha(n)   !< [-]
+    type(slip_controls_type) :: bounds
+    integer :: scenarios(max(n, 0_c_int64_t)), states(max(n, 0_c_int64_t))
+    real(DP) :: lengths(max(n, 0_c_int64_t))
+    status = EXIT_USAGE
+    if (n < 0 .or. .not. (present(Rt) .and. present(normal_force) .and. present(slip) .and. present(direction) .and. &
+      present(mu))) return
+    if (present(controls)) bounds = slip_controls_type(controls(1), controls(2), controls(3), controls(4), controls(5))
+    call classify_nodes(Rt, normal_force, slip, direction, mu, bounds, scenarios, states, lengths)
+    if (present(verdicts)) verdicts = transpose(reshape([scenarios, states], [size(states), 2]))
+    if (present(alpha)) alpha = lengths
+    status = EXIT_DONE
+  end function capi_classify
 
 
   !> The version of the program, cut off to the room there is.

@@ -24,14 +24,13 @@ module amontons_failure
   use amontons_system, only: system_type, TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
   implicit none
   private
-  public :: failure_reason, failure_lines, failed_attempts
+  public :: failure_reason, failure_lines, failed_attempts, edge_lines, is_free_for_good
 
   integer, parameter :: N_WORST = 10               !< nodes listed
   integer, parameter :: N_NAMED = 8                !< nodes named in the reason
+  integer, parameter :: N_FREE = 3                 !< attempts at an increment that find a free body: a shorter one would not hold it
   character(*), parameter :: LIMIT_POINT = 'LIMIT POINT: the stiffness is not positive: the structure buckles, snaps ' // &
     'through, or softens.'
-  character(*), parameter :: LIMIT_OF_CONTACT = 'LIMIT POINT: contact finds no balance near by: it lets go faster than ' // &
-    'the bodies follow, first at '
 
 contains
 
@@ -68,8 +67,7 @@ contains
     case default
       reason = contact_reason(model, system, state, newton)
       if (max(newton%n_unsettled, newton%n_snapped) > 1 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
-        reason = LIMIT_OF_CONTACT // names_of(model, state%new%slaves, unbalanced_slaves(system, state)) // '.' // &
-        all_slip(state, 'if nothing else holds a body, friction does not.')
+        reason = limit_of_contact(model, system, state)
       if (reason == '' .and. (system%n_shifted > newton%n_shifted .or. newton%n_uphill > 1)) reason = LIMIT_POINT
       if (newton%n_carried > newton%n_snapped .and. newton%farthest > 0 .and. index(reason, 'LEFT') == 0) &
         reason = free_body(model, state, newton)
@@ -78,6 +76,20 @@ contains
       if (reason == '') reason = 'SLOW: the force imbalance does not fall any more.'
     end select
   end function failure_reason
+
+
+  !> Contact that finds no balance: where it lets go, if any node is still closed.
+  function limit_of_contact(model, system, state) result(reason)
+    type(model_type), intent(in) :: model
+    type(system_type), intent(in) :: system
+    type(state_type), intent(in) :: state
+    character(:), allocatable :: reason
+    integer, allocatable :: slaves(:)
+    reason = 'LIMIT POINT: contact finds no balance near by: it lets go faster than the bodies follow'
+    slaves = unbalanced_slaves(system, state)
+    if (size(slaves) > 0) reason = reason // ', first at ' // names_of(model, state%new%slaves, slaves)
+    reason = reason // '.' // all_slip(state, 'if nothing else holds a body, friction does not.')
+  end function limit_of_contact
 
 
   !> A body that had to be carried again and again.
@@ -217,6 +229,39 @@ contains
     end do
     line = 'Its attempts failed by ' // trim(line(3:)) // '.'
   end function failed_attempts
+
+
+  !> Whether the last attempts at an increment, each shorter than the one before, all found a body that nothing holds.
+  pure logical function is_free_for_good(records) result(is_free)
+    type(increment_record_type), intent(in) :: records(:)   !< the last one is of the last attempt
+    integer :: i, n
+    n = size(records)
+    is_free = n >= N_FREE
+    if (is_free) is_free = records(n)%attempt >= N_FREE
+    if (.not. is_free) return
+    do i = n - N_FREE + 1, n
+      is_free = is_free .and. index(records(i)%reason, 'FREE BODY') == 1
+    end do
+  end function is_free_for_good
+
+
+  !> What is told after an increment of slave nodes that ran off their master in it, or keep to its edge; nothing if there are none.
+  function edge_lines(model, state) result(lines)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state          !< converged, not yet committed
+    character(STORY_LENGTH), allocatable :: lines(:)
+    integer, allocatable :: slaves(:)
+    integer :: s
+    allocate (lines(0))
+    if (size(state%new%slaves) == 0) return
+    slaves = pack([(s, s=1, size(state%new%slaves))], state%new%slaves%extension > 0.0_DP .and. &
+      state%old%slaves%extension <= 0.0_DP)
+    if (size(slaves) > 0) lines = [character(STORY_LENGTH) :: 'Slave ' // names_of(model, state%new%slaves, slaves) // &
+      ' went off the master and back in a cycle: the facet at the edge reaches farther for them.']
+    slaves = left_nodes(state%old%slaves, state%new%slaves)
+    if (size(slaves) > 0) lines = [character(STORY_LENGTH) :: lines, 'Slave ' // names_of(model, state%new%slaves, slaves) // &
+      ' ran off the master surface in this increment: nothing holds them there.']
+  end function edge_lines
 
 
   !> What contact says of a node: pair, gap, and what it was in the last iterations.

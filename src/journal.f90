@@ -203,6 +203,7 @@ contains
     type(increment_record_type), intent(in) :: record
     real(DP), intent(in) :: fraction           !< of the whole job done, 0 to 1 [-]
     character(100) :: line
+    integer :: i
     self%fraction = fraction
     if (self%is_quiet .or. .not. self%has_increments) return
     if (.not. self%has_head) then
@@ -221,6 +222,11 @@ contains
     else if (record%is_converged .and. record%n_carried > 0) then
       call put(self, '        Bodies that nothing held were carried to ' // &
         'where they touch in ' // plural(record%n_carried, 'iteration') // ', work ' // text_of(record%carried_now) // '.')
+    end if
+    if (record%is_converged .and. allocated(record%story)) then
+      do i = 1, size(record%story)
+        call put(self, '        ' // trim(harmless(record%story(i))))
+      end do
     end if
     if (record%is_converged) return
     if (allocated(record%reason)) then

@@ -18,6 +18,7 @@ module amontons_library
   use amontons_skew, only: with_skew
   use amontons_sparse, only: sparse_type, full_of, multiply_transpose
   use amontons_state, only: state_type
+  use amontons_slip, only: classify_nodes, slip_controls_type
   use amontons_user_job, only: end_routines
   use amontons_system, only: evaluate, TROUBLE_NONE
   use amontons_direction, only: linearise, tangent_matrix
@@ -30,6 +31,7 @@ module amontons_library
   public :: job_type, job_options_type, listener_type, error_type, sparse_type
   public :: open_job, advance_job, advance_job_to, try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job
   public :: is_job_done, get_values, set_values, get_names, get_matrix, VERDICT_GO_ON, VERDICT_CONVERGED
+  public :: classify_nodes, slip_controls_type       !< for the nodes of a program that solves by itself: no job
 
   real(DP), parameter :: SNAP = 1.0e-9_DP          !< a time this near to the one asked for is it, of the step's period [-]
 

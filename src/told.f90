@@ -10,7 +10,7 @@ module amontons_told
   public :: told_type, create_told, open_told, append_told
 
   character(*), parameter :: REASON = '/AMONTONS/history/reason'
-  character(*), parameter :: FAILURES = '/AMONTONS/failures'
+  character(*), parameter :: FOLDER = '/AMONTONS/told'
   integer, parameter :: REASON_LENGTH = 240        !< longest reason why an attempt failed
   type(form_type), parameter :: REASON_FORM = form_type(storage=STORE_TEXT, width=REASON_LENGTH)
   type(form_type), parameter :: LINE_FORM = form_type(storage=STORE_TEXT, width=STORY_LENGTH)
@@ -20,7 +20,7 @@ module amontons_told
   type :: told_type
     private
     type(table_type) :: reason                     !< a row per attempt
-    type(table_type) :: line                       !< the lines of all failed attempts, one after the other
+    type(table_type) :: line                       !< what is told of attempts, one line after the other
     type(table_type) :: attempt                    !< of each line: the row of the history to which it belongs
   end type told_type
 
@@ -32,10 +32,10 @@ contains
     type(store_type), intent(in) :: store
     type(error_type), allocatable, intent(out) :: error
     call create_table(store, told%reason, REASON, REASON_FORM, '[-]', 'Why the attempt failed; empty if it converged.', error)
-    if (.not. allocated(error)) call create_group(store, FAILURES, error)
-    if (.not. allocated(error)) call create_table(store, told%line, FAILURES // '/line', LINE_FORM, '[-]', &
-      'What was told of attempts that failed: the nodes with the largest imbalance, their contact, and a remedy.', error)
-    if (.not. allocated(error)) call create_table(store, told%attempt, FAILURES // '/attempt', ROW_FORM, '[-]', &
+    if (.not. allocated(error)) call create_group(store, FOLDER, error)
+    if (.not. allocated(error)) call create_table(store, told%line, FOLDER // '/line', LINE_FORM, '[-]', &
+      'What was told of attempts: of those that failed the worst nodes with their contact, and a remedy.', error)
+    if (.not. allocated(error)) call create_table(store, told%attempt, FOLDER // '/attempt', ROW_FORM, '[-]', &
       'The row of the history that the line is about.', error)
   end subroutine create_told
 
@@ -46,8 +46,8 @@ contains
     type(store_type), intent(in) :: store
     type(error_type), allocatable, intent(out) :: error
     call open_table(store, told%reason, REASON, REASON_FORM, error)
-    if (.not. allocated(error)) call open_table(store, told%line, FAILURES // '/line', LINE_FORM, error)
-    if (.not. allocated(error)) call open_table(store, told%attempt, FAILURES // '/attempt', ROW_FORM, error)
+    if (.not. allocated(error)) call open_table(store, told%line, FOLDER // '/line', LINE_FORM, error)
+    if (.not. allocated(error)) call open_table(store, told%attempt, FOLDER // '/attempt', ROW_FORM, error)
   end subroutine open_told
 
 

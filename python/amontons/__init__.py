@@ -29,6 +29,7 @@ from amontons.job import (
     Verdict,
     version,
 )
+from amontons.slip import Slip, classify
 
 __all__ = [
     "AmontonsError",
@@ -39,8 +40,10 @@ __all__ = [
     "Matrix",
     "NotConvergedError",
     "SetupError",
+    "Slip",
     "SolverError",
     "UsageError",
     "Verdict",
+    "classify",
     "version",
 ]

@@ -43,6 +43,7 @@ class Options(Structure):
 SIGNATURES: dict[str, tuple[object, list[object]]] = {
     "amontons_abi": (c_int, []),
     "amontons_version": (None, [c_char_p, c_int]),
+    "amontons_classify": (c_int, [c_int64] + 8 * [c_void_p]),
     "amontons_open": (c_int, [POINTER(Options), POINTER(c_void_p)]),
     "amontons_close": (None, [c_void_p]),
     "amontons_message": (c_char_p, [c_void_p]),

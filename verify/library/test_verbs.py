@@ -83,6 +83,17 @@ def told(deck: Path) -> list[str]:
     handle = ctypes.c_void_p()
     say(f"another interface: {calls().amontons_open(ctypes.byref(Options(abi=ABI + 1)), ctypes.byref(handle))}")
     calls().amontons_close(handle)
+    slips = np.zeros((2, 5, 3))
+    slips[0, 2:4, 0], slips[1, 2:4, 0] = 0.2, (0.1, -0.1)
+    scenarios = amontons.classify(np.multiply.outer([[5, 5, 1, 1, 1], [2, 4, 4, 2, 1]], [1, 0, 0]), [[10, 10, 10, 10, -1], 5 * [10]], slips,
+                                  np.multiply.outer([0.1, 0.1, -0.1, -0.3, 0.1], [1, 0, 0]), 0.3)  # fmt: skip
+    say(f"scenarios: 0 {' '.join(map(str, [*scenarios.scenario, *scenarios.state]))} {mixed(scenarios.length)}")
+    assert np.array_equal(scenarios.scenario, [1, 2, 3, 4, 0]), "one node in each"
+    assert np.array_equal(scenarios.state, [2, 2, 2, 1, 4]), "IV is cut at zero slip: it sticks; the last one opens"
+    assert np.allclose(scenarios.length, [2 / 3, 2, 2 / 3, 2 / 3, 1], rtol=1e-14), "the table of doc/theory/contact.md with mu N = 3"
+    with pytest.raises(amontons.UsageError):
+        amontons.classify([[[1, 0, 0]]], [[1], [1]], np.zeros((2, 1, 3)), [[0, 0, 0]], 0.3)
+    say(f"no nodes: {calls().amontons_classify(1, *8 * [None])}")
     heard: list[str] = []
     job = amontons.Job(text=deck.read_text(), log=heard.append)
     for kind in ("NODE SETS", "QUANTITIES"):

@@ -68,6 +68,23 @@ static void tell_all(amontons_job *job)
   tell(job, "ELEMENT LABEL", "UPPER");
 }
 
+/* Nodes in scenarios I to IV, and one that opens. */
+static void tell_scenarios(void)
+{
+  const double tangential[2][5][3] = {{{5}, {5}, {1}, {1}, {1}}, {{2}, {4}, {4}, {2}, {1}}};
+  const double normal_force[2][5] = {{10, 10, 10, 10, -1}, {10, 10, 10, 10, 10}};
+  const double slip[2][5][3] = {{{0}, {0}, {0.2}, {0.2}, {0}}, {{0}, {0}, {0.1}, {-0.1}, {0}}};
+  const double direction[5][3] = {{0.1}, {0.1}, {-0.1}, {-0.3}, {0.1}}, mu[5] = {0.3, 0.3, 0.3, 0.3, 0.3};
+  int32_t verdicts[5][2];
+  double alpha[5];
+  int status = amontons_classify(5, &tangential[0][0][0], &normal_force[0][0], &slip[0][0][0], &direction[0][0], mu, NULL, &verdicts[0][0], alpha);
+  printf("scenarios: %d", status);
+  for (int i = 0; i < 5; i++) printf(" %d", verdicts[i][0]);
+  for (int i = 0; i < 5; i++) printf(" %d", verdicts[i][1]);
+  printf(" %016llX\n", (unsigned long long)mixed(alpha, 5));
+  printf("no nodes: %d\n", amontons_classify(1, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL));
+}
+
 static void tell_matrix(amontons_job *job, const char *name)
 {
   int64_t rows, columns, entries, all, free_ones;
@@ -134,6 +151,7 @@ int main(int n, char **words)
   options.abi = AMONTONS_ABI + 1;
   printf("another interface: %d\n", amontons_open(&options, &job));
   amontons_close(job);
+  tell_scenarios();
   options.abi = AMONTONS_ABI;
   options.text = text;
   options.log = hear;

@@ -36,7 +36,7 @@ program verbs
   use, intrinsic :: iso_fortran_env, only: real64, int64
   use amontons_library, only: job_type, job_options_type, error_type, sparse_type, open_job, advance_job, advance_job_to, &
     try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, &
-    get_names, get_matrix, VERDICT_GO_ON
+    get_names, get_matrix, VERDICT_GO_ON, classify_nodes, slip_controls_type
   use heard, only: counter_type
   implicit none
   type(job_type), allocatable :: job
@@ -54,6 +54,7 @@ program verbs
   options%n_threads = 1
   allocate (counter%n_lines, source=0)
   allocate (job)
+  call tell_scenarios()
   call open_job(job, options, error, counter)
   call judge()
   call tell_names('NODE SETS')
@@ -193,6 +194,26 @@ contains
     call tell('ELEMENT S', 'UPPER')
     call tell('ELEMENT LABEL', 'UPPER')
   end subroutine tell_all
+
+
+  !> Nodes in scenarios I to IV, and one that opens. The compiler sees to it that there are arrays: the second line is C's.
+  subroutine tell_scenarios()
+    real(real64) :: Rt(3, 5, 2), N(5, 2), slip(3, 5, 2), d(3, 5), alpha(5)
+    integer :: scenario(5), state(5)
+    Rt = 0
+    Rt(1, :, 1) = [5, 5, 1, 1, 1]
+    Rt(1, :, 2) = [2, 4, 4, 2, 1]
+    N = 10
+    N(5, 1) = -1
+    slip = 0
+    slip(1, 3:4, 1) = 0.2_real64
+    slip(1, 3:4, 2) = [0.1_real64, -0.1_real64]
+    d = 0
+    d(1, :) = [0.1_real64, 0.1_real64, -0.1_real64, -0.3_real64, 0.1_real64]
+    call classify_nodes(Rt, N, slip, d, spread(0.3_real64, 1, 5), slip_controls_type(), scenario, state, alpha)
+    write (*, '(a,10(1x,i0),1x,z16.16)') 'scenarios: 0', scenario, state, mixed(transfer(alpha, [0_int64]))
+    write (*, '(a)') 'no nodes: 2'
+  end subroutine tell_scenarios
 
 
   !> The indices of the module count from 1, those of C and Python from 0.

@@ -14,12 +14,15 @@ import h5py
 import numpy as np
 import pytest
 from conftest import Run
+from independent.results import read_history
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
 from make_decks import block  # noqa: E402
 from planes import flat_deck, flatten  # noqa: E402
 from sheets import Floats, between, fix, pair, sheet, solid_deck  # noqa: E402
+from test_carry import LEAN, PRESS, STIFF, WEAK, pole  # noqa: E402
+from test_defaults import gasket_at_edges  # noqa: E402
 
 ELASTIC = "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n"
 STATIC = "*STEP, NLGEOM, INC=100\n*STATIC\n0.1, 1., 0.01, 0.1\n"
@@ -83,6 +86,13 @@ def tilted(search: str) -> str:
     load = fix("TABLE_BOTTOM, 1, 2", "BODY_TOP, 1", "BODY_TOP, 2, 2, -0.2")
     cards = pair("BODY_BOTTOM", "TABLE_TOP", 0.3) + f"*STEP, NLGEOM\n*STATIC, DIRECT\n0.2, 1.\n*LINE SEARCH, TYPE={search}\n{load}*END STEP\n"
     return flat_deck([(flatten(body), (2000.0, 0.3)), (flatten(table), (210000.0, 0.3))], "CPE4", cards)
+
+
+def flipping() -> str:
+    """The pole of test_carry beyond where friction ends: each slip takes more from mu N than from the pull, so full steps stick and slip for ever."""
+    mu, c, s = 1.5, np.cos(LEAN), np.sin(LEAN)
+    end = (mu * s - c) * STIFF * PRESS / WEAK
+    return pole(mu, (0.95 * end, 1.05 * end)).replace("*STATIC, DIRECT\n1., 1.\n", "*STATIC, DIRECT\n1., 1.\n*LINE SEARCH, TYPE=NONE\n")
 
 
 def pulled_too_hard() -> str:
@@ -176,10 +186,11 @@ def test_turning_in_a_bore_is_no_fall(run: Run, tmp_path: Path) -> None:
         (hinged(), ("LINEAR SOLVER: the stiffness matrix is singular",), "nothing holds"),
         (overflowing(), ("LINEAR SOLVER: a force is not finite",), "out of scale"),
         (tilted("NONE"), ("CYCLE of length 2 at node",), "smaller increments"),
+        (flipping(), ("STICK-SLIP FLIP of length 2 at node 1.",), "smaller increments"),
         (pressed_arch(), ("LIMIT POINT: the stiffness is not positive",), "prescribe displacements"),
         pytest.param(pulled_too_hard(), ("FREE BODY", "LIMIT POINT: contact finds no balance"), "friction", marks=pytest.mark.slow),
     ],
-    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "arch", "too little friction"],
+    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "flip", "arch", "too little friction"],
 )
 def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], advice: str) -> None:
     """Exit code 5, the reason in capitals, one remedy, the worst nodes with their contact; .cvg and the result file have the reason too."""
@@ -193,8 +204,8 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
     assert any(reason in course for reason in reasons)
     with h5py.File(tmp_path / "job.vtkhdf") as file:
         told = [str(reason) for reason in file["AMONTONS/history/reason"].asstr()]
-        lines = [str(line) for line in file["AMONTONS/failures/line"].asstr()]
-        attempt = file["AMONTONS/failures/attempt"][:]
+        lines = [str(line) for line in file["AMONTONS/told/line"].asstr()]
+        attempt = file["AMONTONS/told/attempt"][:]
     assert any(reason in told[-1] for reason in reasons), told
     assert attempt[-1] == len(told) - 1
     last = [line for line, row in zip(lines, attempt, strict=True) if row == attempt[-1]]
@@ -213,3 +224,53 @@ def test_auto_finishes(run: Run, tmp_path: Path, make: Callable[[str], str]) -> 
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "attempts that failed                   0" in done.stdout, done.stdout
+
+
+def test_free_body_is_told_soon(run: Run, tmp_path: Path) -> None:
+    """Three attempts, each shorter, find a body that nothing holds: no shorter one is tried, though the deck allows seven."""
+    (tmp_path / "job.inp").write_text(pulled_too_hard())
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 5, done.stdout + done.stderr
+    assert "FREE BODY" in done.stdout, done.stdout
+    assert "A smaller increment does not hold it." in done.stdout, done.stdout
+    history = read_history(tmp_path / "job.vtkhdf")
+    assert history["attempt"][-1] == 3
+
+
+def slid_over_the_end(n: int) -> str:
+    """A block 1 wide, with nodes every 0.5, on the end of a table whose facets are 0.5 long: dragged over the end by 0.7 in n increments."""
+    table = block(between(0, 2, 4), between(0, 1, 1), [-1.0, 0.0], "TABLE")
+    body = block(between(1, 2, 2), between(0, 1, 1), [0.0, 1.0], "BODY")
+    press = "*STEP, NLGEOM\n*STATIC\n1., 1.\n" + fix("TABLE_TOP, 1, 3", "TABLE_BOTTOM, 1, 3", "BODY_TOP, 1, 2", "BODY_TOP, 3, 3, -0.01")
+    drag = f"*END STEP\n*STEP, NLGEOM\n*STATIC, DIRECT\n{1 / n}, 1.\n" + fix("BODY_TOP, 1, 1, 0.7") + "*END STEP\n"
+    return solid_deck([(body, (1000.0, 0.0)), (table, (1000.0, 0.0))], pair("BODY_BOTTOM", "TABLE_TOP", 0.1), press + drag)
+
+
+def test_nodes_that_leave_their_master_are_told(run: Run, tmp_path: Path) -> None:
+    """The nodes at the front leave in the first increment of 0.07, those 0.5 behind them in the eighth: a facet reaches a tenth beyond itself."""
+    (tmp_path / "job.inp").write_text(slid_over_the_end(10))
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    history = read_history(tmp_path / "job.vtkhdf")
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        lines = [str(line) for line in file["AMONTONS/told/line"].asstr()]
+        rows = file["AMONTONS/told/attempt"][:]
+    assert [int(history["increment"][row]) for row in rows] == [1, 8], lines
+    assert np.all(history["step"][rows] == 2), lines
+    assert all(f"Slave nodes {front}, {front + 3} ran off the master surface" in line for front, line in zip((3, 2), lines, strict=True)), lines
+    course = (tmp_path / "job.cvg").read_text()
+    assert all(line in done.stdout and line in course for line in lines), done.stdout
+
+
+def test_cycle_is_acted_on(run: Run, tmp_path: Path) -> None:
+    """A gasket as wide as its plates: a node at the edge goes off its master and back; it alone is acted on, and the job finishes."""
+    parts, kind, cards, _, _ = gasket_at_edges()
+    (tmp_path / "job.inp").write_text(flat_deck([(flatten(part), elastic) for part, elastic in parts], kind, cards))
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    history = read_history(tmp_path / "job.vtkhdf")
+    assert history["n_cycles"].sum() >= 1
+    assert "acted on for those nodes alone" in done.stdout, done.stdout
+    course = (tmp_path / "job.cvg").read_text()
+    assert "cycles of slave nodes that were acted on" in course
+    assert re.search(r"Slave nodes? \d+.* went off the master and back in a cycle", course), course
