@@ -110,7 +110,39 @@ def change_cases() -> Iterator[tuple[str, str]]:
         yield f"slope-{k}", text + "*BOUNDARY\nA_Z0N, 1, 3\n" + motion("*DLOAD\nB, GRAV, 1.E10, .3, 0., -1.\n", QUARTERS)
 
 
-FAMILIES = [stack_cases, punch_cases, dome_cases, change_cases]
+def lap_cases() -> Iterator[tuple[str, str]]:
+    """Two plates that overlap, clamped by pressures and drawn apart, by a motion or by a force that is new in the second step.
+
+    The master reaches beyond the slave's nodes unless the name says `flush`; a force is stated as zero in the first step unless it says `new`.
+    """
+    for beyond in (0.0, 0.3):
+        a = Part("A", "C3D8", (0, -beyond / 3, 0), (6 + beyond, 2 + beyond / 3, 0.5), (9, 3, 1))
+        b = Part("B", "C3D8", (3, 0, 0.5), (9, 2, 1), (8, 3, 1), 1001)
+        clamp = "".join(f"{label + part.first}, P{face}, 50.\n" for part, side in ((a, "Z0"), (b, "Z1")) for label, face in part.faces[side]
+                        if 3 < part.nodes[part.elements[label]][:, 0].mean() < 6)
+        for kind in (NODES, FACES):
+            text = bodies(a, b) + STEEL + sections("A", "B") + law(LINEAR + RUB) + pair("B_Z0", "A_Z1", kind) + "*BOUNDARY\nA_X0N, 1, 3\nB_X1N, 2, 3\n"
+            k, out = kind[0].lower(), SUMS if kind == FACES else POINTS
+            held, fifths = "*BOUNDARY\nB_X1N, 1, 1\n*DLOAD\n" + clamp, "*STATIC, DIRECT\n.1, 1.\n"
+            yield f"lap-{'moved' if beyond else 'flush'}-{k}", text + motion(held, out=out) + motion("*BOUNDARY\nB_X1N, 1, 1, .01\n", fifths, out)
+            if beyond:
+                drawn = motion("*BOUNDARY, OP=NEW\nA_X0N, 1, 3\nB_X1N, 2, 3\n*DLOAD\n" + b.dload("X1", -20.0), fifths, out)
+                yield f"lap-drawn-{k}", text + motion(held + b.dload("X1", 0.0), out=out) + drawn
+                if kind == FACES:
+                    yield "lap-new-load", text + motion(held, out=out) + drawn
+
+
+def axis_cases() -> Iterator[tuple[str, str]]:
+    """A punch that presses a soft disc, with and without a bore, surface to surface."""
+    for name, r in (("axis", 0.0), ("bore", 1.0)):
+        a, b = Part("A", "CAX4", (r, -2), (r + 3, 0), (9, 5)), Part("B", "CAX4", (r, 0), (r + 1, 1), (3, 2), 1001)
+        text = bodies(a, b) + STEEL + SOFT.replace("NAME=EL", "NAME=SOFT")
+        text += "*SOLID SECTION, ELSET=A, MATERIAL=SOFT\n*SOLID SECTION, ELSET=B, MATERIAL=EL\n*BOUNDARY\nA_Y0N, 1, 2\nA_X0N, 1, 1\nB_X0N, 1, 1\n"
+        text += law(LINEAR) + pair("B_Y0", "A_Y1", FACES)
+        yield f"{name}-CAX4", text + motion("*BOUNDARY\nB_Y1N, 2, 2, -.1\n", "*STATIC, DIRECT\n.25, 1.\n", SUMS.replace("Z", "Y"))
+
+
+FAMILIES = [stack_cases, punch_cases, dome_cases, change_cases, lap_cases, axis_cases]
 
 
 def cases() -> dict[str, str]:

@@ -28,10 +28,17 @@ LINEAR, NONLINEAR = 2e-3, 1e-2
 RESIDUE = 1e-6
 SAMPLE = re.compile(r"output-(C3D8-|C3D10-global-no|sets|all)|course-|tie-(C3D8-|gap$|transform)|pretension-(C3D8|C3D15|kept)$|ring-C3D20R|truss|spring|mass|reference-rigid-(loaded|nl-moved)|"
                     r"flow-C3D8I|creep$|contact-(C3D4-s|C3D15-n|C3D8-m|hard|friction|change|small-n|clearance)|"
-                    r"stack-n|punch-tilted-n|dome-C3D(4|6)-n|out-and-in-s|slope-n")
+                    r"stack-n|lap-(drawn|flush)-n|bore-CAX4|punch-tilted-n|dome-C3D(4|6)-n|out-and-in-s|slope-n")
 
 # Where the two differ, and why. A reason that begins with "CalculiX:" is an error of CalculiX (2.20); others are open here.
 DIFFERENT: dict[str, str] = {
+    r"lap-new-load": "CalculiX: a *DLOAD that is new in a later step goes into a sorted list whose old values stay where they are, so that its "
+                     "neighbours begin the step at one another's values; equal if the load is stated as zero before (lap-drawn)",
+    r"lap-flush-n": "CalculiX: drops slave nodes on the very end of their master, other ones on the two sides of a plane of symmetry; equal "
+                    "where the master reaches further (lap-moved)",
+    r"lap-moved-n": "CalculiX: a node that its linear law still pulls at, just outside the gap, rubs with the coefficient times the size of that "
+                    "tension: 1.2 % of the largest pressure; here friction needs pressure",
+    r"axis-CAX": "CalculiX: faces that touch the axis carry nothing, because there its sector has no width; equal with a bore",
     r"contact-there-and-back-s": "slip over a long way differs at points where a face meets a new master face; forces agree",
     r"contact-C3D20R?-s": "1 % of pressure and 3 % of energy at a few points of cuts of faces of eight nodes; nodes and elements agree",
 }
@@ -90,7 +97,7 @@ def test_deck(name: str, run: Callable[..., object], tmp_path: Path) -> None:
     assert reference
     is_linear = "NLGEOM" not in text and "*CONTACT" not in text
     limit = LINEAR if is_linear else NONLINEAR
-    tables = leave_out_residue(compare(read_dat(ours / "job.dat"), reference), RESIDUE)
+    tables = leave_out_residue(compare(read_dat(ours / "job.dat"), reference, "TYPE=CAX" in text), RESIDUE)
     bad = [f"{d.title} {d.set_name} t={d.time:g}: {d.deviation:.2e} of {d.largest:.3e} at {d.where}" for d in tables if not d.deviation <= limit]
     bad += [f"field {title}: {far:.2e}" for title, far in fields_apart(ours / "job.frd", tmp_path / "job.frd", "T3D" in text) if not far <= limit]
     assert not bad, "\n".join(bad)
