@@ -231,7 +231,8 @@ contains
   end subroutine match_parameters
 
 
-  !> The option of a name: exact, or the only one that it abbreviates; 0 if there is none.
+  !> The option of a name: exact, or the only one that it abbreviates, or the first of those if the others begin with it; 0 if there is
+  !! none.
   subroutine find_option(entry, key, position, is_abbreviated)
     type(card_entry_type), intent(in) :: entry
     character(*), intent(in) :: key
@@ -246,6 +247,9 @@ contains
     if (len(key) < SHORTEST_ABBREVIATION) return
     do i = 1, entry%n_options
       if (.not. starts_with(squeezed(entry%options(i)%name), key)) cycle
+      if (position > 0) then
+        if (starts_with(squeezed(entry%options(i)%name), squeezed(entry%options(position)%name))) cycle   ! FREQUENCYF
+      end if
       is_abbreviated = position == 0
       if (position > 0) exit
       position = i

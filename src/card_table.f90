@@ -205,8 +205,8 @@ contains
     call table%option('SMOOTH|EXTENSION ZONE|HCRIT|TRACKING|SUPPLEMENTARY CONSTRAINTS|CPSET|MINIMUM DISTANCE|' // &
       'MECHANICAL CONSTRAINT|WEIGHT|GEOMETRIC CORRECTION', VALUE_TEXT, 'The search and the normals are our own.', &
       status=STATUS_NOTED)
-    call table%option('TIED|NO THICKNESS', VALUE_NONE, 'Only surfaces that can part and slide are.', &
-      status=STATUS_REFUSED)
+    call table%option('NO THICKNESS', VALUE_NONE, 'The faces of solids have none.', status=STATUS_NOTED)
+    call table%option('TIED', VALUE_NONE, 'A pair parts and slides; use *TIE.', status=STATUS_REFUSED)
     call table%option('OP', VALUE_TEXT, 'Use *MODEL CHANGE, TYPE=CONTACT PAIR.', status=STATUS_REFUSED)
 
     call table%card('CLEARANCE', IN_MODEL, 'The gap of a contact pair at the start, whatever the mesh says.')
@@ -576,9 +576,8 @@ contains
     call table%option('GLOBAL', VALUE_WORD, 'Tensors are in global directions, or in the axes of the section.', &
       allowed='YES|NO', default='NO')
     call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
-    call table%option('POSITION', VALUE_WORD, 'Values are at the integration points.', allowed='INTEGRATION POINTS', &
-      default='INTEGRATION POINTS')
-    call table%refuse_words('NODES|CENTROIDAL|AVERAGED AT NODES', 'Nodal values are in the result file.')
+    call table%option('POSITION', VALUE_TEXT, 'Values are at the integration points; those at nodes are in the result file.', &
+      status=STATUS_NOTED)
 
     call table%card('CONTACT PRINT', IN_STEP, 'Prints values of slave nodes, and sums over pairs, to the .dat file.', &
       data='variables: CDIS, CSTR, CELS, CNUM, SCEN; sums over each pair: CF (CFT, CMT, XT, CAREA), CFN (CMN, XN), CFS (CMS, XS)')

@@ -316,7 +316,8 @@ contains
   end subroutine read_coupling
 
 
-  !> The degrees of freedom below KINEMATIC or DISTRIBUTING: rows first, last; none: all, in CalculiX no rotations of DISTRIBUTING.
+  !> The degrees of freedom below KINEMATIC or DISTRIBUTING: rows first, last; none: all, in CalculiX no rotations of
+  !! DISTRIBUTING.
   subroutine read_bound(reader, c, is_bound, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of that card
@@ -343,10 +344,15 @@ contains
     end do
     if (n > 0) return
     is_bound = .true.
-    if (reader%dialect /= DIALECT_CALCULIX .or. .not. is_card(reader, c, 'DISTRIBUTING')) return
-    is_bound(4:6) = .false.
-    call note(reader, reader%cards%cards(c)%line, 'Without a row 1, 6 below it this card binds no rotation, as in CalculiX: ' // &
-      'moments on the reference node do nothing.')
+    if (reader%dialect /= DIALECT_CALCULIX) return
+    if (is_card(reader, c, 'DISTRIBUTING')) then
+      is_bound(4:6) = .false.
+      call note(reader, reader%cards%cards(c)%line, 'Without a row 1, 6 below it this card binds no rotation, as in CalculiX: ' // &
+        'moments on the reference node do nothing.')
+    else
+      call note(reader, reader%cards%cards(c)%line, 'Without a row below it this card binds all directions, as in Abaqus; ' // &
+        'CalculiX binds none. Write 1, 3.')
+    end if
   end subroutine read_bound
 
 

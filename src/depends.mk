@@ -96,7 +96,7 @@ uses_areas = kinds topology mesh surfaces shapes
 uses_mortar = kinds errors tensor topology mesh shapes facets search gap rows dual polygons areas
 
 # 5 system: unknowns, residual, matrix
-uses_state = kinds tensor topology mesh materials loads steps model shapes material_point
+uses_state = kinds tensor topology mesh materials loads steps model shapes log_strain material_point
 uses_user_state = kinds errors user topology mesh materials loads model shapes points element state
 uses_changes = mesh model state
 uses_constraints = kinds errors sparse
@@ -140,7 +140,7 @@ uses_shown = kinds profiles topology model analytic
 uses_told = errors history store
 uses_results = kinds errors version tensor history store topology mesh materials surfaces steps model state derived columns shown told
 uses_printed = kinds errors text tensor history posix topology mesh materials steps model state derived
-uses_frd = kinds errors version text history posix dense topology mesh materials steps model shapes state derived printed
+uses_frd = kinds errors version text history posix dense topology mesh steps model shapes state derived printed
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state reduced system newton stepper

@@ -18,17 +18,16 @@ module amontons_frd
   use amontons_text, only: rows_as_text, text_of
   use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, FACET_TRI3, &
     FAMILY_MASS, FAMILY_SOLID, MAX_FACE_NODES
-  use amontons_materials, only: USER_STATE
   use amontons_mesh, only: mesh_type, is_out
   use amontons_shapes, only: facet_shapes
   use amontons_steps, only: frd_request_type, is_output_due, step_type, FRD_CELS, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_ERROR, &
     FRD_FORC, FRD_MESTRAIN, FRD_NDTEMP, FRD_PE, FRD_SDV, FRD_STRESS, FRD_THSTRAIN, FRD_TOSTRAIN, N_FRD
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN
+  use amontons_state, only: inelastic_strain, inner_variables, n_inner_variables, fields_type, slave_type, STATUS_OPEN
   use amontons_derived, only: average_at_nodes, estimate_error, list_followers, mechanical_strain, nodal_slaves, n_nodal_slaves, &
     shown_density, shown_energy, shown_slip, turn_trusses
-  use amontons_printed, only: contact_axes, in_axes, in_directions, inelastic_strain, printed_forces
+  use amontons_printed, only: contact_axes, in_axes, in_directions, printed_forces
   use amontons_version, only: VERSION
   implicit none
   private
@@ -290,7 +289,7 @@ contains
     if (frd%unit == 0 .or. record%increment == 0) return
     associate (step => model%steps(record%step))
       if (.not. is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times)) return
-      shown = is_shown(frd, step, fields, n_nodal_slaves(model, fields%slaves))
+      shown = is_shown(frd, model, step, fields, n_nodal_slaves(model, fields%slaves))
     end associate
     if (.not. any(shown)) return
     frd%n_frames = frd%n_frames + 1
@@ -300,7 +299,7 @@ contains
       frd%present = nodes_of(model%mesh, .true.)
       if (request%set > 0 .and. .not. frd%is_all) frd%present = those_in(model%mesh, frd%present, request%set)
       head = HEADS(i)
-      if (i == FRD_SDV) head%n = n_states(fields)
+      if (i == FRD_SDV) head%n = n_inner_variables(model, fields)
       call write_block(frd, head, model%mesh%node_label, block_values(model, fields, i, request%is_local), fields%total_time, &
         record)
     end do
@@ -309,8 +308,9 @@ contains
 
 
   !> The fields of a frame: those that the cards ask for, or all that the job has.
-  pure function is_shown(frd, step, fields, n_slaves)
+  pure function is_shown(frd, model, step, fields, n_slaves)
     type(frd_type), intent(in) :: frd
+    type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields
     integer, intent(in) :: n_slaves                !< nodes that may touch
@@ -324,7 +324,7 @@ contains
       is_shown(FRD_PE) = size(fields%history, 1) > 0 .or. step%frd(FRD_PE)%is_wanted
       is_shown(FRD_CELS) = step%frd(FRD_CELS)%is_wanted
     end if
-    is_shown(FRD_SDV) = is_shown(FRD_SDV) .and. n_states(fields) > 0
+    is_shown(FRD_SDV) = is_shown(FRD_SDV) .and. n_inner_variables(model, fields) > 0
     is_shown([FRD_CONTACT, FRD_CELS]) = is_shown([FRD_CONTACT, FRD_CELS]) .and. n_slaves > 0
   end function is_shown
 
@@ -342,13 +342,6 @@ contains
   end function those_in
 
 
-  !> How many variables materials of the user keep.
-  pure integer function n_states(fields) result(n)
-    type(fields_type), intent(in) :: fields
-    n = max(0, size(fields%history, 1) - USER_STATE + 1)
-  end function n_states
-
-
   !> The values of a field at all nodes.
   function block_values(model, fields, field, is_local) result(values)
     type(model_type), intent(in) :: model
@@ -358,7 +351,7 @@ contains
     real(DP), allocatable :: values(:, :)          !< (components, n_nodes)
     integer :: n_components
     n_components = HEADS(field)%n
-    if (field == FRD_SDV) n_components = n_states(fields)
+    if (field == FRD_SDV) n_components = n_inner_variables(model, fields)
     allocate (values(n_components, model%mesh%n_nodes))
     associate (is_nlgeom => model%steps(max(1, fields%step))%is_nlgeom)
       select case (field)
@@ -381,7 +374,7 @@ contains
       case (FRD_ENER)
         call bring(reshape(shown_density(model, fields), [1, model%mesh%n_points]))
       case (FRD_SDV)
-        call bring(fields%history(USER_STATE:, :))
+        call bring(inner_variables(model, fields))
       case (FRD_ERROR)
         call estimate_error(model%mesh, fields%stress, values(1, :))
       case (FRD_CONTACT)

@@ -18,14 +18,14 @@ module amontons_printed
   use amontons_mesh, only: mesh_type, set_type, is_out
   use amontons_steps, only: is_output_due, print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, &
     PRINT_SECTION
-  use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, USER_STATE
+  use amontons_materials, only: HISTORY_CEEQ
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_history, only: increment_record_type, iteration_record_type
-  use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
+  use amontons_state, only: history_row, inelastic_strain, inner_variables, n_inner_variables, fields_type, slave_type, STATUS_OPEN
   implicit none
   private
   public :: printed_type, open_printed, resume_printed, sync_printed, measure_printed, check_printed, print_iteration, &
-    print_increment, print_fields, close_printed, contact_axes, printed_forces, inelastic_strain, in_directions, in_axes
+    print_increment, print_fields, close_printed, contact_axes, printed_forces, in_directions, in_axes
 
   !> The text files of a job that are being written. Units are 0 if not open.
   type :: printed_type
@@ -483,9 +483,9 @@ contains
         call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
         call print_point_rows(unit, model, set, reshape(history_row(fields, HISTORY_CEEQ), [1, mesh%n_points]))
       case ('SDV')
-        if (size(fields%history, 1) < USER_STATE) return   ! no material has any
+        if (n_inner_variables(model, fields) == 0) return   ! no material has any
         call print_head(unit, 'internal state variables (elem, integ.pnt.,values)', set, time)
-        call print_point_rows(unit, model, set, fields%history(USER_STATE:, :))
+        call print_point_rows(unit, model, set, inner_variables(model, fields))
       case ('ENER')
         call print_head(unit, 'internal energy density (elem, integ.pnt.,energy)', set, time)
         call print_point_rows(unit, model, set, reshape(shown_density(model, fields), [1, mesh%n_points]))
@@ -514,16 +514,6 @@ contains
     end subroutine print_tensors
 
   end subroutine print_element_variable
-
-
-  !> PEEQ: the equivalent plastic strain. CalculiX counts that of creep in.
-  pure function inelastic_strain(model, fields) result(strain)
-    type(model_type), intent(in) :: model
-    type(fields_type), intent(in) :: fields
-    real(DP) :: strain(model%mesh%n_points)
-    strain = history_row(fields, HISTORY_PEEQ)
-    if (model%dialect == DIALECT_CALCULIX) strain = strain + history_row(fields, HISTORY_CEEQ)
-  end function inelastic_strain
 
 
   !> Tensors at the points, in the axes of their orientation if a card asks for these.

@@ -65,7 +65,8 @@ contains
   end subroutine set_view
 
 
-  !> The largest force that a compliant law makes of the rounding of coordinates: of a gap of one unit in their last place.
+  !> The largest force that the rounding of coordinates makes at a closed node, of a gap of one unit in their last place: by
+  !! the law of its pair, or, where contact is exact, by the stiffness of the body.
   pure real(DP) function rounding_force(laws, slaves, coordinates) result(force)
     type(interaction_type), intent(in) :: laws(:)      !< (n_pairs)
     type(slave_type), intent(in) :: slaves(:)          !< (n_slaves)
@@ -74,9 +75,13 @@ contains
     integer :: s
     force = 0.0_DP
     do s = 1, size(slaves)
-      if (slaves(s)%status == STATUS_OPEN .or. .not. is_compliant(laws(slaves(s)%pair))) cycle
-      call law_pressure(laws(slaves(s)%pair), -slaves(s)%gap, pressure, slope, energy)
-      force = max(force, slope * slaves(s)%area)
+      if (slaves(s)%status == STATUS_OPEN) cycle
+      if (is_compliant(laws(slaves(s)%pair))) then
+        call law_pressure(laws(slaves(s)%pair), -slaves(s)%gap, pressure, slope, energy)
+        force = max(force, slope * slaves(s)%area)
+      else
+        force = max(force, slaves(s)%stiffness)
+      end if
     end do
     force = force * epsilon(1.0_DP) * maxval(abs(coordinates))
   end function rounding_force

@@ -5,19 +5,21 @@ module amontons_state
   use amontons_mesh, only: mesh_type, element_nodes
   use amontons_loads, only: load_value
   use amontons_material_point, only: elastic_strain_of, axes_at
-  use amontons_materials, only: HISTORY_INELASTIC, USER_STRESS
-  use amontons_model, only: model_type
+  use amontons_materials, only: material_type, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_PEEQ, USER_STATE, USER_STRESS
+  use amontons_log_strain, only: tensor_exp
+  use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_shapes, only: shape_functions, quadrature
   use amontons_steps, only: step_type
   use amontons_tensor, only: IDENTITY, pack_voigt, unpack_voigt
   use amontons_topology, only: MAX_NODES, MAX_POINTS
   implicit none
   private
-  public :: set_temperatures, history_row, amplitude_memory
+  public :: set_temperatures, history_row, amplitude_memory, inelastic_strain, inner_variables, n_inner_variables
   public :: state_type, fields_type, slave_type, create_state, create_material_state, commit_state, restore_state
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
 
   integer, parameter :: STATUS_OPEN = 0, STATUS_STICK = 1, STATUS_SLIP = 2
+  integer, parameter :: N_PLASTIC = 13                      !< values that CalculiX keeps of its plasticity
   integer, parameter :: DAMPING_NOW = 1, DAMPING_NEXT = 2   !< in force; from the next increment on
 
   !> The contact memory of one slave node of one pair.
@@ -238,6 +240,62 @@ contains
     values = 0
     if (row <= size(fields%history, 1)) values = fields%history(row, :)
   end function history_row
+
+
+  !> PEEQ: the equivalent plastic strain. CalculiX counts that of creep in.
+  pure function inelastic_strain(model, fields) result(strain)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP) :: strain(model%mesh%n_points)
+    strain = history_row(fields, HISTORY_PEEQ)
+    if (model%dialect == DIALECT_CALCULIX) strain = strain + history_row(fields, HISTORY_CEEQ)
+  end function inelastic_strain
+
+
+  !> How many inner variables SDV shows of each point.
+  pure integer function n_inner_variables(model, fields) result(n)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    integer :: i
+    n = max(0, size(fields%history, 1) - USER_STATE + 1)
+    if (model%dialect /= DIALECT_CALCULIX) return
+    if (any([(is_plastic(model%materials(i)), i=1, size(model%materials))])) n = max(n, N_PLASTIC)
+  end function n_inner_variables
+
+
+  !> Whether a material hardens by one of our own laws.
+  pure logical function is_plastic(material)
+    type(material_type), intent(in) :: material
+    is_plastic = allocated(material%isotropic) .or. allocated(material%kinematic)
+  end function is_plastic
+
+
+  !> SDV at all points: STATEV of a routine UMAT; under the calculix dialect also what CalculiX keeps of its plasticity, in its
+  !! order: the equivalent plastic strain, the plastic strain, the back stress, xx yy zz xy xz yz. Under NLGEOM the plastic strain is
+  !! (1 - inv(Cp))/2, Cp being the right Cauchy-Green tensor of the plastic deformation.
+  pure function inner_variables(model, fields) result(values)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP) :: values(n_inner_variables(model, fields), model%mesh%n_points)
+    integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
+    real(DP) :: strain(6), back(6)
+    integer :: e, p, n_user
+    values = 0
+    n_user = max(0, size(fields%history, 1) - USER_STATE + 1)
+    if (n_user > 0) values(:n_user, :) = fields%history(USER_STATE:, :)
+    if (size(values, 1) == n_user) return
+    do e = 1, model%mesh%n_elements
+      if (model%mesh%material(e) == 0) cycle
+      if (.not. is_plastic(model%materials(model%mesh%material(e)))) cycle
+      do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
+        strain = fields%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p)
+        if (model%steps(max(1, fields%step))%is_nlgeom) strain = -0.5_DP * tensor_exp(strain, -2.0_DP)
+        back = 0
+        if (size(fields%history, 1) >= HISTORY_BACK + 5) back = fields%history(HISTORY_BACK:HISTORY_BACK + 5, p)
+        values(:N_PLASTIC, p) = [fields%history(HISTORY_PEEQ, p) + fields%history(HISTORY_CEEQ, p), strain(ORDER), back(ORDER)]
+      end do
+    end do
+  end function inner_variables
 
 
   !> The trial fields become the committed ones.

@@ -162,7 +162,7 @@ def reference_cases() -> Iterator[tuple[str, str]]:
 
 def flow_cases() -> Iterator[tuple[str, str]]:
     """A bar of every kind bent and pulled until it flows, and back; creep that slows down with time; rings under large strain."""
-    out = PRINTS.replace("S, E", "S, E, PEEQ")
+    out = PRINTS.replace("S, E", "S, E, PEEQ, SDV")
     static = "*STATIC, DIRECT\n.25, 1.\n"
     for kind in KINDS:
         if kind == "C3D8R":
@@ -173,6 +173,9 @@ def flow_cases() -> Iterator[tuple[str, str]]:
             there, back = "*BOUNDARY\nA_X1N, 1, 1, .03\nA_X1N, 2, 2, .02\n", "*BOUNDARY\nA_X1N, 1, 1\n"
             yield name, model + step(there + out, option, static) + step(back + out, option, static)
     body = Part("A", "C3D8", (0, 0, 0), (3, 1, 1), (3, 2, 2))
+    kinematic = bodies(body) + "*MATERIAL, NAME=EL\n*ELASTIC\n210000., .3\n*PLASTIC, HARDENING=KINEMATIC\n300., 0.\n800., .1\n" + sections("A")
+    moved = "*BOUNDARY\nA_X0N, 1, 3\nA_X1N, 1, 1, .03\n"
+    yield "flow-kinematic-nl", kinematic + step(moved + out, NONLINEAR, static) + step("*BOUNDARY\nA_X1N, 1, 1\n" + out, NONLINEAR, static)
     creeping = bodies(body) + "*MATERIAL, NAME=EL\n*ELASTIC\n210000., .3\n*CREEP, LAW=NORTON\n1.E-13, 4., -.3\n" + sections("A")
     load = "*BOUNDARY\nA_X0N, 1, 3\n*DLOAD\n" + body.dload("X1", -150.0)
     for name, option in options("creep"):

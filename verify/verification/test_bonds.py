@@ -158,6 +158,17 @@ def test_kinematic_coupling(run_deck: Run, tmp_path: Path) -> None:
     check(rows, 90, [0, 0, 0.01], 0.01, "displacement")
 
 
+@pytest.mark.parametrize("dialect", ["abaqus", "calculix"])
+def test_kinematic_coupling_without_rows(run_deck: Run, tmp_path: Path, dialect: str) -> None:
+    """All directions are bound, in both dialects: the top cannot contract. CalculiX binds none, which the job says."""
+    cards = "*NODE, NSET=ALL\n90, .5, .5, 1.\n*COUPLING, REF NODE=90, SURFACE=UP, CONSTRAINT NAME=C\n*KINEMATIC\n"
+    loads = "*BOUNDARY\n1, 1, 3\n2, 2, 3\n3, 3\n4, 3\n90, 1, 2\n90, 4, 6\n90, 3, 3, .01\n"
+    done = run_deck(f"** dialect: {dialect}\n" + job(cards, loads))
+    assert done.returncode == 0, done.stdout + done.stderr
+    check(read_rows(tmp_path, "displacements"), 7, [0, 0, 0.01], 0.01, "displacement")
+    assert ("CalculiX binds none" in " ".join(done.stdout.split())) == (dialect == "calculix")
+
+
 def test_distributing_coupling(run_deck: Run, tmp_path: Path) -> None:
     """A force off the centre: the nodes get w (f + J^-1 m x r), with J of four equal weights at the corners."""
     cards = "*NODE, NSET=ALL\n90, 2.5, .5, 1.\n*COUPLING, REF NODE=90, SURFACE=UP, CONSTRAINT NAME=C\n*DISTRIBUTING\n1, 6\n"
