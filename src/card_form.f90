@@ -231,8 +231,8 @@ contains
   end subroutine match_parameters
 
 
-  !> The option of a name: exact, or the only one that it abbreviates, or the first of those if the others begin with it; 0 if there is
-  !! none.
+  !> The option of a name: exact, or the only one that it abbreviates, or the first of those if the others begin with it; 0 if there
+  !! is none.
   subroutine find_option(entry, key, position, is_abbreviated)
     type(card_entry_type), intent(in) :: entry
     character(*), intent(in) :: key

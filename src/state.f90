@@ -271,8 +271,8 @@ contains
 
 
   !> SDV at all points: STATEV of a routine UMAT; under the calculix dialect also what CalculiX keeps of its plasticity, in its
-  !! order: the equivalent plastic strain, the plastic strain, the back stress, xx yy zz xy xz yz. Under NLGEOM the plastic strain is
-  !! (1 - inv(Cp))/2, Cp being the right Cauchy-Green tensor of the plastic deformation.
+  !! order: the equivalent plastic strain, the plastic strain, the back stress, xx yy zz xy xz yz. Under NLGEOM the plastic strain
+  !! is (1 - inv(Cp))/2, Cp being the right Cauchy-Green tensor of the plastic deformation.
   pure function inner_variables(model, fields) result(values)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
