@@ -308,7 +308,7 @@ contains
       'as the second), MEANROT (the ' // &
       'mean rotation of the nodes is the first displacement of the last node, whose coordinates are the axis), DIST (a rope: ' // &
       'node, node, node, other, other, other, last node, whose first coordinate is the largest distance).', &
-      data='kind, nodes or node sets')
+      data='kind, nodes or node sets; of a kind of two nodes also two sets of as many nodes, or a set and a node')
     call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck.', status=STATUS_REFUSED)
     call table%differ('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance. PLANE, ' // &
       'STRAIGHT, BEAM and DIST turn NLGEOM on for all steps under calculix.')
@@ -545,8 +545,8 @@ contains
       '-, Rp, -, -, Rl. LINE SEARCH: -, s max, s min. GAP: penetration allowed over the edge of a facet. A blank ' // &
       'field keeps its value.')
     call table%option('PARAMETERS', VALUE_WORD, 'What is changed.', &
-      allowed='TIME INCREMENTATION|FIELD|LINE SEARCH|GAP|CONTACT')
-    call table%refuse_words('CONSTRAINTS|VCCT LINEAR SCALING|DIRECT CYCLIC|CFD', &
+      allowed='TIME INCREMENTATION|FIELD|LINE SEARCH|GAP|CONTACT|CONSTRAINTS')
+    call table%refuse_words('VCCT LINEAR SCALING|DIRECT CYCLIC|CFD', &
       'Use TIME INCREMENTATION, FIELD or LINE SEARCH.')
     call table%option('RESET', VALUE_NONE, 'Back to the defaults.')
     call table%option('ANALYSIS|TYPE', VALUE_TEXT, 'The defaults serve contact.', status=STATUS_NOTED)
@@ -650,7 +650,7 @@ contains
       'OUTPUT|SECTION FILE|SECTION OUTPUT|FACE PRINT|INTEGRATED OUTPUT|INTEGRATED OUTPUT SECTION|' // &
       'INCREMENTATION OUTPUT|MODAL FILE|MODAL OUTPUT|MODAL PRINT|RADIATION FILE|RADIATION OUTPUT|RADIATION PRINT|' // &
       'SURFACE OUTPUT|USER OUTPUT VARIABLES|ELEMENT RESPONSE|NODE RESPONSE|CONTACT RESPONSE|ELEMENT MATRIX OUTPUT|' // &
-      'MATRIX OUTPUT|DIAGNOSTICS|FILTER|DATA CHECK|LOAD CASE NAME|END LOAD CASE NAME', 'It asks for output that ' // &
+      'MATRIX OUTPUT|DIAGNOSTICS|FILTER|DATA CHECK|DISPLAY BODY|LOAD CASE NAME|END LOAD CASE NAME', 'It asks for output that ' // &
       'we do not write; the result file holds all fields, and forces and moments are in its tables.')
     call table%cards_with(STATUS_NOTED, 'CONDUCTIVITY|SPECIFIC HEAT|LATENT HEAT|INELASTIC HEAT FRACTION|' // &
       'ELECTRICAL CONDUCTIVITY|JOULE HEAT FRACTION|MAGNETIC PERMEABILITY|FLUID CONSTANTS|SPECIFIC GAS CONSTANT|' // &
@@ -659,7 +659,8 @@ contains
     call table%cards_with(STATUS_NOTED, 'DASHPOT|DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
       'FIXED MASS SCALING', 'Rates do not count in a quasi-static step, so it has no effect.')
     call table%cards_with(STATUS_NOTED, 'CONTACT CONTROLS|CONTACT FORMULATION|CONTACT STABILIZATION|SECTION ' // &
-      'CONTROLS|SOLUTION TECHNIQUE|SOLVER CONTROLS', 'Contact and the solver are our own and need no such help.')
+      'CONTROLS|SOLUTION TECHNIQUE|SOLVER CONTROLS|CONSTRAINT CONTROLS', 'Contact and the solver are our own and need no ' // &
+      'such help.')
   end subroutine describe_noted
 
 

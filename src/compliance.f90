@@ -97,13 +97,14 @@ contains
   end subroutine table_pressure
 
 
-  !> The largest gap at which the law still acts. LINEAR and TABULAR: c0 times the root of the area; TIED: any.
+  !> The largest gap at which the law still acts. LINEAR and TABULAR: c0 times the root of the area, TABULAR also as far as its
+  !! table begins under the abaqus dialect; TIED: any.
   pure real(DP) function law_reach(law, area) result(reach)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< of the slave node [length^2]
     reach = huge(1.0_DP)
     if (law%behavior == BEHAVIOR_EXPONENTIAL) reach = law%reach
-    if (law%behavior == BEHAVIOR_LINEAR .or. law%behavior == BEHAVIOR_TABULAR) reach = law%reach * sqrt(area)
+    if (law%behavior == BEHAVIOR_LINEAR .or. law%behavior == BEHAVIOR_TABULAR) reach = max(law%reach * sqrt(area), law%clearance)
   end function law_reach
 
 

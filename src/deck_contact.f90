@@ -242,6 +242,7 @@ contains
       law%table_pressure = [0.0_DP]
       law%table_overclosure = [0.0_DP]
     end if
+    if (reader%dialect == DIALECT_ABAQUS) law%clearance = max(0.0_DP, -law%table_overclosure(1))
   end subroutine read_table
 
 

@@ -8,7 +8,7 @@ module amontons_deck_mpc
   use amontons_mesh, only: append_node
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_tensor, only: cross_product
-  use amontons_text, only: squeezed, NUMBER_OK, parse_integer
+  use amontons_text, only: is_one_of, squeezed, text_of, NUMBER_OK, parse_integer
   use amontons_ties, only: bond_type, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
   use amontons_card_form, only: parameter_text
   implicit none
@@ -28,15 +28,57 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:)
     character(:), allocatable :: kind
-    integer :: line
+    integer :: line, n_first
     logical :: is_ok, has_row
     call open_card(reader, c, parameters, row)
     has_row = next_row(reader%cards, row)
     do while (has_row)
+      n_first = n_in_field(reader, model, row, 2)
       call next_mpc(reader, model, row, '', has_row, kind, nodes, line, is_ok)
-      if (is_ok .and. kind /= 'DIST') call add_mpc(reader, model, line, kind, nodes)
+      if (.not. is_ok .or. kind == 'DIST') cycle
+      if (is_one_of(kind, 'BEAM|LINK|TIE|PIN') .and. size(nodes) > 2) then
+        call add_pairs(reader, model, line, kind, nodes, n_first)
+      else
+        call add_mpc(reader, model, line, kind, nodes)
+      end if
     end do
   end subroutine read_mpc
+
+
+  !> How many nodes a field names: those of a set, else one.
+  pure integer function n_in_field(reader, model, row, i) result(n)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: i                     !< field
+    integer :: set
+    n = 1
+    set = reader%node_sets%find(field_text(reader%cards, row, i))
+    if (set > 0) n = size(model%mesh%node_sets(set)%members)
+  end function n_in_field
+
+
+  !> Kinds of two nodes over sets, as Abaqus expands them: each node of the first set with that of the same place in the second one,
+  !! or all with one node.
+  subroutine add_pairs(reader, model, line, kind, nodes, n_first)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line
+    character(*), intent(in) :: kind             !< squeezed
+    integer, intent(in) :: nodes(:)              !< those of the first field and of the second one
+    integer, intent(in) :: n_first               !< those of the first
+    integer :: i, n_last, other
+    n_last = size(nodes) - n_first
+    if (n_last /= 1 .and. n_last /= n_first) then
+      call complain(reader, line, kind // ' binds nodes two by two: give two nodes, two sets of as many nodes, or a set and a ' // &
+        'node. Here are ' // text_of(n_first) // ' and ' // text_of(n_last) // '.')
+      return
+    end if
+    do i = 1, n_first
+      other = nodes(n_first + min(i, n_last))
+      if (nodes(i) /= other) call add_mpc(reader, model, line, kind, [nodes(i), other])
+    end do
+  end subroutine add_pairs
 
 
   !> The next constraint of a card: its first row, and those after it that begin with a number or a set.

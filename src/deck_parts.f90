@@ -23,6 +23,10 @@ module amontons_deck_parts
   character(*), parameter :: AS_THEY_ARE = 'SOLIDSECTION|SPRING|MASS|INSTANCE|RIGIDBODY|COUPLING|KINEMATIC|' // &
     'DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'            !< their data lines have no numbers of a part
 
+  character(*), parameter :: REFUSED_LATER = 'SHELLSECTION|SHELLGENERALSECTION|BEAMSECTION|BEAMGENERALSECTION|MEMBRANESECTION|' // &
+    'COHESIVESECTION|GASKETSECTION|SURFACESECTION|CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|' // &
+    'EMBEDDEDELEMENT|SHELLTOSOLIDCOUPLING|ROTARYINERTIA|NONSTRUCTURALMASS|FLUIDCAVITY|REBAR|REBARLAYER'   !< so are those of these
+
   !> Where cards stand: a part of a certain instance, the assembly, or the model.
   type :: scope_type
     character(:), allocatable :: name            !< of the instance; '' of the assembly and the model
@@ -375,7 +379,7 @@ contains
       end if
       if (scope%name == '' .and. scope%node_shift + scope%element_shift == 0) then
         call write_plain(cards, work, c)
-      else if (is_one_of(key, AS_THEY_ARE)) then
+      else if (is_one_of(key, AS_THEY_ARE // '|' // REFUSED_LATER)) then
         do line = card%data_first, card%data_last
           call append_line(work%flat, line_text(cards, line), cards%line_file(line), cards%line_number(line))
         end do

@@ -406,6 +406,9 @@ contains
       call note(reader, reader%cards%cards(c)%line, 'These numbers are for contact by springs; contact is exact ' // &
         'here and does not use them.')
       is_row = .false.
+    case ('CONSTRAINTS')
+      call note(reader, reader%cards%cards(c)%line, 'Constraints hold exactly; these tolerances have no effect.')
+      is_row = .false.
     end select
     if (is_row) call need_no_data(reader, row)
   end subroutine read_controls

@@ -37,6 +37,7 @@ module amontons_surfaces
     real(DP) :: stiffness = 0                   !< K [stress/length]
     real(DP) :: tension = 0                     !< LINEAR: of the law when wide open, sigma_inf [stress]
     real(DP) :: reach = 0                       !< c0: EXPONENTIAL [length]; LINEAR, TABULAR over the root of the area [-]
+    real(DP) :: clearance = 0                   !< TABULAR, dialect abaqus: acts up to this gap whatever the area [length]
     real(DP) :: pressure = 0                    !< EXPONENTIAL: p0, at gap zero [stress]
     real(DP), allocatable :: table_pressure(:)     !< TABULAR [stress]
     real(DP), allocatable :: table_overclosure(:)  !< TABULAR: ascending [length]

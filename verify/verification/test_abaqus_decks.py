@@ -104,6 +104,7 @@ def bar(print_card: str = "*Node Print, nset=_PickedSet5\nU,\n") -> str:
     ("*Node Print, nset=_PickedSet5, freq=1\nU,\n", "The parameter FREQ is taken as FREQUENCY"),
     ("*Monitor, node=Part-1-1.7, dof=1\n*Print, contact=YES\n*Energy Print\n*Node Print, nset=_PickedSet5\nU,\n", ""),
     ("*El Print, position=CENTROIDAL, elset=Part-1-1.Set-1\nS, MISES\n*Node Print, nset=_PickedSet5\nU,\n", "Values are at the integration points"),
+    ("*Controls, parameters=CONSTRAINTS\n, , 0.1\n*Node Print, nset=_PickedSet5\nU,\n", "Constraints hold exactly"),
     ("*Controls, reset\n*Controls, analysis=discontinuous\n*Solver Controls, reset\n*Node Print, nset=_PickedSet5\nU,\n", ""),
 ])  # fmt: skip
 def test_bar(run_deck: Run, tmp_path: Path, card: str, said: str) -> None:
@@ -149,3 +150,39 @@ def test_idle_first_step(run_deck: Run, tmp_path: Path, kind: str) -> None:
     done = run_deck(text + top + REQUESTS)
     assert done.returncode == 0, done.stdout
     assert totals(tmp_path, "total force", "TOP")[0] == pytest.approx(0.3 * 50.0 * 4.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("kind", ["BEAM", "PIN", "TIE"])
+def test_mpc_of_a_set(run_deck: Run, tmp_path: Path, kind: str) -> None:
+    """A constraint of a set and a reference point, as Abaqus/CAE writes it: the end is pulled by the point; nu = 0, u = F L / (E A)."""
+    point = f"*Node\n 1, 10., .5, .5\n*Nset, nset=RP\n 1,\n** Constraint: Constraint-1\n*MPC\n{kind}, _PickedSet5, RP\n*End Assembly"
+    deck = bar().replace("*End Assembly", point).replace("210000., 0.3", "210000., 0.")
+    done = run_deck(deck.replace("*Dsload\n_PickedSurf6, P, -100.", "*Cload\nRP, 1, 100."))
+    assert done.returncode == 0, done.stdout
+    assert totals(tmp_path, "displacements", "_PICKEDSET5")[0] == pytest.approx(100.0 * 10.0 / 210000.0, rel=2e-6)
+    done = run_deck(deck.replace(f"{kind}, _PickedSet5, RP", f"{kind}, _PickedSet5, _PickedSet2, RP"))
+    assert done.returncode == 3
+    assert "binds nodes two by two" in told(done)
+
+
+@pytest.mark.parametrize("kind", ["SURFACE TO SURFACE", "NODE TO SURFACE"])
+def test_soft_layer(run_deck: Run, tmp_path: Path, kind: str) -> None:
+    """A table of pressure that begins before the surfaces meet, p = 50 (1 + h/c): half the pressure at half the gap c = 0.001, whatever the faces."""
+    lower, upper = Brick("Lower", (1, 1, 1), (2, 2, 1), "C3D8"), Brick("Upper", (1, 1, 1), (2, 2, 1), "C3D8", "0., 0., 1.\n")
+    text = HEAD + lower.part() + upper.part() + "*Assembly, name=Assembly\n" + lower.instance() + upper.instance()
+    text += lower.nset("Fix", 2, 0) + upper.nset("Top", 2, 1) + lower.surface("m_Surf-1", 2, 1) + upper.surface("s_Surf-1", 2, 0)
+    text += upper.surface("Press", 2, 1) + "*End Assembly\n" + STEEL.format(nu=0.0)
+    text += "*Surface Interaction, name=Layer\n1.,\n*Surface Behavior, pressure-overclosure=TABULAR\n  0., -0.001\n 50., 0.\n100., 0.001\n"
+    text += f"*Contact Pair, interaction=Layer, type={kind}\ns_Surf-1, m_Surf-1\n*Boundary\nFix, ENCASTRE\n"
+    text += "*Step, name=S\n*Static\n0.25, 1.\n*Boundary\nTop, 1, 2\n*Dsload\nPress, P, 25.\n*Node Print, nset=Top\nU,\n"
+    done = run_deck(text + REQUESTS)
+    assert done.returncode == 0, done.stdout
+    assert totals(tmp_path, "displacements", "TOP")[2] == pytest.approx(0.0005 - 2 * 25.0 / 210000.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("section", ["Shell Section", "Beam Section", "Membrane Section", "Connector Section"])
+def test_sections_that_are_not_there(run_deck: Run, section: str) -> None:
+    """In a part as outside of it the card is refused by its own sentence."""
+    done = run_deck(bar().replace("*Solid Section, elset=Set-1, material=Steel\n,", f"*{section}, elset=Set-1, material=Steel\n1., 5"))
+    assert done.returncode == 3
+    assert f"The card *{section.upper()} is not supported. All bodies are meshed with solid elements" in told(done)
