@@ -286,6 +286,7 @@ def records(path: Path) -> tuple[list[str], list[tuple[str, ...]]]:
     return mesh, heads
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not REFERENCES, reason=f"no decks in {DECKS}; AMONTONS_DECKS says where they are")
 @pytest.mark.parametrize("reference", REFERENCES, ids=lambda path: path.name.split(".")[0])
 def test_form_of_calculix(run: Run, tmp_path: Path, reference: Path) -> None:

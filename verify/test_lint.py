@@ -37,6 +37,7 @@ def test_floors_hold() -> None:
 ROOT = Path(lint.__file__).resolve().parents[1]
 
 
+@pytest.mark.slow
 def test_the_house_is_clean() -> None:
     """`make lint` finds nothing: the limits of the rooms, and fortitude's rules."""
     sources = sorted(ROOT.glob("src/*.f90")) + sorted(ROOT.glob("verify/unit/*.f90"))

@@ -38,12 +38,14 @@ def test_decks_that_run_are_looked_at(program: Path, tmp_path: Path) -> None:
     assert "do not balance" in fuzz.lie_of(tmp_path, deck)
 
 
+@pytest.mark.slow
 def test_checkpoints(program: Path) -> None:
     """Damaged checkpoints are told."""
     tally = fuzz.fuzz_checkpoints(program, 25, 3)
     assert tally.findings == [], tally.report()
 
 
+@pytest.mark.slow
 def test_restart_files(program: Path) -> None:
     """Damaged restart files are told, or harmless."""
     tally = fuzz.fuzz_restart_files(program, 15, 4)

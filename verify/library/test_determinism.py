@@ -25,7 +25,7 @@ def results(run: Run, deck: Path, folder: Path, threads: int) -> Path:
     return folder / f"{deck.stem}.vtkhdf"
 
 
-@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("threads", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_same_run_twice(run: Run, block: Path, tmp_path: Path, threads: int) -> None:  # noqa: F811
     """Every number of the result file, iterations and Krylov counts included, is bitwise the same."""
     a, b = (results(run, block, tmp_path / name, threads) for name in "ab")
@@ -54,6 +54,7 @@ def assert_alike(one: Path, two: Path) -> None:
         assert np.array_equal(x[f"AMONTONS/{name}"], y[f"AMONTONS/{name}"]), name
 
 
+@pytest.mark.slow
 def test_one_thread_against_two(run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
     """Exact contact with friction."""
     assert_alike(*(results(run, block, tmp_path / str(n), n) for n in (1, 2)))

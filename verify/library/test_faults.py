@@ -148,6 +148,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", str(disk)], check=True)
 
 
+@pytest.mark.slow
 def test_full_disk(run: Run, block: Path, small_disk: Path, tmp_path: Path) -> None:  # noqa: F811
     """The job ends with exit code 7; with room again it goes on bitwise."""
     whole = tmp_path / "whole"
@@ -208,6 +209,7 @@ except amontons.SolverError as error:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("megabytes", [20, 150, 162, 166, 175, 200, 204])
 def test_no_memory_in_the_library(root: Path, tmp_path: Path, megabytes: int) -> None:
     """With so many megabytes more than the process has, a call gives a status, and the process of the caller lives on."""
@@ -410,6 +412,7 @@ def test_result_file_changed_while_the_job_runs(program: Path, block: Path, tmp_
     assert "it was changed by another program" in output.splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_a_reader_holds_the_result_file(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
     """A reader that has the file open with HDF5's lock keeps no job from writing, and no job keeps a reader out."""
     assert run(["--outdir", tmp_path, block]).returncode == 0

@@ -94,6 +94,7 @@ int main(void) {
     assert do([tmp_path / "a"], tmp_path) == f"{4 * 52.5 / 210000:.9f}\n"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("cmake"), reason="there is no CMake")
 @pytest.mark.parametrize("version", ["0.2", "1.0", "0.0.1"])
 def test_cmake_refuses_other_versions(prefix: Path, tmp_path: Path, version: str) -> None:

@@ -244,6 +244,7 @@ def test_other_binary_interface() -> None:
     library().amontons_close(handle)
 
 
+@pytest.mark.slow
 def test_two_jobs_in_two_threads(block: Path, tmp_path: Path) -> None:
     """Two jobs side by side, with files, each bitwise as alone."""
     alone = amontons.Job(block, name="alone", outdir=tmp_path, files=True)
@@ -315,6 +316,7 @@ def test_nothing_is_kept_outside_a_job(root: Path, library: Path) -> None:
     assert wordy <= WORDY
 
 
+@pytest.mark.slow
 def test_library_resumes(block: Path, tmp_path: Path) -> None:
     """A job with checkpoints that was dropped goes on bitwise."""
     with amontons.Job(block, name="whole", outdir=tmp_path, files=True) as job:
@@ -418,6 +420,7 @@ def test_friction_is_set_for_all_steps(block: Path) -> None:  # noqa: F811
         assert bits(changed.get("U")) == bits(plain.get("U"))
 
 
+@pytest.mark.slow
 def test_old_job(block: Path, tmp_path: Path) -> None:  # noqa: F811
     """RESTART, READ through the library: bitwise the second step of the whole job."""
     first, second = block.read_text().rsplit("*STEP", 1)

@@ -79,7 +79,7 @@ def kill_often(program: Path, run: Run, deck: Path, folder: Path, n_kills: int, 
     return kills
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)])
 def test_killed_jobs_go_on_bitwise(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path, seed: int) -> None:  # noqa: F811
     """kill -9 at random moments, again and again."""
     kill_often(program, run, block, tmp_path, 6, seed, 0.5)
@@ -109,12 +109,14 @@ def mortar_deck() -> str:
     return sheets.solid_deck([(below, (2000.0, 0.3)), (above, (1000.0, 0.3))], pair, steps)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("deck", [points_deck, mortar_deck])
 def test_surfaces_on_surfaces_go_on_bitwise(program: Path, run: Run, tmp_path: Path, deck: Callable[[], str]) -> None:
     """The same where faces lie on faces."""
     kill_over_and_over(program, run, deck(), tmp_path, 4, 7)
 
 
+@pytest.mark.slow
 def test_failed_attempts_go_on_bitwise(program: Path, run: Run, tmp_path: Path) -> None:
     """A block dragged over facets with mu = 1 fails twice and cuts back: what an attempt leaves behind is nothing to the next."""
     sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
@@ -165,7 +167,7 @@ def kill_over_and_over(program: Path, run: Run, text: str, folder: Path, n_kills
     assert kills >= n_kills
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_signals_end_a_job_in_order(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path, number: int) -> None:  # noqa: F811
     """Exit code 5 with a sentence, files whole, and the job goes on bitwise."""
     job = start(program, "--outdir", tmp_path, block)
@@ -237,6 +239,7 @@ def test_checkpoints_that_cannot_be_used(program: Path, run: Run, block: Path, w
     assert_same(whole, tmp_path)
 
 
+@pytest.mark.slow
 def test_result_files_that_do_not_fit(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
     """Result files that are gone or cut off are told."""
     stopped(program, block, tmp_path)
@@ -283,6 +286,7 @@ def test_every_committed_field_is_carried(root: Path) -> None:
     assert set(names) == set(re.findall(r"fields%(\w+)", carried[1]))
 
 
+@pytest.mark.slow
 def test_restart_write_keeps_the_checkpoint(run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
     """RESTART, WRITE: it stays, and a job that is done and resumed is done at once, with the same files."""
     (tmp_path / "job.inp").write_text(block.read_text().replace("*STATIC\n", "*RESTART, WRITE, FREQUENCY=1\n*STATIC\n", 1))

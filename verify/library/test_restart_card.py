@@ -83,7 +83,7 @@ def test_next_step_bitwise(run: Run, friction: tuple[Path, Parts], tmp_path: Pat
         assert file["AMONTONS/history/step"][:].ravel().tolist() == [1] + 10 * [2]
 
 
-@pytest.mark.parametrize("increment", [1, 4])
+@pytest.mark.parametrize("increment", [1, pytest.param(4, marks=pytest.mark.slow)])
 def test_middle_of_a_step_bitwise(run: Run, friction: tuple[Path, Parts], tmp_path: Path, increment: int) -> None:
     """From an increment within step 1: the rest of it comes first, then step 2."""
     folder, (_, steps) = friction
@@ -165,6 +165,7 @@ def fails(run: Run, folder: Path, words: str, code: int, sentence: str) -> None:
     assert not (folder / f"{words.split()[0]}.vtkhdf").exists()
 
 
+@pytest.mark.slow
 def test_which_states_are_kept(run: Run, friction: tuple[Path, Parts], tmp_path: Path) -> None:
     """FREQUENCY=3 of 10 increments: 3, 6, 9 and 10; with OVERLAY the last alone; FREQUENCY=0 none."""
     _, (model, steps) = friction
@@ -188,6 +189,7 @@ def test_which_states_are_kept(run: Run, friction: tuple[Path, Parts], tmp_path:
         run_all(run, tmp_path, "new --check oldjob=last")
 
 
+@pytest.mark.slow
 def test_as_with_calculix(run: Run, friction: tuple[Path, Parts], tmp_path: Path) -> None:
     """Under the calculix dialect the last of every n-th step is kept, OVERLAY keeps one state, and without oldjob new.rin is
     read, a copy of old.res; the dialect is that of the old job."""

@@ -90,7 +90,7 @@ def test_uinter_is_linear_with_friction(run: Run, tmp_path: Path, is_plane: bool
     compare(run, tmp_path, ours, theirs, 1e-7)
 
 
-@pytest.mark.parametrize("is_plane", [False, True])
+@pytest.mark.parametrize("is_plane", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_fric_with_exact_contact(run: Run, tmp_path: Path, is_plane: bool) -> None:
     """LM = 1 is exact sticking, LM = 0 slips by the stress that FRIC gives: Coulomb's law under HARD contact. In space
     a node may go to slip in another iteration, and the increments may be others: the work of friction differs by their length."""

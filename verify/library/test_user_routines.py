@@ -112,6 +112,7 @@ COMPONENTS = {"C3D8": "3., 3.", "CPE4": "3., 1.", "CPE4R": "3., 1.", "CAX8": "3.
               "CPS4R": "2., 1.", "CPS8": "2., 1."}  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", COMPONENTS)
 def test_components_of_each_element(run: Run, tmp_path: Path, kind: str) -> None:
     """A law that is told NDI and NSHR as in Abaqus, and stops if they are others: displacements, reactions and stresses are
@@ -172,6 +173,7 @@ def unsymmetric_deck(kind: str, law: str) -> str:
     return solid_deck(kind, law) if kind.startswith("C3D") else plane_deck(kind, law)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", UNSYMMETRIC)
 def test_an_unsymmetric_law_that_is_linear(run: Run, tmp_path: Path, kind: str) -> None:
     """The tangent of every kind of element has all of DDSDDE: a linear problem takes one iteration in each increment."""
@@ -182,6 +184,7 @@ def test_an_unsymmetric_law_that_is_linear(run: Run, tmp_path: Path, kind: str) 
         assert file["AMONTONS/history/n_iterations"][1:].tolist() == [1] * 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["C3D8", "C3D8I", "C3D8R", "C3D10", "C3D20R", "CPE4", "CAX4R"])
 def test_flow_without_dilatancy_converges_quadratically(run: Run, tmp_path: Path, kind: str) -> None:
     """Drucker and Prager's law with flow that keeps the volume: its tangent is far from symmetric. The residual, over the largest
@@ -399,6 +402,7 @@ def test_local_axes_turn_with_the_material(run: Run, tmp_path: Path) -> None:
         assert np.abs(stress - rotation @ as_tensor(pulled) @ rotation.T).max() < 1e-10 * np.abs(pulled).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("system", [FIBRES, "*ORIENTATION, NAME=AXES, SYSTEM=CYLINDRICAL\n-1., 0., 0., -1., 0.2, 1.\n"])
 def test_local_axes_do_not_matter_to_what_is_isotropic(run: Run, tmp_path: Path, system: str) -> None:
     """Rubber from DFGRD1 and plasticity from DSTRAN, at shears of 0.4, both with axes that stand askew: what HYPERELASTIC
@@ -551,6 +555,7 @@ def test_routines_and_rollback(tmp_path: Path) -> None:
         assert [job.get(name).tobytes() for name in ("U", "S", "RF")] == first
 
 
+@pytest.mark.slow
 def test_killed_jobs_with_umat_resume(program: Path, run: Run, tmp_path: Path) -> None:
     """kill -9 while UMAT runs: the job goes on bitwise, since STATEV are in the checkpoint."""
     slow = with_lines("      IF (KINC.EQ.3) CALL SLEEP(1)\n", tmp_path)

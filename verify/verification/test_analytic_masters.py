@@ -318,6 +318,7 @@ def moment_of(job: Job, reference: int) -> float:
 # --------------------------------------------------------------------------------------------------------- capstan
 
 
+@pytest.mark.slow
 def test_capstan(proof: Proof) -> None:
     """A strap drawn over a quarter of an analytic drum."""
     case = proof(
@@ -373,6 +374,7 @@ def roll(y: int, rotation: int, *drive: str) -> str:
     return step(held, 4, True) + step(fix(*drive), 4, True)
 
 
+@pytest.mark.slow
 def test_against_meshed_master(proof: Proof) -> None:
     """The finer a meshed rigid roller, the nearer it comes to the analytic one: second order."""
     case = proof(

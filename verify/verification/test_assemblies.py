@@ -72,7 +72,7 @@ def plane_slope(prefix: str, is_nlgeom: bool) -> Floats:
     return slope
 
 
-@pytest.mark.parametrize("is_nlgeom", [False, True], ids=["small", "finite"])
+@pytest.mark.parametrize("is_nlgeom", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["small", "finite"])
 def test_plane_patches(proof: Proof, is_nlgeom: bool) -> None:
     """The same for plane stress, plane strain and axisymmetric elements."""
     what = "finite strain" if is_nlgeom else "small strain"
@@ -107,6 +107,7 @@ def rows_of(nodes: Floats, u: Floats) -> list[str]:
     return [f"{n + 1}, {d + 1}, {d + 1}, {u[n, d]:.17g}" for n in nodes for d in (0, 1)]
 
 
+@pytest.mark.slow
 def test_plane_rotation(proof: Proof) -> None:
     """A turn by 60 degrees in the plane leaves no stress; nor does a shift along the axis."""
     case = proof(

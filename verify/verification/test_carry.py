@@ -148,6 +148,7 @@ def test_pushed_to_a_wall(proof: Proof) -> None:
     case.done()
 
 
+@pytest.mark.slow
 def test_slides_away(run: Run, tmp_path: Path) -> None:
     """The same without a wall: exit code 5 and FREE BODY, not a place where it happens to stop."""
     body, floor = sheet("BODY", between(0, 1, 4), between(0, 1, 4)), sheet("FLOOR", between(-1, 3, 15), between(-1, 0, 3))

@@ -128,6 +128,7 @@ PL1 = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", ["a", "b"])
 def test_nafems_pl1(proof: Proof, variant: str) -> None:
     """A square in plane strain, led around a rectangle of strains."""

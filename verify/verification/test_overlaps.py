@@ -394,6 +394,7 @@ def test_seam(proof: Proof, kind: str, divided: str) -> None:
     case.done()
 
 
+@pytest.mark.slow
 def test_symmetric_surfaces(proof: Proof) -> None:
     """A on B and B on A by surface to surface: the second pair is left out."""
     case = proof(

@@ -170,7 +170,7 @@ def punch(nu: float, mu: float, n: int, n_increments: int) -> str:
     return plane_deck(parts, pair("GROUND_TOP", "TOOL_BOTTOM", mu), step(cards, n_increments), sets)
 
 
-@pytest.mark.parametrize(("nu", "mu", "expected"), SPENCE)
+@pytest.mark.parametrize(("nu", "mu", "expected"), [SPENCE[0], *(pytest.param(*row, marks=pytest.mark.slow) for row in SPENCE[1:])])
 def test_spence(proof: Proof, nu: float, mu: float, expected: float) -> None:
     """A rigid flat punch with friction: the stick zone is the same at all loads."""
     n = 40

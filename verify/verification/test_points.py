@@ -128,7 +128,7 @@ def test_ramp(run_deck: Run, tmp_path: Path) -> None:
         assert table[:, 2] == pytest.approx(STIFFNESS * overlap * part, rel=1e-6)
 
 
-@pytest.mark.parametrize("order", [8, 20])
+@pytest.mark.parametrize("order", [8, pytest.param(20, marks=pytest.mark.slow)])
 def test_slip(order: int, run_deck: Run, tmp_path: Path) -> None:
     """The block is pushed along: up to mu p the shear is the stick slope times the way, whatever the faces that the points meet; then mu p."""
     mu, slope, way = 0.4, 2.0e3, 2.0e-3

@@ -63,7 +63,7 @@ def test_a_pair_that_never_meets(run_deck: Run, tmp_path: Path, pair: str, diale
         assert results[0][1][key] == pytest.approx(row, abs=1e-7)
 
 
-@pytest.mark.parametrize("kind", ["C3D8I", "C3D10"])
+@pytest.mark.parametrize("kind", ["C3D8I", pytest.param("C3D10", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("pair", PAIRS)
 def test_a_beam_that_comes_to_lie_on_a_die(run_deck: Run, tmp_path: Path, pair: str, kind: str) -> None:
     """It does so without a cut-back and in at most three iterations an increment; clamp and die carry all of the load."""

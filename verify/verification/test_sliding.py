@@ -66,6 +66,7 @@ def _without_unused(cards: str, mesh: Mesh) -> str:
     return "\n".join(lines[:first] + keep + lines[first + len(mesh.nodes) :])
 
 
+@pytest.mark.slow
 def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
     """Below the critical angle it sticks; above it a spring lets it slip by what statics says, and without one it goes."""
     case = proof(

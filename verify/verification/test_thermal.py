@@ -102,7 +102,7 @@ def stress_figure(curves: list[tuple[str, Floats, Floats]]) -> object:
 
 
 @pytest.mark.parametrize(("kind", "cells", "tolerance"), [("CAX8", (2, 4), 0.01), ("CAX8R", (2, 4), 0.05), ("CAX4", (6, 12), 0.05),
-                                                          ("C3D20", (2, 4), 0.02), ("C3D20R", (2, 4), 0.05), ("C3D10", (2, 4), 0.05)])  # fmt: skip
+                                                          *(pytest.param(*row, marks=pytest.mark.slow) for row in (("C3D20", (2, 4), 0.02), ("C3D20R", (2, 4), 0.05), ("C3D10", (2, 4), 0.05)))])  # fmt: skip
 def test_le11(proof: Proof, kind: str, cells: tuple[int, int], tolerance: float) -> None:
     """A hollow body of sphere, cone and cylinder under a temperature that grows outwards and upwards."""
     is_flat = kind.startswith("CAX")
