@@ -182,7 +182,7 @@ programs: all
 PYTEST = OMP_NUM_THREADS=$${OMP_NUM_THREADS:-1} AMONTONS_BIN=$(BIN) AMONTONS_LIB=$(LIB) AMONTONS_UNITS=$(B)/unit \
   $(PY) -m pytest -n $(JOBS) $(PYTEST_OPTIONS)
 
-test: programs $(VENV)/installed $(VENV)-doc/installed ## Run all tests, those of the documentation site among them
+test: programs $(VENV)/installed $(VENV)-doc/installed $(VENV)-api/installed ## Run all tests, those of the documentation site among them
 	@$(PYTEST) verify
 
 check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
@@ -208,8 +208,8 @@ doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, 
 	@$(MAKE) api
 	@echo "The site is build/site/index.html."
 
-api: $(VENV)-api/installed ## Build the pages of the source (FORD) into build/site/api
-	$(Q)$(VENV)-api/bin/ford -q doc/api.md -o $(CURDIR)/build/site/api
+api: $(VENV)-api/installed $(VENV)-doc/installed ## Build the pages of the source (FORD) into build/site/api
+	$(Q)$(VENV)-doc/bin/python verify/api_pages.py $(VENV)-api/bin/ford build/site/api
 
 $(VENV)-doc/installed: doc/requirements.txt
 $(VENV)-api/installed: doc/requirements-api.txt

@@ -137,12 +137,12 @@ def test_command(cubes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "*ERROR" in capsys.readouterr().err
 
 
-def open_in_browser(page: Path, folder: Path) -> tuple[str, str]:
+def open_in_browser(address: str, folder: Path) -> tuple[str, str]:
     """The document after its scripts have run, and what the browser had to say."""
     done = subprocess.run(
         [BROWSER or "", "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
          "--disable-background-networking", "--no-first-run", f"--user-data-dir={folder / 'profile'}", "--window-size=1200,1500",
-         "--virtual-time-budget=5000", "--enable-logging=stderr", "--v=0", "--dump-dom", page.as_uri()],
+         "--virtual-time-budget=5000", "--enable-logging=stderr", "--v=0", "--dump-dom", address],
         capture_output=True, text=True, timeout=240, check=False)  # fmt: skip
     return done.stdout, done.stderr
 
@@ -158,7 +158,7 @@ def test_in_a_browser(cubes: Path, run_deck: Run, tmp_path: Path, case: str) -> 
         result = tmp_path / "job.vtkhdf"
     page = tmp_path / "page.html"
     assert main([str(result), "--output", str(page)]) == 0
-    document, told = open_in_browser(page, tmp_path)
+    document, told = open_in_browser(page.as_uri(), tmp_path)
     complaints = [line for line in told.splitlines() if "CONSOLE" in line]
     assert complaints == []
     assert re.search(r'data-drawn="[1-9]', document), "the view was not drawn: " + told[-1500:]
