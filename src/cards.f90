@@ -793,6 +793,15 @@ contains
   end subroutine publish_remarks
 
 
+  !> A line as it stands in the deck: cards that became comments when they were read are cards again.
+  pure function as_it_stands(line) result(text)
+    character(*), intent(in) :: line
+    character(:), allocatable :: text
+    text = line
+    if (index(line, '** *') == 1) text = line(4:)
+  end function as_it_stands
+
+
   !> Hands one remark over, with the chain of includes that leads to it.
   subroutine publish_remark(cards, remark, complaints)
     type(cards_type), intent(in) :: cards
@@ -812,7 +821,7 @@ contains
       file = cards%files(file)%parent
     end do
     call complaints%add(cards%files(cards%line_file(remark%line))%path, cards%line_number(remark%line), &
-      line_text(cards, remark%line), text, remark%is_warning)
+      as_it_stands(line_text(cards, remark%line)), text, remark%is_warning)
   end subroutine publish_remark
 
 end module amontons_cards

@@ -357,7 +357,8 @@ contains
     line = reader%cards%cards(c)%line
     if (constants(1) <= 0) call complain(reader, line, 'Young''s modulus must be positive.')
     if (constants(2) <= -1 .or. constants(2) >= 0.5_DP) call complain(reader, line, &
-      'Poisson''s ratio must be greater than -1 and less than 0.5.')
+      'Poisson''s ratio must be greater than -1 and less than 0.5; what hardly changes its volume has 0.49 or 0.4999, ' // &
+      'in elements that do not lock (see Elements in the manual).')
   end subroutine check_isotropic
 
 

@@ -115,9 +115,18 @@ contains
         field_text(reader%cards, row, i) // '; it must be a finite number.')
     else
       call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // ') is ''' // &
-        field_text(reader%cards, row, i) // '''; it must be a real number.')
+        field_text(reader%cards, row, i) // '''; it must be a real number' // hint_at_commas(field_text(reader%cards, row, i)))
     end if
   end subroutine need_real
+
+
+  !> How numbers are written, for a field that is more than one.
+  pure function hint_at_commas(field) result(hint)
+    character(*), intent(in) :: field
+    character(:), allocatable :: hint
+    hint = '.'
+    if (index(trim(adjustl(field)), ' ') > 0) hint = '; a comma parts two numbers, and a point is the decimal mark.'
+  end function hint_at_commas
 
 
   !> Reads an integer field or tells why not.

@@ -216,16 +216,20 @@ contains
   function failed_attempts(records) result(line)
     type(increment_record_type), intent(in) :: records(:)   !< the last one is of the last attempt
     character(STORY_LENGTH) :: line
-    character(:), allocatable :: reason
+    character(:), allocatable :: reason, before
     integer :: i, n
     line = ''
+    before = ''
     n = size(records)
     if (n < 2) return
     if (records(n)%attempt < 2) return
     do i = max(1, n - records(n)%attempt + 1), n
       if (.not. allocated(records(i)%reason)) cycle
       reason = records(i)%reason
-      line = trim(line) // ', ' // trim(reason(:index(reason // ':', ':') - 1))
+      reason = trim(reason(:index(reason // ':', ':') - 1))
+      reason = reason(:verify(reason, '.', back=.true.))
+      if (reason /= before) line = trim(line) // ', ' // reason
+      before = reason
     end do
     line = 'Its attempts failed by ' // trim(line(3:)) // '.'
   end function failed_attempts

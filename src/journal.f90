@@ -347,6 +347,9 @@ contains
     write (line, '(3(a,i0))') '  slave nodes at the end:  open ', records(last)%n_status(0), ',  stick ', &
       records(last)%n_status(1), ',  slip ', records(last)%n_status(2)
     call put(journal, trim(line))
+    if (any(records%is_converged .and. records%n_status(1) + records%n_status(2) > 0)) return
+    call put(journal, '*WARNING: No slave node touched its master at the end of any increment: these are results of ' // &
+      'bodies without contact. Look at the gaps (COPEN) and at which surface is the slave (the finer or smaller one).')
   end subroutine put_contact
 
 

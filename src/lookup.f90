@@ -110,7 +110,7 @@ contains
     if (best > 0) then
       text = '; did you mean ' // trim(self%keys(best)) // '?'
     else if (self%n == 0) then
-      text = '; there is none.'
+      text = '; the deck has none at all.'
     else if (self%n == 1) then
       text = '; there is only ' // trim(self%keys(1)) // '.'
     else if (self%n <= FEW) then

@@ -86,7 +86,8 @@ def proof(run: Run, tmp_path: Path, request: pytest.FixtureRequest) -> Callable[
         pages.mkdir(parents=True, exist_ok=True)
 
     def make(name: str, **words: str) -> Case:
-        return Case(name, runner=run, work=tmp_path, pages=pages, file=request.module.__name__, **words)
+        test = f"{request.node.path.relative_to(ROOT)}::{request.node.name}"
+        return Case(name, runner=run, work=tmp_path, pages=pages, file=request.module.__name__, test=test, **words)
 
     return make
 

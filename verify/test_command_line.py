@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import time
 from pathlib import Path
@@ -227,3 +228,29 @@ def test_table_of_phases(run: Run, tmp_path: Path) -> None:
     grown = sum(float(megabytes) for *_, megabytes in rows)
     assert abs(grown - float(whole[2])) <= 3.5, "six phases, each rounded to a megabyte"
     assert 5 < float(whole[2]) < 200
+
+
+def test_contact_that_never_was_is_told(run: Run, root: Path, tmp_path: Path) -> None:
+    """A cube that is lifted off its table, and one whose master is the slave, end well, but not without a word; the one that is pressed is fine."""
+    shutil.copy(root / "input" / "three_cubes.mesh", tmp_path)
+    deck = (root / "input" / "three_cubes.inp").read_text()
+    lifted, swapped = deck.replace("LID, 3, 3, -0.001", "LID, 3, 3, 0.001"), deck.replace("CUBE_SOLE, TABLE_TOP", "TABLE_TOP, CUBE_SOLE")
+    for text, is_told in ((deck, False), (lifted, True), (swapped, True)):
+        (tmp_path / "job.inp").write_text(text)
+        done = run(["job"], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout
+        assert ("*WARNING: No slave node touched its master" in done.stdout) == is_told
+
+
+@pytest.mark.parametrize(("wrong", "right", "told"), [
+    ("210000., 0.3", "210000. 0.3", "a comma parts two numbers, and a point is the decimal mark"),
+    ("INPUT=three_cubes.mesh", "INPUT=four_cubes.mesh", "\n    *INCLUDE, INPUT=four_cubes.mesh\n"),
+    ("*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n", "", "There is no material 'STEEL'; the deck has none at all."),
+])  # fmt: skip
+def test_slips_of_the_pen(run: Run, root: Path, tmp_path: Path, wrong: str, right: str, told: str) -> None:
+    """What is told of them says how it is done."""
+    shutil.copy(root / "input" / "three_cubes.mesh", tmp_path)
+    (tmp_path / "job.inp").write_text((root / "input" / "three_cubes.inp").read_text().replace(wrong, right))
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 3
+    assert told in done.stdout + done.stderr

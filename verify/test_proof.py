@@ -38,6 +38,20 @@ def test_index_tells_the_worst(tmp_path: Path) -> None:
     assert "stress, A" not in text
 
 
+def test_bands_and_truths_are_told_as_such(tmp_path: Path) -> None:
+    """No error of 0 where none is allowed: a number is inside its band or outside by so much, and what is so is true."""
+    case = Case("x", "X", "", "", "", "", runner=None, work=tmp_path, pages=None, test="verify/test_x.py::test_x")
+    words = {"place": "A", "time": "the end", "why": "published"}
+    case.within("V", 324.5, (268.0, 332.0), **words)
+    case.within("H", 3.0, (0.0, 2.0), **words)
+    case.true("it is done", True, **words)
+    page = case.page()
+    for row in ("| V | A | the end | 268 to 332 | 324.5 | inside |  |", "| H | A | the end | at most 2 | 3 | outside by 1.0e+00 |  |",
+                "| it is done | A | the end | true | true |  |  |"):  # fmt: skip
+        assert row in page
+    assert "pytest 'verify/test_x.py::test_x'" in page
+
+
 def test_every_case_has_a_chapter() -> None:
     """The files that write cases are in CHAPTERS."""
     here = Path(__file__).parent / "verification"
