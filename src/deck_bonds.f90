@@ -7,11 +7,13 @@ module amontons_deck_bonds
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, row_type, next_row, field_text
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_faces, only: find_side
+  use amontons_deck_model, only: fill_surface_nodes
   use amontons_deck_mpc, only: read_mpc, make_rotation
   use amontons_deck_profiles, only: carry_profile
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     nodes_of_field, is_card
-  use amontons_mesh, only: append_node
+  use amontons_mesh, only: append_node, append_copies
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_tensor, only: cross_product
   use amontons_text, only: parse_real, parse_integer, squeezed, NUMBER_OK
@@ -138,13 +140,15 @@ contains
     integer :: c
     allocate (model%bonds(0), model%ties(0), model%spreads(0), model%equations(0))
     allocate (model%rotation_of(model%mesh%n_nodes), source=0)
+    do c = 1, reader%cards%n_cards               ! first, since nodes of surfaces become others
+      if (is_card(reader, c, 'PRE-TENSIONSECTION')) call read_pretension(reader, model, c)
+    end do
     do c = 1, reader%cards%n_cards
       if (is_card(reader, c, 'MPC')) call read_mpc(reader, model, c)
       if (is_card(reader, c, 'RIGIDBODY')) call read_rigid_body(reader, model, c)
       if (is_card(reader, c, 'COUPLING')) call read_coupling(reader, model, c)
       if (is_card(reader, c, 'KINEMATICCOUPLING')) call read_kinematic(reader, model, c)
       if (is_card(reader, c, 'TIE')) call read_tie(reader, model, c)
-      if (is_card(reader, c, 'PRE-TENSIONSECTION')) call read_pretension(reader, model, c)
     end do
     call check_carried(reader, model)
     if (allocated(model%frame_of)) model%frame_of = [model%frame_of, &
@@ -516,7 +520,7 @@ contains
   end subroutine add_tie
 
 
-  !> PRE-TENSION SECTION: the elements of the surface get nodes of their own there; they stand off from the old ones by
+  !> PRE-TENSION SECTION: the elements on the surface's side of it get nodes of their own there; they stand off from the old ones by
   !! the first displacement of the pre-tension node along the normal: u_new = u_old + n u_1.
   subroutine read_pretension(reader, model, c)
     type(reader_type), intent(inout) :: reader
@@ -524,9 +528,9 @@ contains
     integer, intent(in) :: c
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    integer, allocatable :: partner(:)
+    integer, allocatable :: partner(:), side(:)
     real(DP) :: normal(3)
-    integer :: surface, pilot, i, line
+    integer :: surface, pilot, line
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     line = reader%cards%line_number(reader%cards%cards(c)%line)
@@ -557,10 +561,14 @@ contains
       call complain(reader, reader%cards%cards(c)%line, 'The pre-tension node belongs to an element; name a node of its own.')
       return
     end if
-    allocate (partner(model%mesh%n_nodes), source=0)
-    do i = 1, size(model%surfaces(surface)%element)
-      call part_face(model, surface, i, partner)
-    end do
+    call find_side(model%mesh, model%surfaces(surface)%element, model%surfaces(surface)%face, side, is_ok)
+    if (.not. is_ok) then
+      call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // parameter_text(parameters, 'SURFACE') // &
+        ''' does not cut its body through: elements on its two sides hang together around its edge, or it names faces of ' // &
+        'both sides.')
+      return
+    end if
+    call part_body(model, side, surface, partner)
     call overlap_nodes(model, partner, pilot, normal, line)
   end subroutine read_pretension
 
@@ -686,26 +694,28 @@ contains
   end function face_nodes
 
 
-  !> Gives the element of a face of a surface nodes of its own there.
-  subroutine part_face(model, surface, i, partner)
+  !> Gives the elements on one side of a surface nodes of their own there; the nodes of all surfaces follow.
+  subroutine part_body(model, side, surface, partner)
     type(model_type), intent(inout) :: model
-    integer, intent(in) :: surface, i            !< the surface, its face
-    integer, intent(inout) :: partner(:)         !< new node of each old one
-    type(kind_type) :: entry
-    integer :: e, k, place, node
-    e = model%surfaces(surface)%element(i)
-    entry = element_kind(model%mesh%kind(e))
-    do k = 1, size(entry%face_nodes, 1)
-      if (entry%face_nodes(k, model%surfaces(surface)%face(i)) == 0) cycle
-      place = model%mesh%first(e) - 1 + entry%face_nodes(k, model%surfaces(surface)%face(i))
-      node = model%mesh%nodes(place)
-      if (node > size(partner)) cycle
-      if (partner(node) == 0) then
-        call append_node(model%mesh, model%mesh%coordinates(:, node), partner(node))
-        model%mesh%is_idle(:, partner(node)) = model%mesh%is_idle(:, node)
-      end if
-      model%mesh%nodes(place) = partner(node)
+    integer, intent(in) :: side(:)               !< elements
+    integer, intent(in) :: surface
+    integer, allocatable, intent(out) :: partner(:)   !< (n_nodes) new node of each old one, 0
+    integer :: e, i, n_old
+    associate (mesh => model%mesh, nodes => model%surfaces(surface)%nodes)
+      n_old = mesh%n_nodes
+      call append_copies(mesh, nodes)
+      allocate (partner(mesh%n_nodes), source=0)
+      partner(nodes) = n_old + [(i, i=1, size(nodes))]
+      do e = 1, size(side)
+        do i = mesh%first(side(e)), mesh%first(side(e) + 1) - 1
+          if (partner(mesh%nodes(i)) > 0) mesh%nodes(i) = partner(mesh%nodes(i))
+        end do
+      end do
+    end associate
+    do i = 1, size(model%surfaces)
+      if (.not. (model%surfaces(i)%is_node_based .or. allocated(model%surfaces(i)%profile))) &
+        call fill_surface_nodes(model%mesh, model%surfaces(i))
     end do
-  end subroutine part_face
+  end subroutine part_body
 
 end module amontons_deck_bonds

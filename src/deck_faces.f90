@@ -1,4 +1,5 @@
-!> Deck faces: element faces by their corner nodes: the free faces of a body, and the faces that a mesh generator wrote.
+!> Deck faces: element faces by their corner nodes: the free faces of a body, the faces that a mesh generator wrote, and what stands on
+!! one side of faces inside a body.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_faces
   use amontons_deck_reader, only: reader_type
@@ -7,7 +8,7 @@ module amontons_deck_faces
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
-  public :: faces_type, find_free_faces, find_left_faces, n_hidden_faces
+  public :: faces_type, find_free_faces, find_left_faces, find_side, n_hidden_faces
 
   !> The elements at each node, for looking up faces.
   type :: faces_type
@@ -57,11 +58,12 @@ contains
 
 
   !> The faces whose corners are some nodes: how many there are, and the first one.
-  subroutine match_face(faces, mesh, corners, n, element, face)
+  subroutine match_face(faces, mesh, corners, n, element, face, without)
     type(faces_type), intent(in) :: faces        !< indexed
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: corners(:)
-    integer, intent(out) :: n, element, face
+    integer, intent(out) :: n, element, face     !< 0, 0, 0 if there is none
+    integer, intent(in), optional :: without     !< element that does not count
     type(kind_type) :: entry
     integer, allocatable :: found(:)
     integer :: k, i, j
@@ -70,6 +72,9 @@ contains
     face = 0
     do k = faces%first(corners(1)), faces%first(corners(1) + 1) - 1
       associate (e => faces%elements(k))
+        if (present(without)) then
+          if (e == without) cycle
+        end if
         entry = element_kind(mesh%kind(e))
         do i = 1, entry%n_faces
           found = corners_of(mesh, e, i)
@@ -158,5 +163,46 @@ contains
     element = elements%trimmed()
     face = numbers%trimmed()
   end subroutine find_left_faces
+
+
+  !> The elements on that side of some faces inside a body on which the faces were named, those that touch the faces with no more
+  !! than an edge or a corner too. Faces that hold a node of the given ones lead from element to element, the given ones do not.
+  subroutine find_side(mesh, element, face, side, is_cut_through)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: element(:), face(:)   !< the given faces
+    integer, allocatable, intent(out) :: side(:) !< elements
+    logical, intent(out) :: is_cut_through       !< .false.: the way leads around the edge of the faces to their other side
+    type(faces_type) :: faces
+    type(integer_list_type) :: reached
+    type(kind_type) :: entry
+    integer :: beyond(size(element)), i, k, n, other, f
+    logical :: is_given(6, mesh%n_elements), is_on(mesh%n_nodes), is_reached(mesh%n_elements)
+    call index_faces(faces, mesh)
+    is_given = .false.
+    is_on = .false.
+    is_reached = .false.
+    do i = 1, size(element)
+      is_given(face(i), element(i)) = .true.
+      is_on(corners_of(mesh, element(i), face(i))) = .true.
+      call match_face(faces, mesh, corners_of(mesh, element(i), face(i)), n, beyond(i), f, without=element(i))
+      if (.not. is_reached(element(i))) call reached%add(element(i))
+      is_reached(element(i)) = .true.
+    end do
+    i = 0
+    do while (i < reached%n)                     ! the list grows meanwhile
+      i = i + 1
+      entry = element_kind(mesh%kind(reached%items(i)))
+      do k = 1, entry%n_faces
+        if (is_given(k, reached%items(i)) .or. .not. any(is_on(corners_of(mesh, reached%items(i), k)))) cycle
+        call match_face(faces, mesh, corners_of(mesh, reached%items(i), k), n, other, f, without=reached%items(i))
+        if (other == 0) cycle
+        if (.not. is_reached(other)) call reached%add(other)
+        is_reached(other) = .true.
+      end do
+    end do
+    side = reached%trimmed()
+    is_cut_through = .not. any(is_reached(pack(beyond, beyond > 0)))
+  end subroutine find_side
+
 
 end module amontons_deck_faces

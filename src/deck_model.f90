@@ -20,7 +20,7 @@ module amontons_deck_model
   implicit none
   private
   public :: read_heading, read_amplitudes, read_surfaces, read_equations, find_slave_surface
-  public :: face_number
+  public :: face_number, fill_surface_nodes
 
   character(*), parameter :: OF_NODES = '\NODES'   !< behind the name of a surface of nodes that shares its name
 

@@ -6,7 +6,7 @@ module amontons_mesh
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
-  public :: mesh_type, set_type, finish_mesh, element_nodes, append_node, is_out, mesh_extent
+  public :: mesh_type, set_type, finish_mesh, element_nodes, append_node, append_copies, is_out, mesh_extent
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -144,6 +144,21 @@ contains
     type(mesh_type), intent(in) :: mesh
     mesh_extent = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
   end function mesh_extent
+
+
+  !> Appends nodes at the places of others. Cost: linear.
+  subroutine append_copies(mesh, nodes)
+    type(mesh_type), intent(inout) :: mesh         !< finished
+    integer, intent(in) :: nodes(:)                !< their copies become n_nodes + 1, ... in this order
+    integer :: i, n
+    n = size(nodes)
+    mesh%coordinates = reshape([mesh%coordinates, mesh%coordinates(:, nodes)], [3, mesh%n_nodes + n])
+    mesh%is_idle = reshape([mesh%is_idle, mesh%is_idle(:, nodes)], [3, mesh%n_nodes + n])
+    mesh%is_abstract = [mesh%is_abstract, spread(.false., 1, n)]
+    mesh%has_elements = [mesh%has_elements, spread(.false., 1, n)]
+    mesh%node_label = [mesh%node_label, maxval(mesh%node_label) + [(i, i=1, n)]]
+    mesh%n_nodes = mesh%n_nodes + n
+  end subroutine append_copies
 
 
   !> Whether an element is taken out in the present step.

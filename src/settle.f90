@@ -60,6 +60,7 @@ contains
     logical :: is_kept, is_round
     integer :: trouble
     n_rounds = 0
+    trouble = TROUBLE_NONE
     is_round = .false.
     largest = 0.0_DP
     slaves = state%new%slaves
@@ -95,7 +96,7 @@ contains
     end do
     du = best%du
     slaves = best%slaves
-    system%is_settled = n_rounds < MOST_ROUNDS .and. .not. is_round
+    system%is_settled = n_rounds < MOST_ROUNDS .and. .not. is_round .and. trouble == TROUBLE_NONE   ! else the factor may be gone
     call return_to(system, model, step, start, state, error)
   end subroutine settle_contact
 
