@@ -29,6 +29,7 @@ module amontons_condensed
   public :: condensed_type, is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
     apply_condensed, is_interface_worth
 
+  integer, parameter :: WIDTH = 8                  !< columns of J_c that are made together: a vector of doubles [-]
   real(DP), parameter :: WORTH = 4.0_DP            !< an interface may cost so many factors of the bulk [-]
   real(DP), parameter :: SMALL = 3.0e7_DP          !< operations that are not worth a thought [-]
   real(DP), parameter :: INSIDE = 1.0e-3_DP        !< of what is allowed: so little that single precision does not show [-]
@@ -470,7 +471,7 @@ contains
   end subroutine restrict
 
 
-  !> J_c = C_c' ((1 + D_R) S - D_u) C_c, column by column; threads share the columns.
+  !> J_c = C_c' ((1 + D_R) S - D_u) C_c, some columns at a time; threads share them.
   subroutine fill_dense(self, relation_t, d_u_t, error)
     type(condensed_type), intent(inout) :: self
     type(sparse_type), intent(in) :: relation_t    !< C_c' (n_reduced x n_contact)
@@ -482,44 +483,50 @@ contains
     call judge_memory(no_memory, error)
     if (allocated(error)) return
     !$omp parallel do schedule(static)
-    do j = 1, self%n_reduced
-      call fill_column(self, relation_t, d_u_t, j)
+    do j = 1, self%n_reduced, WIDTH
+      call fill_columns(self, relation_t, d_u_t, j, min(j + WIDTH - 1, self%n_reduced))
     end do
     !$omp end parallel do
   end subroutine fill_dense
 
 
-  !> One column of J_c.
-  subroutine fill_column(self, relation_t, d_u_t, j)
+  !> Columns of J_c, side by side in memory, so that the sparse matrices are gone through once for all of them.
+  subroutine fill_columns(self, relation_t, d_u_t, first, last)
     type(condensed_type), intent(inout) :: self
     type(sparse_type), intent(in) :: relation_t, d_u_t
-    integer, intent(in) :: j
-    real(DP) :: t(self%n_contact), w(self%n_contact), a
-    integer :: p, q, k
+    integer, intent(in) :: first, last             !< at most WIDTH columns
+    real(DP) :: t(WIDTH, self%n_contact), w(WIDTH, self%n_contact), row(WIDTH)
+    integer :: j, m, p, q, k
     t = 0.0_DP
-    do p = relation_t%first(j), relation_t%first(j + 1) - 1
-      t = t + relation_t%value(p) * self%stiffness(:, relation_t%column(p))
+    do j = first, last
+      m = j - first + 1
+      do p = relation_t%first(j), relation_t%first(j + 1) - 1
+        t(m, :) = t(m, :) + relation_t%value(p) * self%stiffness(:, relation_t%column(p))
+      end do
     end do
     w = t
     do k = 1, self%n_contact
       do p = self%by_imbalance%first(k), self%by_imbalance%first(k + 1) - 1
-        w(k) = w(k) + self%by_imbalance%value(p) * t(self%by_imbalance%column(p))
+        w(:, k) = w(:, k) + self%by_imbalance%value(p) * t(:, self%by_imbalance%column(p))
       end do
     end do
-    do p = relation_t%first(j), relation_t%first(j + 1) - 1
-      k = relation_t%column(p)
-      a = relation_t%value(p)
-      do q = d_u_t%first(k), d_u_t%first(k + 1) - 1
-        w(d_u_t%column(q)) = w(d_u_t%column(q)) - a * d_u_t%value(q)
+    do j = first, last
+      m = j - first + 1
+      do p = relation_t%first(j), relation_t%first(j + 1) - 1
+        k = relation_t%column(p)
+        do q = d_u_t%first(k), d_u_t%first(k + 1) - 1
+          w(m, d_u_t%column(q)) = w(m, d_u_t%column(q)) - relation_t%value(p) * d_u_t%value(q)
+        end do
       end do
     end do
     do k = 1, self%n_reduced
-      self%lu(k, j) = 0.0_DP
+      row = 0.0_DP
       do p = relation_t%first(k), relation_t%first(k + 1) - 1
-        self%lu(k, j) = self%lu(k, j) + relation_t%value(p) * w(relation_t%column(p))
+        row = row + relation_t%value(p) * w(:, relation_t%column(p))
       end do
+      self%lu(k, first:last) = row(:last - first + 1)
     end do
-  end subroutine fill_column
+  end subroutine fill_columns
 
 
   !> x = inv(J) r with the bulk as it was factorised: forward through the bulk, the interface, backward through the bulk. Forward
