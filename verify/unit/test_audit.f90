@@ -93,6 +93,7 @@ contains
           end do
         end do
       end do
+      if (allocated(mesh%section)) deallocate (mesh%section, mesh%directions, mesh%is_abstract)   ! of the blocks before
     end associate
     call finish_mesh(model%mesh)
   end subroutine add_block

@@ -10,10 +10,17 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import Run
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
+
+from make_decks import block, join  # noqa: E402
+from solids import FACES, as_kind, node_set  # noqa: E402
 
 YOUNG, NU = 1000.0, 0.25
 TOLERANCE = 1e-6  # of the largest value: six digits are printed
@@ -239,6 +246,62 @@ def test_pretension(run_deck: Run, tmp_path: Path, is_force: bool) -> None:
     assert sum(forces[n][2] for n in (1, 2, 3, 4)) == pytest.approx(-pull, rel=1e-6)
     u = read_rows(tmp_path, "displacements")
     assert u[90][0] == pytest.approx(-5.0 * 2 / YOUNG if is_force else -0.01, rel=1e-6)
+
+
+def cut_deck(kind: str, has_wall: bool) -> str:
+    """A column 2 x 2 x 4 of unit cubes between plates without friction, cut in the middle, with a force of 5 in the cut; beside it
+    a wall without friction, towards which a pressure of 2 pushes the column."""
+    column = block([0, 1, 2], [0, 1, 2], range(5), "COLUMN")
+    body = as_kind(join([column, block([2, 3], [0, 1, 2], [0, 1, 3, 4], "WALL")]) if has_wall else column, kind)
+    pilot = len(body.nodes) + 1
+    of_column = set(np.unique(body.elements[(body.nodes[body.elements, 0] <= 2).all(axis=1)]))
+
+    def surface(name: str, axis: int, value: float, lower: tuple[float, float, float]) -> str:
+        """Faces at a place, of the elements that lie beyond a corner."""
+        at = set(body.where(axis, value))
+        rows = [f"{e + 1}, S{f}\n" for e, nodes in enumerate(body.elements) if (body.nodes[nodes] >= lower).all()
+                and (lower[0] >= 2 or of_column.issuperset(nodes))
+                for f, local in enumerate(FACES[kind], start=1) if at.issuperset(nodes[local])]  # fmt: skip
+        return f"*SURFACE, NAME={name}\n" + "".join(rows)
+
+    model = surface("CUT", 2, 2.0, (0, 0, 2)) + f"*PRE-TENSION SECTION, SURFACE=CUT, NODE={pilot}\n0, 0, 1\n"
+    loads = "1, 1\n"
+    if has_wall:
+        model += surface("SIDE", 0, 2.0, (0, 0, 0)) + surface("FRONT", 0, 2.0, (2, 0, 0)) + surface("BACK", 0, 0.0, (0, 0, 0))
+        model += "*SURFACE INTERACTION, NAME=SMOOTH\n*CONTACT PAIR, INTERACTION=SMOOTH, TYPE=SURFACE TO SURFACE\nFRONT, SIDE\n"
+        loads = "FAR, 1\n*DSLOAD\nBACK, P, 2.\n"
+    return (
+        f"{body.cards()}*NODE, NSET=PILOT\n{pilot}, 0, 0, 0\n" + node_set("FAR", body.where(0, 3.0))
+        + node_set("LOW", body.where(2, 0.0)) + node_set("HIGH", of_column.intersection(body.where(2, 4.0)))
+        + node_set("FLAT", body.where(1, 0.0))
+        + model + MATERIAL.replace("ELSET=E", "ELSET=ALL")
+        + f"*STEP\n*STATIC\n{TIGHT}*CLOAD\n{pilot}, 1, -5.\n*BOUNDARY\nLOW, 3\nHIGH, 3\nFLAT, 2\n{loads}"
+        + "*NODE PRINT, NSET=PILOT\nU\n*NODE PRINT, NSET=LOW\nRF\n*END STEP\n"
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("has_wall", [False, True])
+@pytest.mark.parametrize("kind", ["C3D4", "C3D6", "C3D8", "C3D10", "C3D15", "C3D20"])
+def test_pretension_parts_all_elements(run_deck: Run, tmp_path: Path, kind: str, has_wall: bool) -> None:
+    """Elements that touch the cut with no more than an edge or a corner stand on their side of it too: nothing else carries, and the
+    overlap is L (F / A + nu p) / E. A surface that crosses the cut has the nodes on both sides of it."""
+    text = cut_deck(kind, has_wall)
+    done = run_deck(text if has_wall else text.replace("*NSET, NSET=FAR\n\n", ""))
+    assert done.returncode == 0, done.stdout + done.stderr
+    pressure = 2.0 if has_wall else 0.0
+    ((overlap, *_),) = read_rows(tmp_path, "displacements").values()
+    assert overlap == pytest.approx(-4.0 * (5.0 / 4.0 + NU * pressure) / YOUNG, rel=1e-6)
+    assert sum(row[2] for row in read_rows(tmp_path, "forces").values()) == pytest.approx(-5.0, rel=1e-6)
+
+
+def test_pretension_in_part_of_a_body(run_deck: Run) -> None:
+    """A cut that ends inside the body is told: elements on its two sides hang together around its edge."""
+    text = cut_deck("C3D8", has_wall=False).replace("*NSET, NSET=FAR\n\n", "")
+    cut = re.search(r"NAME=CUT\n(.*\n)", text)
+    assert cut
+    done = run_deck(re.sub(r"(NAME=CUT\n)(\d.*\n)+", r"\g<1>" + cut[1], text))
+    assert done.returncode == 3
+    assert "does not cut its body through" in done.stdout + done.stderr
 
 
 def test_plane_and_straight(run_deck: Run, tmp_path: Path) -> None:
