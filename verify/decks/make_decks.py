@@ -361,15 +361,15 @@ SHEAR_BLOCK = """\
 """
 
 
-def hertz_deck() -> str:
-    """A ball's octant pressed on a rigid flat: Hertz."""
+def hertz_deck(fine: float = 0.75) -> str:
+    """A ball's octant pressed on a rigid flat: Hertz. fine: the elements at the contact."""
     radius, press, elastic = 50.0, 0.5, (20000.0, 0.3)
     modulus = elastic[0] / (1 - elastic[1] ** 2)
     a, force = math.sqrt(radius * press), 4 / 3 * modulus * math.sqrt(radius) * press**1.5
     p0 = 3 * force / (2 * math.pi * a * a)
     quarter_arc = radius * math.pi / 4
-    lateral = graded(quarter_arc, 0.75, 7, 6) / quarter_arc
-    radial = 1.0 - graded(0.5 * radius, 0.75, 2, 6)[::-1] / (0.5 * radius)
+    lateral = graded(quarter_arc, fine, math.ceil(5.25 / fine), 6) / quarter_arc
+    radial = 1.0 - graded(0.5 * radius, fine, round(1.5 / fine), 6)[::-1] / (0.5 * radius)
     ball = ball_octant(radius, lateral, 4, radial, "BALL")
     on_cap = np.max(ball.nodes[ball.elements[ball.element_sets["BALL_CAP_E"]]][:, :, :2], axis=(1, 2)) < 14.0
     ball.element_sets["BALL_CAP_E"] = ball.element_sets["BALL_CAP_E"][on_cap]
@@ -385,7 +385,7 @@ def hertz_deck() -> str:
 ** The flat is a fixed plate. Closed form (Hertz 1882), P the force on the whole ball (four times the deck's):
 **   E* = E/(1 - nu^2) = {modulus:.1f},  a = (3 P R / (4 E*))^(1/3),  p0 = 3 P / (2 pi a^2),  P = 4/3 E* R^(1/2) d^(3/2)
 ** d = {press:g} gives a = {a:.3f}, p0 = {p0:.1f}, P = {force:.0f} for a ball whose approach is measured far away.
-** The equator is not: expect P some 6 % higher, and for that P the edge within one element (0.75), p0 within 1 %.
+** The equator is not: expect P some 6 % higher, and for that P the edge within one element ({fine:g}), p0 within 1 %.
 ** {3 * len(mesh.nodes)} unknowns, 5 increments: about a second on one core. Units: N, mm.
 """
     return (
