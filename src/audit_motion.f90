@@ -17,14 +17,15 @@ module amontons_audit_motion
   use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, direction_of
-  use amontons_state, only: slave_type
+  use amontons_state, only: slave_type, STATUS_OPEN, STATUS_SLIP
   use amontons_rows, only: contact_row_type
   use amontons_contact, only: contact_type, touching_row
-  use amontons_audit_bodies, only: complain, warn, step_list, joined, body_type, bodies_type, body_name, find_root, unite
+  use amontons_audit_bodies, only: complain, warn, step_list, joined, body_type, bodies_type, body_name, &
+    find_bodies, find_root, unite
   use amontons_audit_contact, only: is_closed, may_meet_later
   implicit none
   private
-  public :: check_motions
+  public :: check_motions, free_motion
 
   ! An eigenvalue or pivot of a Gram matrix that is a smaller part of the largest than this counts as 0 [-]. With
   ! contacts it is the square of a slope: the normals carry the rounding of the coordinates in the deck.
@@ -85,6 +86,48 @@ contains
   end subroutine check_motions
 
 
+  !> A motion that supports, equations and the closed slave nodes leave to a body in a step, in words; empty if there is none.
+  !! Slave nodes that slip hold their bodies along the normal alone.
+  function free_motion(model, contact, slaves, step) result(text)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    integer, intent(in) :: step                    !< its number
+    character(:), allocatable :: text
+    type(bodies_type) :: bodies
+    type(bases_type) :: bases
+    type(rows_type) :: rows
+    type(finding_type), allocatable :: findings(:)
+    integer :: s
+    text = ''
+    call find_bodies(model, bodies)
+    call find_bases(model, bodies, model%steps(step), bases)
+    if (all(bases%n == 0)) return
+    allocate (findings(0))
+    call begin_rows(bodies, rows)
+    call add_equations(model, bodies, bases, rows)
+    do s = 1, size(slaves)
+      if (slaves(s)%status == STATUS_OPEN .or. slaves(s)%facet == 0) cycle
+      call add_contact(model, contact, slaves(s), bodies, bases, rows)
+    end do
+    call check_clusters(model, bodies, bases, rows, step, .false., findings)
+    if (size(findings) == 0) return
+    text = findings(1)%text
+    text = text(:scan(text // ':', ':') - 1)
+    if (index(text, ' as the deck places it') > 0) text = text(:index(text, ' as the deck places it') - 1)
+  end function free_motion
+
+
+  !> Room for rows.
+  subroutine begin_rows(bodies, rows)
+    type(bodies_type), intent(in) :: bodies
+    type(rows_type), intent(out) :: rows
+    allocate (rows%work(6, bodies%n), source=0.0_DP)
+    allocate (rows%touched(bodies%n), rows%first(65), rows%is_open(64), rows%body(128), rows%value(6, 128))
+    rows%first(1) = 1
+  end subroutine begin_rows
+
+
   !> The free motions of one step.
   subroutine check_step(model, contact, slaves, bodies, step, findings)
     type(model_type), intent(in) :: model
@@ -97,9 +140,7 @@ contains
     type(rows_type) :: rows
     call find_bases(model, bodies, model%steps(step), bases)
     if (all(bases%n == 0)) return
-    allocate (rows%work(6, bodies%n), source=0.0_DP)
-    allocate (rows%touched(bodies%n), rows%first(65), rows%is_open(64), rows%body(128), rows%value(6, 128))
-    rows%first(1) = 1
+    call begin_rows(bodies, rows)
     call add_equations(model, bodies, bases, rows)
     call add_contacts(model, contact, slaves, bodies, bases, rows)
     call check_clusters(model, bodies, bases, rows, step, .false., findings)
@@ -397,6 +438,7 @@ contains
     associate (law => model%interactions(model%pairs(slave%pair)%interaction))
       n_directions = merge(3, 1, law%friction > 0.0_DP .or. law%is_user_friction .or. law%behavior == BEHAVIOR_USER)
     end associate
+    if (slave%status == STATUS_SLIP) n_directions = 1
     direction(:, 1) = slave%normal
     direction(:, 2) = 0.0_DP
     direction(minloc(abs(slave%normal), dim=1), 2) = 1.0_DP

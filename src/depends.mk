@@ -144,7 +144,7 @@ uses_frd = kinds errors version text history posix dense topology mesh steps mod
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state reduced system newton stepper
-uses_failure = kinds text history model state system converge forensics newton
+uses_failure = kinds text history model state system audit_motion converge forensics newton
 uses_user_job = kinds errors journal user materials surfaces model user_material state user_state
 uses_drive = kinds errors text loads steps model
 uses_claims = kinds errors text posix dense factor model

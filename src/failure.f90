@@ -18,7 +18,8 @@ module amontons_failure
   use amontons_history, only: increment_record_type, STORY_LENGTH
   use amontons_model, only: model_type
   use amontons_state, only: state_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
-  use amontons_forensics, only: find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
+  use amontons_audit_motion, only: free_motion
+  use amontons_forensics, only: most_held, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
   use amontons_converge, only: VERDICT_DIVERGES
   use amontons_newton, only: newton_type, TROUBLE_FREE, TROUBLE_THROUGH
   use amontons_system, only: system_type, TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
@@ -28,7 +29,7 @@ module amontons_failure
 
   integer, parameter :: N_WORST = 10               !< nodes listed
   integer, parameter :: N_NAMED = 8                !< nodes named in the reason
-  integer, parameter :: N_FREE = 3                 !< attempts at an increment that find a free body: a shorter one would not hold it
+  integer, parameter :: N_FREE = 4                 !< attempts that find a free body, each shorter: the next would not hold it either
   character(*), parameter :: LIMIT_POINT = 'LIMIT POINT: the stiffness is not positive: the structure buckles, snaps ' // &
     'through, or softens.'
 
@@ -71,6 +72,8 @@ contains
       if (reason == '' .and. (system%n_shifted > newton%n_shifted .or. newton%n_uphill > 1)) reason = LIMIT_POINT
       if (newton%n_carried > newton%n_snapped .and. newton%farthest > 0 .and. index(reason, 'LEFT') == 0) &
         reason = free_body(model, state, newton)
+      if (index(reason, 'FREE') == 0 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
+        call look_for_free_motion(model, system, state, newton, reason)
       if (reason == '' .and. verdict == VERDICT_DIVERGES) &
         reason = 'SLOW: the force imbalance grows from iteration to iteration.'
       if (reason == '') reason = 'SLOW: the force imbalance does not fall any more.'
@@ -90,6 +93,26 @@ contains
     if (size(slaves) > 0) reason = reason // ', first at ' // names_of(model, state%new%slaves, slaves)
     reason = reason // '.' // all_slip(state, 'if nothing else holds a body, friction does not.')
   end function limit_of_contact
+
+
+  !> A body that the contact of the last iterations does not hold is the reason, whatever the statuses did meanwhile.
+  subroutine look_for_free_motion(model, system, state, newton, reason)
+    type(model_type), intent(in) :: model
+    type(system_type), intent(in) :: system
+    type(state_type), intent(in) :: state
+    type(newton_type), intent(in) :: newton
+    character(:), allocatable, intent(inout) :: reason
+    character(:), allocatable :: motion
+    type(slave_type) :: held(size(state%new%slaves))
+    integer :: s
+    if (size(held) == 0 .or. .not. allocated(newton%forensics%status)) return
+    held = state%new%slaves
+    do s = 1, size(held)
+      call most_held(newton%forensics, s, held(s)%status, held(s)%facet)
+    end do
+    motion = free_motion(model, system%contact, held, state%new%step)
+    if (motion /= '') reason = 'FREE BODY: where contact is left, the ' // motion // ': nothing else holds it.'
+  end subroutine look_for_free_motion
 
 
   !> A body that had to be carried again and again.

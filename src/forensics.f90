@@ -2,11 +2,11 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_forensics
   use amontons_kinds, only: DP, I64
-  use amontons_state, only: slave_type, STATUS_OPEN
+  use amontons_state, only: slave_type, STATUS_OPEN, STATUS_STICK
   implicit none
   private
   public :: forensics_type, note_slaves, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of, &
-    least_merit, last_facet, n_changed_since_first, DEPTH
+    least_merit, last_facet, n_changed_since_first, most_held, DEPTH
 
   integer, parameter :: DEPTH = 8                  !< iterations whose nodes are kept
   integer, parameter :: MOST = 128                 !< iterations whose hashes are kept
@@ -125,6 +125,23 @@ contains
       if (facet == 0) facet = forensics%facet(s, k)
     end do
   end function last_facet
+
+
+  !> The firmest status of a slave node in the last iterations, and the facet on which it was then; open: facet 0.
+  pure subroutine most_held(forensics, s, status, facet)
+    type(forensics_type), intent(in) :: forensics
+    integer, intent(in) :: s
+    integer, intent(out) :: status                 !< STATUS_...
+    integer, intent(out) :: facet
+    integer :: k
+    status = STATUS_OPEN
+    facet = 0
+    do k = 1, min(forensics%n, DEPTH / 2)
+      if (forensics%facet(s, k) == 0 .or. forensics%status(s, k) == STATUS_OPEN .or. status == STATUS_STICK) cycle
+      status = forensics%status(s, k)
+      facet = forensics%facet(s, k)
+    end do
+  end subroutine most_held
 
 
   !> Whether nothing but stick and slip changes among some slave nodes.

@@ -95,6 +95,17 @@ def flipping() -> str:
     return pole(mu, (0.95 * end, 1.05 * end)).replace("*STATIC, DIRECT\n1., 1.\n", "*STATIC, DIRECT\n1., 1.\n*LINE SEARCH, TYPE=NONE\n")
 
 
+TIPS = "body of element 1 (set BODY, 27 elements) can turn about z through the point (1, 0, 0)"
+
+
+def tipping() -> str:
+    """A block of 1 x 3 under 10 on its top, pushed there by 2.4: the moment 7.2 about its edge is more than 5; friction (0.8) holds."""
+    body, table = sheet("BODY", between(0, 1, 3), between(0, 3, 9)), sheet("TABLE", between(-1, 2, 11), between(-1, 0, 3))
+    load = fix("TABLE_BOTTOM, 1, 2") + "*DSLOAD\nBODY_TOP, P, 10.\n*CLOAD\nBODY_TOP, 1, 0.6\n"
+    cards = pair("BODY_BOTTOM", "TABLE_TOP", 0.8) + f"*STEP, NLGEOM\n*STATIC, DIRECT\n0.2, 1.\n{load}*END STEP\n"
+    return flat_deck([(flatten(body), (2000.0, 0.3)), (flatten(table), (210000.0, 0.3))], "CPE4", cards)
+
+
 def pulled_too_hard() -> str:
     """A block pressed on a table by 10 on its top, then pulled by 2.5 times what friction (0.1) can carry."""
     body, table = block(between(0, 1, 4), between(0, 1, 3), between(0, 1, 3), "BODY"), block(between(-1, 2, 8), between(-0.5, 1.5, 4), between(-1, 0, 2), "TABLE")
@@ -187,10 +198,11 @@ def test_turning_in_a_bore_is_no_fall(run: Run, tmp_path: Path) -> None:
         (overflowing(), ("LINEAR SOLVER: a force is not finite",), "out of scale"),
         (tilted("NONE"), ("CYCLE of length 2 at node",), "smaller increments"),
         (flipping(), ("STICK-SLIP FLIP of length 2 at node 1.",), "smaller increments"),
+        (tipping(), (f"FREE BODY: where contact is left, the {TIPS}",), "hold the body"),
         (pressed_arch(), ("LIMIT POINT: the stiffness is not positive",), "prescribe displacements"),
         pytest.param(pulled_too_hard(), ("FREE BODY", "LIMIT POINT: contact finds no balance"), "friction", marks=pytest.mark.slow),
     ],
-    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "flip", "arch", "too little friction"],
+    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "flip", "tipping", "arch", "too little friction"],
 )
 def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], advice: str) -> None:
     """Exit code 5, the reason in capitals, one remedy, the worst nodes with their contact; .cvg and the result file have the reason too."""
@@ -227,14 +239,14 @@ def test_auto_finishes(run: Run, tmp_path: Path, make: Callable[[str], str]) -> 
 
 
 def test_free_body_is_told_soon(run: Run, tmp_path: Path) -> None:
-    """Three attempts, each shorter, find a body that nothing holds: no shorter one is tried, though the deck allows seven."""
+    """Four attempts, each shorter, find a body that nothing holds: no shorter one is tried, though the deck allows seven."""
     (tmp_path / "job.inp").write_text(pulled_too_hard())
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 5, done.stdout + done.stderr
     assert "FREE BODY" in done.stdout, done.stdout
     assert "A smaller increment does not hold it." in done.stdout, done.stdout
     history = read_history(tmp_path / "job.vtkhdf")
-    assert history["attempt"][-1] == 3
+    assert history["attempt"][-1] == 4
 
 
 def slid_over_the_end(n: int) -> str:
