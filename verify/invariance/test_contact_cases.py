@@ -9,6 +9,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import importlib
+import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -75,6 +76,17 @@ def default_deck(name: str) -> str:
     return deck_of_case("test_defaults", "test_defaults", make=getattr(importlib.import_module("test_defaults"), name))
 
 
+def shorter(deck: str, by: float) -> str:
+    """The deck with shorter first and largest increments: no attempt fails then, so that all runs have the same increments."""
+
+    def cut(card: re.Match[str]) -> str:
+        numbers = [number.strip() for number in card[2].split(",")]
+        numbers[::3] = [repr(float(number) / by) for number in numbers[::3]]
+        return card[1] + ", ".join(numbers)
+
+    return re.sub(r"(\*STATIC[^\n]*\n)([^\n]*)", cut, deck)
+
+
 ALONE = {"run": None, "tmp_path": None}  #: what a case takes besides `proof`, and does not need for its first deck
 CASES: dict[str, Callable[[], str]] = {
     "three cubes": lambda: deck_of_file("input/three_cubes.inp"),
@@ -109,7 +121,7 @@ CASES: dict[str, Callable[[], str]] = {
     "analytic cylinder": lambda: deck_of_case("test_analytic_masters", "test_hertz", kind="CPE4"),
     "analytic ball around an axis": lambda: deck_of_case("test_analytic_masters", "test_hertz", kind="CAX4"),
     "analytic slope": lambda: deck_of_case("test_analytic_masters", "test_block_slides_on_inclined_plane"),
-    "analytic table tilts": lambda: deck_of_case("test_analytic_masters", "test_tilting_table"),
+    "analytic table tilts": lambda: shorter(deck_of_case("test_analytic_masters", "test_tilting_table"), 2),
     "analytic roller turns": lambda: deck_of_case("test_analytic_masters", "test_turning_roller"),
     "analytic profile drawn out": lambda: deck_of_case("test_analytic_masters", "test_drawn_equals_flat"),
     "fall in the plane": lambda: deck_of_case("test_carry", "test_fall", dimension=2, gap=0.9),
@@ -144,11 +156,8 @@ OTHERS: dict[str, Callable[[], str]] = {
 }
 
 
-#: Attempts of these fail, and how large the increments are after that depends on a count of iterations, which may differ by one. The pin
-#: and the pushed block move without any force until they touch, where the imbalance is rounding over rounding.
-CUT_BACK = {"defaults, pin_in_bush", "pushed to a wall", "capstan", "defaults, gaskets", "defaults, wedge", "analytic table tilts"}
 #: Where tools of a large radius or bodies carried by contact leave rounding of more than 1e-10 of the largest force.
-ROUNDED = CUT_BACK
+ROUNDED = {"defaults, pin_in_bush", "pushed to a wall", "capstan", "defaults, gaskets", "defaults, wedge", "analytic table tilts"}
 
 
 def said(case: str, units: Units | None = None) -> str:
@@ -228,12 +237,14 @@ def same(job: Job, wanted: Job, tolerance: float, view: View | None = None) -> N
 SHORT = {"three cubes", "example contact", "example interference", "patch, 3 on 4", "patch by mortar", "slope in the plane",
          "pull-out of rings", "stack", "corner of three walls", "defaults, in_a_corner"}  # fmt: skip
 ALL = [pytest.param(case, marks=[] if case in SHORT else [pytest.mark.slow]) for case in CASES]
-SETTLED = [case for case in ALL if case.values[0] not in CUT_BACK]
+#: The pin moves without any force until it touches: there the imbalance is rounding over rounding, which counts iterations by chance.
+#: Iterations of the wedge go through balances that rounding chooses between; another choice may fail and be cut back.
+BY_CHANCE = {"defaults, pin_in_bush", "defaults, wedge"}
 #: How far a body that nothing holds is carried in the first increments depends on the axes of the deck.
 CARRIED = {"fall in the plane"}
 TURNED = [pytest.param(*case.values, marks=[*case.marks, pytest.mark.xfail(reason="carried bodies depend on the axes of the deck", strict=False)])
-          if case.values[0] in CARRIED else case for case in SETTLED]  # fmt: skip
-IN_UNITS = [*SETTLED,
+          if case.values[0] in CARRIED else case for case in ALL if case.values[0] != "defaults, wedge"]  # fmt: skip
+IN_UNITS = [*(case for case in ALL if case.values[0] not in BY_CHANCE),
             *(pytest.param(case, marks=pytest.mark.slow) for case in OTHERS)]  # fmt: skip
 
 
@@ -245,7 +256,7 @@ def test_units(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str,
     same(solve(run, tmp_path, said(case, units)), plain(case), 1e-8, View(units))
 
 
-@pytest.mark.parametrize("case", SETTLED)
+@pytest.mark.parametrize("case", ALL)
 def test_shuffled_threads_twice(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str) -> None:
     """The cards of the model in another order and two threads: 1e-10 of each other; the same run again: bitwise."""
     deck, wanted = said(case), plain(case)
