@@ -1,14 +1,16 @@
 !> Applied: the loads: external forces at a configuration, of spinning bodies too, and what they give to the tangent under NLGEOM.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Forces on nodes, pressures on faces (which follow them), body forces, gravity, and rotation about an axis. The symmetric part of
-!! a load's stiffness goes into K, what a pressure has beside it into assembly%skew.
+!! Forces on nodes, pressures on faces (which follow them), tractions (which do not), body forces, gravity, and rotation about an
+!! axis. The symmetric part of a load's stiffness goes into K, what a pressure has beside it into assembly%skew.
 module amontons_applied
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
+  use amontons_areas, only: depth_of, node_areas
   use amontons_assembly, only: assembly_type, add_block, material_of
   use amontons_element, only: element_body_force, facet_pressure, edge_pressure, element_point_volumes, ELEMENT_OK
-  use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
+  use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, &
+    DISTRIBUTED_TRACTION
   use amontons_materials, only: evaluate_table
   use amontons_mesh, only: element_nodes, is_out
   use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
@@ -55,6 +57,8 @@ contains
         select case (load%kind)
         case (DISTRIBUTED_PRESSURE)
           call add_pressure(assembly, model, load, magnitude, fields, is_nlgeom, is_with_stiffness)
+        case (DISTRIBUTED_TRACTION)
+          call add_traction(model, load%element, load%face, magnitude * load%direction, fields)
         case (DISTRIBUTED_SPIN)
           call add_spin(assembly, model, load, magnitude, fields, is_nlgeom, is_with_stiffness)
         case default
@@ -101,6 +105,26 @@ contains
       call add_skew_face(assembly%skew, nodes(local(:n)), stiffness)
     end associate
   end subroutine add_pressure
+
+
+  !> Nodal forces of a force per reference area of a face.
+  subroutine add_traction(model, e, face, traction, fields)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e, face                 !< element, number of its face
+    real(DP), intent(in) :: traction(3)            !< [stress]
+    type(fields_type), intent(inout) :: fields
+    type(kind_type) :: kind
+    real(DP) :: areas(MAX_FACE_NODES)
+    integer :: nodes(MAX_NODES), local(MAX_FACE_NODES), n, a
+    kind = element_kind(model%mesh%kind(e))
+    call element_nodes(model%mesh, e, n, nodes)
+    local = kind%face_nodes(:, face)
+    n = count(local > 0)
+    areas(:n) = node_areas(model%mesh%coordinates(:, nodes(local(:n))), kind%face_kind(face), depth_of(model%mesh, e))
+    do a = 1, n
+      fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + areas(a) * traction
+    end do
+  end subroutine add_traction
 
 
   !> K = K - (k + k')/2 for a face stiffness k, through the element's own table of places.

@@ -10,7 +10,7 @@ module amontons_areas
   implicit none
   private
   public :: mean_edge, node_shares
-  public :: faces_type, add_face_areas, face_area, depth_of, cover_slave, sum_shares
+  public :: faces_type, add_face_areas, face_area, node_areas, depth_of, cover_slave, sum_shares
 
   !> Faces of elements.
   type :: faces_type
@@ -120,6 +120,24 @@ contains
       area = area + norm2(a)
     end do
   end subroutine face_area
+
+
+  !> The integrals of the shape functions over a face: what its nodes get of a force per area.
+  pure function node_areas(x, kind, depth) result(areas)
+    real(DP), intent(in) :: x(:, :)                !< (3, n) of its nodes [length]
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP), intent(in) :: depth                  !< of an edge, as depth_of has it [length]
+    real(DP) :: areas(size(x, 2))                  !< [length^2]
+    real(DP) :: xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    integer :: q, n, n_points
+    n = size(x, 2)
+    areas = 0.0_DP
+    call facet_quadrature(kind, n_points, xi, w)
+    do q = 1, n_points
+      call facet_shapes(kind, xi(:, q), N_i, dN, ddN)
+      areas = areas + w(q) * norm2(cross(matmul(x, dN(1, :n)), across(x, N_i(:n), dN(2, :n), depth))) * N_i(:n)
+    end do
+  end function node_areas
 
 
   !> Vector product.

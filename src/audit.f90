@@ -15,7 +15,7 @@ module amontons_audit
   use amontons_topology, only: element_kind, kind_type, KIND_SPRINGA, N_KINDS
   use amontons_element, only: element_volume, ELEMENT_OK
   use amontons_loads, only: equation_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, &
-    DISTRIBUTED_BODY
+    DISTRIBUTED_BODY, DISTRIBUTED_TRACTION
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, direction_of, n_bonds
   use amontons_state, only: slave_type
@@ -474,6 +474,8 @@ contains
     if (size(step%concentrated) > 0) text = text // ', ' // plural(size(step%concentrated), 'force')
     n = count(step%distributed%kind == DISTRIBUTED_PRESSURE)
     if (n > 0) text = text // ', ' // plural(n, 'face') // ' under pressure'
+    n = count(step%distributed%kind == DISTRIBUTED_TRACTION)
+    if (n > 0) text = text // ', ' // plural(n, 'face') // ' under traction'
     n = count(step%distributed%kind == DISTRIBUTED_GRAVITY)
     if (n > 0) text = text // ', ' // plural(n, 'element') // ' under gravity'
     n = count(step%distributed%kind == DISTRIBUTED_SPIN)

@@ -422,8 +422,9 @@ contains
       'element or element set, GRAV, acceleration, direction x, y, z; CENTRIF, square of the angular velocity, point ' // &
       'x, y, z and direction x, y, z of the axis; BX, BY or BZ, force per volume; without a region the whole model')
     call describe_distributed(table)
-    call table%card('DSLOAD', IN_STEP, 'Pressure on a surface, positive when it pushes into the body.', &
-      data='surface, P, pressure')
+    call table%card('DSLOAD', IN_STEP, 'Pressure on a surface, positive when it pushes into the body; traction, a force per ' // &
+      'area of the undeformed surface in a direction that stays.', data= &
+      'surface, P, pressure; surface, TRVEC, magnitude, direction x, y, z')
     call describe_distributed(table)
   end subroutine describe_loads
 
@@ -445,12 +446,14 @@ contains
     call table%option('OP', VALUE_WORD, 'NEW lets the loads of earlier steps go to zero.', allowed='MOD|NEW', default= &
       'MOD')
     call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the load grows linearly over the step.')
-    call table%option('FOLLOWER', VALUE_WORD, 'Under NLGEOM a pressure follows the face.', allowed='YES', default='YES')
-    call table%refuse_words('NO', 'A pressure follows its face.')
+    call table%option('FOLLOWER', VALUE_WORD, 'Under NLGEOM a pressure follows the face (YES), a traction does not (NO, which ' // &
+      'TRVEC then needs).', allowed='YES|NO', default='YES')
+    call table%option('CONSTANT RESULTANT', VALUE_WORD, 'Under NLGEOM a traction is per undeformed area, which TRVEC then ' // &
+      'needs to be told by YES.', allowed='YES|NO', default='NO')
     call table%option('TIME DELAY', VALUE_REAL, 'The amplitude runs this much later.', default='0')
     call describe_case(table)
-    call table%option('SUBMODEL|STEP|DATA SET|CYCLIC MODE|REGION TYPE|ORIENTATION|CONSTANT ' // &
-      'RESULTANT|REF NODE', VALUE_TEXT, 'Give pressures on faces.', status=STATUS_REFUSED)
+    call table%option('SUBMODEL|STEP|DATA SET|CYCLIC MODE|REGION TYPE|ORIENTATION|REF NODE', &
+      VALUE_TEXT, 'Give pressures on faces.', status=STATUS_REFUSED)
   end subroutine describe_distributed
 
 

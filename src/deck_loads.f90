@@ -1,14 +1,7 @@
-!> Deck loads: the cards BOUNDARY, CLOAD, DLOAD and DSLOAD to what acts in each step, with what earlier steps left.
+!> Deck loads: the cards BOUNDARY, CLOAD, DLOAD and DSLOAD to what stands in each step.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! | case | start of the step | end of the step |
-!! |---|---|---|
-!! | new in this step | 0; a displacement: what the node has then | its value |
-!! | given again in this step | value at the end of the step before | its new value; forces of one step add up |
-!! | kept from the step before | value at the end of that step | the same |
-!! | OP=NEW, not given again | displacement: released; load: value at the end of the step before | load: 0 |
-!! | STEP, AMPLITUDE=STEP | the value at the end | |
-!! | with an amplitude | reference value times amplitude; kept on only if it runs in total time | |
+!! How long they act is the matter of `standing`.
 module amontons_deck_loads
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer
@@ -17,79 +10,17 @@ module amontons_deck_loads
   use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
     nodes_of_field, elements_of_field, find_amplitude, is_card
   use amontons_lookup, only: name_table_type
-  use amontons_loads, only: load_type, load_value, prescribed_type, concentrated_type, distributed_type, &
-    DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, DISTRIBUTED_BODY
+  use amontons_loads, only: prescribed_type, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, DISTRIBUTED_TRACTION
   use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_standing, only: standing_type, volume_type, add_force, fade_forces, hold, is_same_place, release_held, &
+    FAMILY_BOUNDARY, FAMILY_CLOAD, FAMILY_DLOAD, FAMILY_VOLUME
   use amontons_text, only: squeezed, text_of, plural, is_one_of, NUMBER_OK
   use amontons_topology, only: kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
   implicit none
   private
-  public :: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, hand_over_loads, &
-    cut_loads
-
-  integer, parameter :: FAMILY_BOUNDARY = 1, FAMILY_CLOAD = 2, FAMILY_DLOAD = 3, FAMILY_VOLUME = 4
-
-  !> A prescribed displacement that stands.
-  type, extends(prescribed_type) :: held_type
-    real(DP) :: before = 0                       !< value at the end of the step before
-    logical :: was_active = .false.              !< it acted in the step before
-    logical :: is_active = .true.                !< it acts in this step
-    integer :: step = 0                          !< step that gave it last; 0: the model
-  end type held_type
-
-  !> A load that stands.
-  type, extends(load_type) :: force_type
-    integer :: key = 0                           !< what it acts on
-    real(DP) :: before = 0                       !< value at the end of the step before
-    logical :: is_active = .true.
-    integer :: step = 0                          !< step that gave it last
-    integer :: next = 0                          !< next load on the same thing
-  end type force_type
-
-  !> Loads by what they act on.
-  type :: forces_type
-    integer :: n = 0
-    type(force_type), allocatable :: items(:)
-    integer, allocatable :: head(:)              !< (keys) first load on it, 0 none
-  end type forces_type
-
-  !> Where a load on volumes acts, and how.
-  type :: volume_type
-    integer :: kind = DISTRIBUTED_GRAVITY        !< DISTRIBUTED_GRAVITY, _SPIN or _BODY
-    character(:), allocatable :: region          !< squeezed name or number
-    integer, allocatable :: elements(:)
-    real(DP) :: direction(3) = 0                 !< unit vector
-    real(DP) :: point(3) = 0                     !< of the axis of spin [length]
-  end type volume_type
-
-  !> All that stands at this point of the deck.
-  type :: standing_type
-    integer :: step = 0                          !< present step
-    logical :: is_step = .false.                 !< STEP, AMPLITUDE=STEP
-    logical :: has_new(4) = .false.              !< (FAMILY_...) OP=NEW has been seen in this step
-    integer :: n_held = 0
-    type(held_type), allocatable :: held(:)
-    integer, allocatable :: held_at(:)           !< (3 n_nodes) index into held, 0 none
-    type(forces_type) :: cloads                  !< key 3 (node - 1) + dof
-    type(forces_type) :: pressures               !< key 6 (element - 1) + face
-    type(forces_type) :: volumes                 !< key: index into places
-    type(volume_type), allocatable :: places(:)
-  end type standing_type
+  public :: read_boundary, read_cload, read_dload
 
 contains
-
-  !> Nothing stands yet.
-  subroutine start_standing(model, standing)
-    type(model_type), intent(in) :: model
-    type(standing_type), intent(out) :: standing
-    allocate (standing%held(256), standing%places(0))
-    allocate (standing%held_at(3 * model%mesh%n_nodes), source=0)
-    allocate (standing%cloads%head(3 * model%mesh%n_nodes), source=0)
-    allocate (standing%pressures%head(6 * model%mesh%n_elements), source=0)
-    allocate (standing%volumes%head(1024), source=0)
-    allocate (standing%cloads%items(256), standing%pressures%items(256), standing%volumes%items(16))
-  end subroutine start_standing
-
 
   !> Tells that CalculiX loads what a set names twice two times.
   subroutine tell_repeats(reader, row, names, has_repeats)
@@ -106,102 +37,6 @@ contains
     if (has_repeats(s)) call note(reader, row%line, 'The deck names some members of the set ''' // name // ''' more than ' // &
       'once. Here the load acts on each of them once; CalculiX applies it as often as they are named.')
   end subroutine tell_repeats
-
-
-  !> Goes to the next step: everything keeps the value that it had at the end of the step before.
-  subroutine begin_step(model, period, total_time, is_step, standing)
-    type(model_type), intent(in) :: model
-    real(DP), intent(in) :: period               !< length of the step before [time]
-    real(DP), intent(in) :: total_time           !< total time at its end [time]
-    logical, intent(in) :: is_step               !< the new step has AMPLITUDE=STEP
-    type(standing_type), intent(inout) :: standing
-    integer :: i
-    standing%step = standing%step + 1
-    standing%is_step = is_step
-    standing%has_new = .false.
-    do i = 1, standing%n_held
-      associate (held => standing%held(i))
-        held%was_active = held%is_active
-        held%is_from_current = .false.
-        if (standing%step == 1) cycle            ! of the model: it goes to its value over the first step
-        call keep_value(model, period, total_time, held%load_type, held%before)
-      end associate
-    end do
-    call keep_forces(model, period, total_time, standing%cloads)
-    call keep_forces(model, period, total_time, standing%pressures)
-    call keep_forces(model, period, total_time, standing%volumes)
-  end subroutine begin_step
-
-
-  !> What the loads of a step that ends early have reached: a fraction of the way of those that run straight.
-  subroutine cut_loads(standing, fraction)
-    type(standing_type), intent(inout) :: standing
-    real(DP), intent(in) :: fraction             !< of the step that was done [-]
-    integer :: i
-    do i = 1, standing%n_held
-      call cut_load(standing%held(i)%load_type)
-    end do
-    do i = 1, standing%cloads%n
-      call cut_load(standing%cloads%items(i)%load_type)
-    end do
-    do i = 1, standing%pressures%n
-      call cut_load(standing%pressures%items(i)%load_type)
-    end do
-    do i = 1, standing%volumes%n
-      call cut_load(standing%volumes%items(i)%load_type)
-    end do
-
-  contains
-
-    !> One of them.
-    subroutine cut_load(load)
-      type(load_type), intent(inout) :: load
-      if (load%amplitude == 0) load%end = load%start + (load%end - load%start) * fraction
-    end subroutine cut_load
-
-  end subroutine cut_loads
-
-
-  !> A load after its step: constant at its last value, unless its amplitude runs in total time.
-  subroutine keep_value(model, period, total_time, load, before)
-    type(model_type), intent(in) :: model
-    real(DP), intent(in) :: period, total_time   !< [time]
-    type(load_type), intent(inout) :: load
-    real(DP), intent(out) :: before              !< the last value
-    before = load%end
-    if (load%amplitude > 0) then
-      before = load_value(load, model%amplitudes, period, total_time, period)
-      if (model%amplitudes(load%amplitude)%is_total_time) return
-    end if
-    load%amplitude = 0
-    load%start = before
-    load%end = before
-  end subroutine keep_value
-
-
-  !> Keeps the loads that are not zero, and closes the gaps in the list.
-  subroutine keep_forces(model, period, total_time, forces)
-    type(model_type), intent(in) :: model
-    real(DP), intent(in) :: period, total_time   !< [time]
-    type(forces_type), intent(inout) :: forces
-    type(force_type) :: force
-    integer :: i, n
-    n = 0
-    do i = 1, forces%n
-      forces%head(forces%items(i)%key) = 0
-    end do
-    do i = 1, forces%n
-      force = forces%items(i)
-      if (.not. force%is_active) cycle
-      call keep_value(model, period, total_time, force%load_type, force%before)
-      if (.not. (abs(force%end) > 0 .or. force%is_user)) cycle
-      n = n + 1
-      force%next = forces%head(force%key)
-      forces%head(force%key) = n
-      forces%items(n) = force
-    end do
-    forces%n = n
-  end subroutine keep_forces
 
 
   !> BOUNDARY in the model (step 0) or in the present step.
@@ -229,19 +64,6 @@ contains
     if (n_changed > 0) call note(reader, reader%cards%cards(c)%line, plural(n_changed, 'displacement') // &
       ' of this step had another value by an earlier line; the later one counts.')
   end subroutine read_boundary
-
-
-  !> OP=NEW: what earlier steps prescribed is released, once in a step.
-  subroutine release_held(step, standing)
-    integer, intent(in) :: step
-    type(standing_type), intent(inout) :: standing
-    integer :: i
-    if (standing%has_new(FAMILY_BOUNDARY) .or. step == 0) return
-    standing%has_new(FAMILY_BOUNDARY) = .true.
-    do i = 1, standing%n_held
-      if (standing%held(i)%step < step) standing%held(i)%is_active = .false.
-    end do
-  end subroutine release_held
 
 
   !> One row of BOUNDARY.
@@ -361,56 +183,6 @@ contains
   end subroutine read_support_word
 
 
-  !> Prescribes one degree of freedom.
-  subroutine hold(new, step, standing, n_changed)
-    type(prescribed_type), intent(in) :: new     !< with node, dof, end, amplitude, is_held, line
-    integer, intent(in) :: step
-    type(standing_type), intent(inout) :: standing
-    integer, intent(inout) :: n_changed
-    type(held_type), allocatable :: larger(:)
-    integer :: i
-    logical :: was_held, was_here
-    i = standing%held_at(3 * new%node - 3 + new%dof)
-    was_here = i > 0
-    if (.not. was_here) then
-      if (standing%n_held == size(standing%held)) then
-        allocate (larger(2 * standing%n_held))
-        larger(:standing%n_held) = standing%held
-        call move_alloc(larger, standing%held)
-      end if
-      standing%n_held = standing%n_held + 1
-      i = standing%n_held
-      standing%held_at(3 * new%node - 3 + new%dof) = i
-    end if
-    associate (held => standing%held(i))
-      if (was_here .and. held%step == step .and. held%is_active) then
-        if (is_other(held, new)) n_changed = n_changed + 1
-      end if
-      was_held = held%is_held .and. held%was_active
-      held%prescribed_type = new
-      held%start = held%before
-      held%is_from_current = step > 1 .and. (was_held .or. .not. held%was_active)
-      if (standing%is_step .and. new%amplitude == 0) then
-        held%start = held%end
-        held%is_from_current = .false.
-      end if
-      if (new%is_held) held%is_from_current = .true.
-      held%step = step
-      held%is_active = .true.
-    end associate
-  end subroutine hold
-
-
-  !> Whether a prescription differs from the one given before.
-  pure function is_other(held, new) result(differs)
-    type(held_type), intent(in) :: held
-    type(prescribed_type), intent(in) :: new
-    logical :: differs
-    differs = abs(held%end - new%end) > 0 .or. held%amplitude /= new%amplitude .or. (held%is_held .neqv. new%is_held) &
-      .or. (held%is_user .neqv. new%is_user)
-  end function is_other
-
-
   !> CLOAD in the present step.
   subroutine read_cload(reader, model, c, standing)
     type(reader_type), intent(inout) :: reader
@@ -452,72 +224,6 @@ contains
   end subroutine read_cload
 
 
-  !> OP=NEW: the loads of earlier steps go to zero over this step, once in a step.
-  subroutine fade_forces(step, is_step, has_new, forces)
-    integer, intent(in) :: step                  !< present step
-    logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP
-    logical, intent(inout) :: has_new            !< OP=NEW has been seen in this step
-    type(forces_type), intent(inout) :: forces
-    integer :: i
-    if (has_new) return
-    has_new = .true.
-    do i = 1, forces%n
-      associate (force => forces%items(i))
-        if (force%step == step) cycle
-        force%amplitude = 0
-        force%start = merge(0.0_DP, force%before, is_step)
-        force%end = 0
-        if (force%is_user) force%is_active = .false.   ! DLOAD knows no way to zero
-      end associate
-    end do
-  end subroutine fade_forces
-
-
-  !> Adds a load: in place of those that earlier steps left there, and on top of those that this step gave.
-  subroutine add_force(key, value, amplitude, step, is_step, forces, is_user)
-    integer, intent(in) :: key                   !< what it acts on
-    real(DP), intent(in) :: value
-    integer, intent(in) :: amplitude             !< 0: none
-    integer, intent(in) :: step
-    logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP
-    type(forces_type), intent(inout) :: forces
-    logical, intent(in), optional :: is_user     !< DLOAD gives the magnitude
-    type(force_type), allocatable :: larger(:)
-    type(force_type) :: new
-    integer :: i
-    if (present(is_user)) new%is_user = is_user
-    i = forces%head(key)
-    do while (i > 0)
-      associate (old => forces%items(i))
-        if (old%step == step .and. old%amplitude == amplitude .and. (old%is_user .eqv. new%is_user)) then
-          old%end = old%end + value
-          if (is_step .and. amplitude == 0) old%start = old%end
-          return
-        end if
-        if (old%step < step .and. old%is_active) then
-          new%start = new%start + old%before
-          old%is_active = .false.
-        end if
-        i = old%next
-      end associate
-    end do
-    if (forces%n == size(forces%items)) then
-      allocate (larger(2 * forces%n))
-      larger(:forces%n) = forces%items
-      call move_alloc(larger, forces%items)
-    end if
-    new%key = key
-    new%end = value
-    new%amplitude = amplitude
-    new%step = step
-    if (is_step .and. amplitude == 0) new%start = value
-    new%next = forces%head(key)
-    forces%n = forces%n + 1
-    forces%items(forces%n) = new
-    forces%head(key) = forces%n
-  end subroutine add_force
-
-
   !> DLOAD or DSLOAD in the present step.
   subroutine read_dload(reader, model, c, standing)
     type(reader_type), intent(inout) :: reader
@@ -528,21 +234,28 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: label
     integer :: amplitude
+    logical :: is_following, is_constant
     call open_card(reader, c, parameters, row)
     if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') then
       call fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_DLOAD), standing%pressures)
       call fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_VOLUME), standing%volumes)
     end if
     call find_amplitude(reader, c, parameters, amplitude)
+    is_following = parameter_word(parameters, 'FOLLOWER', 'YES') == 'YES'
+    is_constant = parameter_word(parameters, 'CONSTANT RESULTANT', 'NO') == 'YES'
     do while (next_row(reader%cards, row))
       label = squeezed(field_text(reader%cards, row, 2))
       if (is_by_user(label) .and. amplitude > 0) call complain(reader, row%line, &
         'The routine DLOAD gives the whole pressure; AMPLITUDE must not be given with ' // label // '.')
+      if (.not. is_following .and. label /= 'TRVEC') call complain(reader, row%line, &
+        'FOLLOWER=NO is for TRVEC; a pressure follows its face.')
       if (label == 'P' .or. label == 'PNU') then
         call read_surface_pressure(reader, model, row, amplitude, standing)
+      else if (is_card(reader, c, 'DSLOAD') .and. label == 'TRVEC') then
+        call read_traction(reader, model, row, amplitude, is_following .or. .not. is_constant, standing)
       else if (is_card(reader, c, 'DSLOAD')) then
-        call complain(reader, row%line, 'The second field must be P, a pressure, or PNU, one by the routine DLOAD; it is ''' // &
-          label // '''.')
+        call complain(reader, row%line, 'The second field must be P, a pressure, PNU, one by the routine DLOAD, or TRVEC, a ' // &
+          'force per area in a direction; it is ''' // label // '''.')
       else if (face_number(without_nu(label), 'P') > 0) then
         call read_face_pressure(reader, model, row, amplitude, standing)
       else if (is_one_of(label, 'GRAV|CENTRIF|BX|BY|BZ')) then
@@ -598,22 +311,8 @@ contains
     is_ok = .true.
     call need_at_most(reader, row, 3)
     call need_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
-    s = reader%surfaces%find(field_text(reader%cards, row, 1))
-    if (s == 0 .and. reader%element_sets%find(field_text(reader%cards, row, 1)) > 0) then
-      call complain(reader, row%line, '''' // field_text(reader%cards, row, 1) // ''' is a set of elements, no surface. ' // &
-        'Make one of its free faces, *SURFACE, NAME=name with the line ' // field_text(reader%cards, row, 1) // ', and load that.')
-      return
-    else if (s == 0) then
-      call complain(reader, row%line, 'There is no surface ''' // field_text(reader%cards, row, 1) // '''' // &
-        reader%surfaces%hint(field_text(reader%cards, row, 1)))
-      return
-    end if
-    if (model%surfaces(s)%is_node_based) then
-      call complain(reader, row%line, 'The surface ''' // model%surfaces(s)%name // &
-        ''' is made of nodes; a pressure needs element faces.')
-      return
-    end if
-    if (.not. is_ok) return
+    call find_faces(reader, model, row, s)
+    if (s == 0 .or. .not. is_ok) return
     do i = 1, size(model%surfaces(s)%element)
       call add_force(6 * model%surfaces(s)%element(i) - 6 + model%surfaces(s)%face(i), value, amplitude, &
         standing%step, standing%is_step, standing%pressures, is_by_user(field_text(reader%cards, row, 2)))
@@ -621,6 +320,69 @@ contains
     if (is_by_user(field_text(reader%cards, row, 2)) .and. size(model%surfaces(s)%element) > 0) &
       call need_solid(reader, model, row, model%surfaces(s)%element(1))
   end subroutine read_surface_pressure
+
+
+  !> The surface of element faces that the first field names; 0 if there is none, which is told.
+  subroutine find_faces(reader, model, row, s)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    integer, intent(out) :: s
+    character(:), allocatable :: name
+    name = field_text(reader%cards, row, 1)
+    s = reader%surfaces%find(name)
+    if (s == 0 .and. reader%element_sets%find(name) > 0) then
+      call complain(reader, row%line, '''' // name // ''' is a set of elements, no surface. Make one of its free faces, ' // &
+        '*SURFACE, NAME=name with the line ' // name // ', and load that.')
+    else if (s == 0) then
+      call complain(reader, row%line, 'There is no surface ''' // name // '''' // reader%surfaces%hint(name))
+    else if (model%surfaces(s)%is_node_based) then
+      call complain(reader, row%line, 'The surface ''' // model%surfaces(s)%name // &
+        ''' is made of nodes; a pressure needs element faces.')
+      s = 0
+    end if
+  end subroutine find_faces
+
+
+  !> Row: surface, TRVEC, magnitude, direction.
+  subroutine read_traction(reader, model, row, amplitude, is_following, standing)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: amplitude
+    logical, intent(in) :: is_following          !< not told to keep its direction and to be per undeformed area
+    type(standing_type), intent(inout) :: standing
+    type(volume_type) :: place
+    type(kind_type) :: entry
+    real(DP) :: value
+    integer :: s, i
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 6)
+    call need_real(reader, row, 3, 'magnitude', value, is_ok, 0.0_DP)
+    do i = 1, 3
+      call need_real(reader, row, i + 3, 'direction', place%direction(i), is_ok, 0.0_DP)
+    end do
+    call find_faces(reader, model, row, s)
+    if (s == 0 .or. .not. is_ok) return
+    if (.not. norm2(place%direction) > 0) then
+      call complain(reader, row%line, 'The direction must not be zero: surface, TRVEC, magnitude, x, y, z.')
+      return
+    end if
+    place%kind = DISTRIBUTED_TRACTION
+    place%direction = place%direction / norm2(place%direction)
+    place%region = squeezed(field_text(reader%cards, row, 1))
+    place%elements = model%surfaces(s)%element
+    place%faces = model%surfaces(s)%face
+    place%is_following = is_following
+    do i = 1, size(place%elements)
+      entry = element_kind(model%mesh%kind(place%elements(i)))
+      if (entry%family == FAMILY_SOLID .or. .not. abs(place%direction(3)) > 0) cycle
+      call complain(reader, row%line, 'Plane and axisymmetric elements take no traction out of the plane.')
+      return
+    end do
+    call add_place(reader, row, place, value, amplitude, standing)
+  end subroutine read_traction
 
 
   !> Row: element or element set, P1 to P6, pressure.
@@ -685,17 +447,30 @@ contains
     end if
     place%region = squeezed(field_text(reader%cards, row, 1))
     if (place%kind /= DISTRIBUTED_BODY) call need_density(reader, model, row, place%elements)
+    call add_place(reader, row, place, value, amplitude, standing)
+  end subroutine read_volume_load
+
+
+  !> Adds a load to those that stand on the same place.
+  subroutine add_place(reader, row, place, value, amplitude, standing)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(volume_type), intent(in) :: place
+    real(DP), intent(in) :: value
+    integer, intent(in) :: amplitude
+    type(standing_type), intent(inout) :: standing
+    integer :: i
     do i = 1, size(standing%places)
       if (is_same_place(standing%places(i), place)) exit
     end do
     if (i > size(standing%places)) standing%places = [standing%places, place]
     if (i > size(standing%volumes%head)) then
       call complain(reader, row%line, 'More than ' // text_of(size(standing%volumes%head)) // &
-        ' loads on volumes; gather the elements in sets.')
+        ' loads on volumes and tractions; gather the elements in sets.')
       return
     end if
     call add_force(i, value, amplitude, standing%step, standing%is_step, standing%volumes)
-  end subroutine read_volume_load
+  end subroutine add_place
 
 
   !> The direction of a load on volumes, and for CENTRIF a point of its axis before it.
@@ -748,14 +523,6 @@ contains
   end subroutine read_axis
 
 
-  !> Whether two loads on volumes are of the same kind on the same region in the same directions.
-  pure logical function is_same_place(a, b)
-    type(volume_type), intent(in) :: a, b
-    is_same_place = a%kind == b%kind .and. a%region == b%region .and. all(abs(a%direction - b%direction) < 1.0e-12_DP) &
-      .and. .not. any(abs(a%point - b%point) > 0)
-  end function is_same_place
-
-
   !> Tells materials without a density in elements that gravity or rotation acts on.
   subroutine need_density(reader, model, row, elements)
     type(reader_type), intent(inout) :: reader
@@ -774,71 +541,5 @@ contains
         ''' has no *DENSITY card.')
     end do
   end subroutine need_density
-
-
-  !> The complete lists of what acts in the present step.
-  subroutine hand_over_loads(standing, prescribed, concentrated, distributed)
-    type(standing_type), intent(in) :: standing
-    type(prescribed_type), allocatable, intent(out) :: prescribed(:)
-    type(concentrated_type), allocatable, intent(out) :: concentrated(:)
-    type(distributed_type), allocatable, intent(out) :: distributed(:)
-    integer :: i, n
-    allocate (prescribed(count(standing%held(:standing%n_held)%is_active)))
-    n = 0
-    do i = 1, standing%n_held
-      if (.not. standing%held(i)%is_active) cycle
-      n = n + 1
-      prescribed(n) = standing%held(i)%prescribed_type
-    end do
-    allocate (concentrated(count(standing%cloads%items(:standing%cloads%n)%is_active)))
-    n = 0
-    do i = 1, standing%cloads%n
-      associate (force => standing%cloads%items(i))
-        if (.not. force%is_active) cycle
-        n = n + 1
-        concentrated(n)%load_type = force%load_type
-        concentrated(n)%node = (force%key - 1) / 3 + 1
-        concentrated(n)%dof = modulo(force%key - 1, 3) + 1
-      end associate
-    end do
-    call hand_over_distributed(standing, distributed)
-  end subroutine hand_over_loads
-
-
-  !> Pressures face by face and loads on volumes element by element.
-  subroutine hand_over_distributed(standing, distributed)
-    type(standing_type), intent(in) :: standing
-    type(distributed_type), allocatable, intent(out) :: distributed(:)
-    integer :: i, k, n
-    n = count(standing%pressures%items(:standing%pressures%n)%is_active)
-    do i = 1, standing%volumes%n
-      if (standing%volumes%items(i)%is_active) n = n + size(standing%places(standing%volumes%items(i)%key)%elements)
-    end do
-    allocate (distributed(n))
-    n = 0
-    do i = 1, standing%pressures%n
-      associate (force => standing%pressures%items(i))
-        if (.not. force%is_active) cycle
-        n = n + 1
-        distributed(n)%load_type = force%load_type
-        distributed(n)%kind = DISTRIBUTED_PRESSURE
-        distributed(n)%element = (force%key - 1) / 6 + 1
-        distributed(n)%face = modulo(force%key - 1, 6) + 1
-      end associate
-    end do
-    do i = 1, standing%volumes%n
-      associate (force => standing%volumes%items(i), place => standing%places(standing%volumes%items(i)%key))
-        if (.not. force%is_active) cycle
-        do k = 1, size(place%elements)
-          n = n + 1
-          distributed(n)%load_type = force%load_type
-          distributed(n)%kind = place%kind
-          distributed(n)%element = place%elements(k)
-          distributed(n)%direction = place%direction
-          distributed(n)%point = place%point
-        end do
-      end associate
-    end do
-  end subroutine hand_over_distributed
 
 end module amontons_deck_loads

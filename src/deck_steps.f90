@@ -6,8 +6,8 @@ module amontons_deck_steps
   use amontons_card_form, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
   use amontons_deck_conditions, only: thermal_type, start_thermal, begin_thermal_step, read_temperature, &
     hand_over_temperatures, cut_temperatures
-  use amontons_deck_loads, only: standing_type, start_standing, begin_step, read_boundary, read_cload, read_dload, &
-    hand_over_loads, cut_loads
+  use amontons_deck_loads, only: read_boundary, read_cload, read_dload
+  use amontons_standing, only: standing_type, start_standing, begin_step, hand_over_loads, cut_loads
   use amontons_deck_changes, only: is_element_change, read_element_change, read_section_change, read_removal, &
     read_material_change, read_plastic_change
   use amontons_deck_contact, only: read_contact_change
@@ -186,6 +186,9 @@ contains
       'This step has no *STATIC or *VISCO card.')
     call hand_over_loads(progress%standing, progress%step%prescribed, progress%step%concentrated, &
       progress%step%distributed)
+    if (progress%step%is_nlgeom .and. any(progress%step%distributed%is_following)) call complain(reader, &
+      reader%cards%cards(k)%line, 'Under NLGEOM a traction keeps its direction and its size per undeformed area: its card ' // &
+      'needs FOLLOWER=NO, CONSTANT RESULTANT=YES.')
     call hand_over_temperatures(progress%thermal, progress%step%temperatures)
     call close_output(reader, progress%output, progress%total_time, progress%step)
     if (progress%n == reader%cut_step) then

@@ -8,7 +8,7 @@ module amontons_explain
   use amontons_card_form, only: card_entry_type, option_type, match_parameters, STATUS_USED, STATUS_NOTED, STATUS_REFUSED
   use amontons_cards, only: parameter_type, read_parameters, line_text, row_type, start_rows, next_row
   use amontons_deck_reader, only: reader_type
-  use amontons_loads, only: DISTRIBUTED_PRESSURE
+  use amontons_loads, only: DISTRIBUTED_PRESSURE, DISTRIBUTED_TRACTION
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, &
     ELASTIC_FOAM, LAW_SAINT_VENANT
   use amontons_model, only: model_type, DIALECT_CALCULIX
@@ -329,7 +329,9 @@ contains
         text = text // INDENT // INDENT // plural(size(step%prescribed), 'prescribed displacement') // ', ' // &
           plural(size(step%concentrated), 'force') // ', ' // &
           plural(count(step%distributed%kind == DISTRIBUTED_PRESSURE), 'face') // ' under pressure, ' // &
-          plural(count(step%distributed%kind /= DISTRIBUTED_PRESSURE), 'element') // ' with loads on their volume' // NEWLINE
+          plural(count(step%distributed%kind == DISTRIBUTED_TRACTION), 'face') // ' under traction, ' // &
+          plural(count(.not. (step%distributed%kind == DISTRIBUTED_PRESSURE .or. step%distributed%kind == &
+          DISTRIBUTED_TRACTION)), 'element') // ' with loads on their volume' // NEWLINE
       end associate
     end do
   end subroutine explain_steps

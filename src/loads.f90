@@ -9,12 +9,14 @@ module amontons_loads
   public :: amplitude_type, load_type, prescribed_type, concentrated_type, distributed_type, temperature_type, &
     equation_type
   public :: COURSE_TABLE, COURSE_SMOOTH, COURSE_PERIODIC, COURSE_MODULATED, COURSE_DECAY
-  public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, amplitude_value, load_value
+  public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, DISTRIBUTED_TRACTION, &
+    amplitude_value, load_value
 
   integer, parameter :: DISTRIBUTED_PRESSURE = 1   !< pressure on an element face, positive pushing into the element
   integer, parameter :: DISTRIBUTED_GRAVITY = 2    !< acceleration on an element, times its density
   integer, parameter :: DISTRIBUTED_SPIN = 3       !< square of the angular velocity of an element about an axis
   integer, parameter :: DISTRIBUTED_BODY = 4       !< force per reference volume of an element
+  integer, parameter :: DISTRIBUTED_TRACTION = 5   !< force per reference area of an element face, in a direction that stays
 
   integer, parameter :: COURSE_TABLE = 0           !< linear between the times, constant outside
   integer, parameter :: COURSE_SMOOTH = 1          !< the same with a polynomial whose slope and curvature are 0 at the times
@@ -64,8 +66,9 @@ module amontons_loads
   type, extends(load_type) :: distributed_type
     integer :: kind = DISTRIBUTED_PRESSURE
     integer :: element = 0
-    integer :: face = 0                          !< face number, pressure only
-    real(DP) :: direction(3) = 0                 !< unit vector: of gravity and body forces, or the axis of spin
+    integer :: face = 0                          !< face number, of pressure and traction only
+    real(DP) :: direction(3) = 0                 !< unit vector: of gravity, body forces and traction, or the axis of spin
+    logical :: is_following = .false.            !< a traction that is meant to turn with its face, which matters under NLGEOM
     real(DP) :: point(3) = 0                     !< of the axis of spin [length]
   end type distributed_type
 

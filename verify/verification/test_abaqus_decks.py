@@ -5,6 +5,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from itertools import product
@@ -186,3 +187,63 @@ def test_sections_that_are_not_there(run_deck: Run, section: str) -> None:
     done = run_deck(bar().replace("*Solid Section, elset=Set-1, material=Steel\n,", f"*{section}, elset=Set-1, material=Steel\n1., 5"))
     assert done.returncode == 3
     assert f"The card *{section.upper()} is not supported. All bodies are meshed with solid elements" in told(done)
+
+
+TRACTION = "*Dsload, follower=NO, constant resultant=YES\n_PickedSurf6, TRVEC, 100., 2., 0., 0.\n"
+
+
+@pytest.mark.parametrize(("word", "deck"), [
+    ("bar", bar()), ("NLGEOM", bar().replace("nlgeom=NO", "nlgeom=YES")), ("amplitude", bar()), ("two steps", bar()),
+])  # fmt: skip
+def test_traction(run_deck: Run, tmp_path: Path, word: str, deck: str) -> None:
+    """A traction along the bar pulls as the pressure does, u = p L / E; under NLGEOM by 100 per undeformed area, whose force is 100; OP=NEW takes it away."""
+    load = TRACTION
+    if word == "amplitude":
+        load = TRACTION.replace("*Dsload", "*Dsload, amplitude=A").replace("100.", "200.")
+        deck = deck.replace("** STEP: Step-1", "*Amplitude, name=A\n0., 0., 1., 0.5\n** STEP: Step-1")
+    deck = deck.replace("*Dsload\n_PickedSurf6, P, -100.\n", load).replace("*Node Print", "*Node Print, nset=_PickedSet2, totals=ONLY\nRF,\n*Node Print", 1)
+    if word == "two steps":
+        done = run_deck(deck + "*Step, name=Step-2\n*Static\n1., 1.\n*Dsload, op=NEW\n*End Step\n")
+        assert done.returncode == 0, done.stdout
+        assert totals(tmp_path, "displacements", "_PICKEDSET5")[0] == pytest.approx(0.0, abs=1e-9)
+        return
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout
+    assert totals(tmp_path, "total force", "_PICKEDSET2")[0] == pytest.approx(-100.0, rel=2e-6)
+    if word != "NLGEOM":
+        assert totals(tmp_path, "displacements", "_PICKEDSET5")[0] == pytest.approx(100.0 * 10.0 / 210000.0, rel=2e-6)
+        return
+    done = run_deck(deck.replace(", follower=NO, constant resultant=YES", ""))
+    assert done.returncode == 3
+    assert "FOLLOWER=NO, CONSTANT RESULTANT=YES" in told(done)
+
+
+@pytest.mark.parametrize("kind", ["CPE4", "CPS8R", "CAX4", "CAX8"])
+def test_traction_on_an_edge(run_deck: Run, tmp_path: Path, kind: str) -> None:
+    """The force of a slanted traction on a plane edge: t times length and thickness, or the area of the ring, 2 pi r l."""
+    places = [(1, 0), (3, 0), (3, 1), (1, 1), (2, 0), (3, 0.5), (2, 1), (1, 0.5)][: int(kind[3])]
+    deck = "*Node, nset=All\n" + "".join(f"{i}, {x}, {y}\n" for i, (x, y) in enumerate(places, start=1))
+    deck += f"*Element, type={kind}, elset=E\n1, " + ", ".join(map(str, range(1, len(places) + 1))) + "\n*Surface, name=Outer\nE, S2\n"
+    deck += "*Material, name=M\n*Elastic\n1000., 0.3\n*Solid Section, elset=E, material=M\n" + ("" if kind.startswith("CAX") else "0.5,\n")
+    deck += "*Nset, nset=Inner\n1, 4" + (", 8" if len(places) > 4 else "") + "\n*Boundary\nInner, 1, 2\n*Step\n*Static\n"
+    done = run_deck(deck + "*Dsload\nOuter, TRVEC, 5., 3., 4., 0.\n*Node Print, nset=Inner, totals=ONLY\nRF,\n*End Step\n")
+    assert done.returncode == 0, done.stdout
+    area = 2 * math.pi * 3.0 if kind.startswith("CAX") else 0.5
+    force = totals(tmp_path, "total force", "INNER")
+    assert force[1] == pytest.approx(-4.0 * area, rel=2e-6)
+    if not kind.startswith("CAX"):  # there radial forces are in balance around the ring
+        assert force[0] == pytest.approx(-3.0 * area, rel=2e-6)
+
+
+@pytest.mark.parametrize(("row", "said"), [
+    ("_PickedSurf6, TRVEC, 100., 0., 0., 0.", "The direction must not be zero"),
+    ("_PickedSurf6, TRSHR, 100., 1., 0., 0.", "it is 'TRSHR'"),
+    ("Part-1-1.Set-1, TRVEC, 100., 1., 0., 0.", "is a set of elements, no surface"),
+    ("_PickedSurf6, P, 100.", "FOLLOWER=NO is for TRVEC"),
+])  # fmt: skip
+def test_traction_refused(run_deck: Run, row: str, said: str) -> None:
+    """What a traction cannot be."""
+    deck = bar().replace("*Dsload\n_PickedSurf6, P, -100.\n", f"*Dsload, follower=NO, constant resultant=YES\n{row}\n")
+    done = run_deck(deck)
+    assert done.returncode == 3
+    assert said in told(done)
