@@ -690,7 +690,9 @@ contains
       'TYPE=ANISO with *TEMPERATURE, or by *INITIAL CONDITIONS, TYPE=PLASTIC STRAIN.')
     call table%cards_with(STATUS_REFUSED, 'FIELD|PRESSURE STRESS|MASS FLOW RATE', &
       'Give *INITIAL CONDITIONS and *TEMPERATURE.')
-    call table%cards_with(STATUS_REFUSED, 'TRANSFORMF|SYSTEM|NODAL ROTATION', &
+    call table%cards_with(STATUS_REFUSED, 'SYSTEM', 'Give the coordinates of nodes in the global axes; *NODE, SYSTEM=C or S ' // &
+      'takes cylindrical and spherical ones.')
+    call table%cards_with(STATUS_REFUSED, 'TRANSFORMF|NODAL ROTATION', &
       'Supports and forces are in the global Cartesian directions; with skew supports use *EQUATION.')
   end subroutine describe_refused_materials
 
