@@ -565,7 +565,7 @@ contains
       if (head%components(1) /= '') then
         write (line, '(a,a8,4i5)') ' -5  ', head%components(i), 1, head%kind, place(head, i)
       else
-        write (line, '(a,a8,4i5)') ' -5  ', trim(head%name) // text_of(i), 1, head%kind, place(head, i)
+        write (line, '(a,a8,4i5)') ' -5  ', trim(head%name) // text_of(i) // repeat(' ', 8), 1, head%kind, place(head, i)
       end if
       call put(frd, line)
     end do

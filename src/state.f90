@@ -5,7 +5,8 @@ module amontons_state
   use amontons_mesh, only: mesh_type, element_nodes
   use amontons_loads, only: load_value
   use amontons_material_point, only: elastic_strain_of, axes_at
-  use amontons_materials, only: material_type, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_PEEQ, USER_STATE, USER_STRESS
+  use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
+    HISTORY_PEEQ, USER_STATE, USER_STRESS
   use amontons_log_strain, only: tensor_exp
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_shapes, only: shape_functions, quadrature
@@ -263,10 +264,11 @@ contains
   end function n_inner_variables
 
 
-  !> Whether a material hardens by one of our own laws.
+  !> Whether a material hardens by one of our own laws. Of anisotropic ones CalculiX keeps other values.
   pure logical function is_plastic(material)
     type(material_type), intent(in) :: material
-    is_plastic = allocated(material%isotropic) .or. allocated(material%kinematic)
+    is_plastic = (allocated(material%isotropic) .or. allocated(material%kinematic)) &
+      .and. material%elastic_kind == ELASTIC_ISOTROPIC
   end function is_plastic
 
 
