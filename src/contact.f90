@@ -123,6 +123,10 @@ contains
     n = size(slaves)
     call unite_exact(contact, model)
     call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
+    do p = 1, size(model%pairs)
+      if (model%pairs(p)%is_mortar) contact%mortar(p)%is_alone = all(contact%overlaps%first(contact%mortar(p)%nodes + 1) &
+        - contact%overlaps%first(contact%mortar(p)%nodes) <= 1)
+    end do
     allocate (contact%mask(3, n), source=1.0_DP)
     allocate (contact%axes, source=global_axes(n))
     allocate (contact%free(3, 3, n), contact%friction(n), contact%carried(3, n), source=0.0_DP)
@@ -302,7 +306,11 @@ contains
     type(slave_type), intent(in) :: slaves(:)
     logical, intent(in) :: is_wanted(:)            !< (n_pairs)
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    integer :: p, n, i, j
+    integer :: p, n, i, j, s
+    do s = 1, size(slaves)
+      if (slaves(s)%row > 0 .and. slaves(s)%side == 0) contact%mortar(slaves(s)%pair)%has_touched(slaves(s)%row) = &
+        slaves(s)%status /= STATUS_OPEN .and. .not. contact%is_small(slaves(s)%pair)
+    end do
     do p = 1, size(is_wanted)
       if (is_wanted(p)) call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), x, &
         SEARCH_REACH * contact%edge(p))
@@ -389,6 +397,7 @@ contains
       if (slave%facet == 0) return
       slave%normal = place%normal
       slave%area = place%area
+      slave%arm = place%arm
     end associate
   end subroutine take_place
 
@@ -508,7 +517,7 @@ contains
     if (size(fields%slaves) == 0) return
     contact%memory = old%user_memory
     allocate (x, source=model%mesh%coordinates + fields%u)
-    if (any(model%pairs%is_mortar)) call renew_rows(contact, fields%slaves, model%pairs%is_mortar .and. .not. contact%is_small, x)
+    if (any(model%pairs%is_mortar)) call renew_rows(contact, old%slaves, model%pairs%is_mortar .and. .not. contact%is_small, x)
     allocate (total, source=imbalance)
     do level = 1, contact%overlaps%n_levels
       do s = 1, size(fields%slaves)

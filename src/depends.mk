@@ -101,6 +101,9 @@ uses_slip = kinds
 uses_compliance = kinds surfaces
 uses_areas = kinds topology mesh surfaces shapes
 uses_mortar = kinds errors tensor topology mesh shapes facets search gap rows dual polygons areas
+uses_areas = kinds topology mesh surfaces shapes compliance
+uses_segments = kinds tensor topology shapes facets dual polygons
+uses_mortar = kinds errors topology mesh facets search gap rows dual polygons areas segments
 
 # 5 system: unknowns, residual, matrix
 uses_state = kinds tensor topology mesh materials loads steps model shapes log_strain material_point

@@ -704,12 +704,12 @@ contains
     integer :: nodes(MAX_FACE_NODES), n
     real(DP) :: N_i(MAX_FACE_NODES)
     associate (coordinates => model%mesh%coordinates)
-      x = coordinates(:, slave%node) + u(:, slave%node)
+      x = coordinates(:, slave%node) + u(:, slave%node) + slave%arm
       if (slave%side > 0) then
         call face_of(model, slave, n, nodes, N_i)
         x = matmul(coordinates(:, nodes(:n)) + u(:, nodes(:n)), N_i(:n))
       else if (allocated(ends)) then
-        if (ends(1, slave%node) == 0) return
+        if (ends(1, slave%node) == 0 .or. norm2(slave%arm) > 0.0_DP) return
         nodes(:2) = ends(:, slave%node)
         x = (x - ALPHA * sum(coordinates(:, nodes(:2)) + u(:, nodes(:2)), dim=2)) / (1 - 2 * ALPHA)
       end if

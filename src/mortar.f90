@@ -1,38 +1,32 @@
 !> Mortar: the rows of a slave surface from integrals over the parts of its faces that face the master: inv(D) M.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Mortar". Each slave facet is cut with the master facets in front of it, projected on the plane
-!! through the slave facet (M. Puso, T. Laursen, Comput. Methods Appl. Mech. Engrg. 193 (2004) 601-629). With dual functions phi_j
+!! Theory: doc/theory/contact.md, "Mortar". The integrals over a slave facet come from `segments`. With dual functions phi_j
 !! (B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012; `dual`) D is diagonal and a row needs no equations to be solved:
 !!
 !!     d_j = x^_j - sum M_ji x_i / D_j,    D_j = integral of N~_j,    M_ji = integral of phi_j N_i (at the master)
 module amontons_mortar
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
-  use amontons_tensor, only: cross_product
-  use amontons_topology, only: facet_kind, facet_kind_type, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
-    MAX_FACE_NODES
+  use amontons_topology, only: facet_kind, facet_kind_type, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
-  use amontons_shapes, only: facet_shapes
-  use amontons_facets, only: facets_type, build_facets, facet_nodes, facet_tangents, is_line
+  use amontons_facets, only: facets_type, build_facets, facet_nodes, is_line
   use amontons_areas, only: depth_of
   use amontons_search, only: search_type, near_facets
   use amontons_gap, only: vertex_normal
-  use amontons_polygons, only: clip_polygon, polygon_area, polygon_points, MAX_CORNERS, MAX_CUT_POINTS
-  use amontons_dual, only: is_transformed, transform_shapes, transform_nodes, whole_share, dual_functions, ALPHA
-  use amontons_rows, only: contact_row_type
+  use amontons_polygons, only: polygon_area, beyond_polygon
+  use amontons_dual, only: is_transformed, whole_share, ALPHA
+  use amontons_segments, only: plane_type, segment_type, points_type, lay_plane, in_plane, corners_in, depth_at, cut_with, &
+    drop_behind, integrate_segments
+  use amontons_rows, only: contact_row_type, relative_position
   implicit none
   private
   public :: mortar_type, place_type, create_mortar, unite_shares, integrate_mortar, merge_rows, n_own_nodes, search_margin, &
     turned_with
 
-  real(DP), parameter :: FACING = 0.2_DP           !< a master facet is in front if its normal is this much against the slave's [-]
   real(DP), parameter :: COVERED = 1.0e-3_DP       !< a slave node with less of its area in front of the master has no row [-]
   real(DP), parameter :: NOTHING = 1.0e-9_DP       !< with less than this it does not count at all [-]
-  real(DP), parameter :: OVERLAP = 1.0e-6_DP       !< segments that overlap by more of the facet lie one behind the other [-]
-  real(DP), parameter :: SLIVER = 1.0e-10_DP       !< cuts smaller than this part of the facet are nothing [-]
-  real(DP), parameter :: AFFINE = 1.0e-9_DP        !< a square whose corners miss a parallelogram by less than this part is one [-]
-  integer, parameter :: MOST_ITERATIONS = 20       !< of Newton for the natural coordinates of a point
+  real(DP), parameter :: BEYOND = 0.1_DP           !< a slave node is over a master facet up to this part of an edge beyond it [-]
 
   !> Where a slave node is against its master.
   type :: place_type
@@ -44,6 +38,7 @@ module amontons_mortar
     real(DP) :: xi(2) = 0                          !< middle of what the node has on that facet, natural coordinates [-]
     real(DP) :: area = 0                           !< D_j [length^2]
     real(DP) :: normal(3) = 0                      !< unit normal, out of the master: that of the slave's vertex turned round
+    real(DP) :: arm(3) = 0                         !< from the node to where its force acts, where nodes beside it have part of it [length]
   end type place_type
 
   !> The slave surface of a pair with its rows.
@@ -59,46 +54,21 @@ module amontons_mortar
     integer, allocatable, private :: first(:)      !< (n + 1) start of a slave node's vertices in vertices(:)
     integer, allocatable, private :: vertices(:)
     integer, allocatable :: corners(:, :)          !< (2, n) the corners beside a mid-side node, else 0
+    logical :: is_alone = .true.                   !< its nodes are slaves of no other exact pair
+    logical, allocatable :: has_touched(:)         !< (n) closed when the increment began
+    integer, allocatable, private :: place_of(:)   !< (size(slave%nodes)) place in nodes(:) of each entry of the slave's facets
+    type(contact_row_type), allocatable, private :: bases(:)   !< (n) own nodes and shares where no node beside is beyond the master
   end type mortar_type
-
-  !> A flat frame through a slave facet.
-  type :: plane_type
-    real(DP) :: origin(3) = 0                      !< [length]
-    real(DP) :: axes(3, 2) = 0                     !< unit vectors in the plane
-    real(DP) :: normal(3) = 0                      !< unit vector, out of the slave
-    real(DP) :: depth = 1                          !< of a line: thickness [length], -1: the full circle
-  end type plane_type
-
-  !> The part that a slave and a master facet have in common.
-  type :: segment_type
-    integer :: slave = 0                           !< facet
-    integer :: master = 0                          !< facet; 0: nothing in common
-    integer :: first = 0, last = 0                 !< its points
-    real(DP) :: block(MAX_FACE_NODES, MAX_FACE_NODES) = 0   !< integral of phi_j N_i [length^2]
-    real(DP) :: share(MAX_FACE_NODES) = 0          !< integral of N~_j [length^2]
-    real(DP) :: centre(2) = 0                      !< mean natural coordinates on the master facet [-]
-    integer :: n = 0                               !< corners of the cut
-    real(DP) :: cut(2, MAX_CORNERS) = 0            !< in the plane of the slave facet [length]
-    real(DP) :: distance = 0                       !< mean, positive where the facets are apart [length]
-  end type segment_type
 
   !> The segments of a whole slave surface.
   type :: cuts_type
     integer :: n = 0
     type(segment_type), allocatable :: segments(:) !< those of a slave facet side by side, facet after facet
     integer, allocatable :: first(:)               !< (n_facets + 1) start of a slave facet's segments
+    logical, allocatable :: is_over(:)             !< (n) slave nodes that are over the master, or were when they touched it
     real(DP), allocatable :: area(:)               !< (n_vertices) what is covered of a vertex [length^2]
     real(DP), allocatable :: whole(:)              !< (n_vertices) all of it [length^2]
   end type cuts_type
-
-  !> Points of the integral over one slave facet.
-  type :: points_type
-    integer :: n = 0
-    real(DP), allocatable :: weight(:)             !< [length^2]
-    real(DP), allocatable :: at(:, :)              !< (2, :) in the plane [length]
-    real(DP), allocatable :: on_slave(:, :)        !< (MAX_FACE_NODES, :) N~_j [-]
-    real(DP), allocatable :: on_master(:, :)       !< (MAX_FACE_NODES, :) N_i [-]
-  end type points_type
 
 contains
 
@@ -119,8 +89,10 @@ contains
     n = size(nodes)
     mortar%nodes = nodes
     allocate (mortar%places(n), mortar%rows(n), mortar%origins(n))
+    allocate (mortar%has_touched(n), source=.false.)
     of_node = 0
     of_node(nodes) = [(k, k=1, n)]
+    mortar%place_of = of_node(mortar%slave%nodes)
     call collect_vertices(mortar, of_node)
     call collect_shares(mortar, of_node)
     mortar%origins = mortar%rows
@@ -299,13 +271,17 @@ contains
     real(DP), intent(in) :: reach                  !< facets farther apart do not see each other [length]
     type(cuts_type) :: cuts
     integer :: f
+    if (.not. mortar%is_made) mortar%bases = mortar%rows
     allocate (cuts%segments(64), cuts%first(mortar%slave%n + 1))
+    cuts%is_over = mortar%has_touched .or. .not. mortar%is_alone
     allocate (cuts%area(mortar%slave%n_vertices), cuts%whole(mortar%slave%n_vertices), source=0.0_DP)
     do f = 1, mortar%slave%n
       cuts%first(f) = cuts%n + 1
       call cut_facet(mortar%slave, f, mortar%depth(f), master, search, x, reach, cuts)
+      call mark_over(mortar, f, master, x, cuts)
     end do
     cuts%first(mortar%slave%n + 1) = cuts%n + 1
+    call keep_islands(mortar, cuts)
     call fill_rows(mortar, master, x, cuts)
     mortar%is_made = .true.
   end subroutine integrate_mortar
@@ -350,42 +326,45 @@ contains
   end subroutine cut_facet
 
 
-  !> Where masters lie one behind the other (a fold), the nearest takes the place: what overlaps with a nearer one is dropped.
-  subroutine drop_behind(segments, area, points)
-    type(segment_type), intent(inout) :: segments(:)   !< of one slave facet
-    real(DP), intent(in) :: area                   !< of the slave facet in its plane [length^2]
-    type(points_type), intent(inout) :: points     !< those of dropped segments lose their weight
-    logical :: is_done(size(segments)), is_kept(size(segments))
-    real(DP) :: common(2, MAX_CORNERS), covered
-    integer :: i, j, k, n
-    covered = 0.0_DP
-    do i = 1, size(segments)
-      covered = covered + polygon_area(segments(i)%cut(:, :segments(i)%n))
-    end do
-    if (covered <= (1 + OVERLAP) * area) return
-    is_done = .false.
-    is_kept = .false.
-    do k = 1, size(segments)
-      i = minloc(abs(segments%distance), dim=1, mask=.not. is_done)
-      is_done(i) = .true.
-      is_kept(i) = .true.
-      do j = 1, size(segments)
-        if (.not. is_kept(j) .or. j == i) cycle
-        call clip_polygon(segments(i)%cut(:, :segments(i)%n), segments(j)%cut(:, :segments(j)%n), common, n)
-        if (n >= 3) is_kept(i) = is_kept(i) .and. polygon_area(common(:, :n)) <= OVERLAP * area
+  !> Which nodes of a slave facet are over the masters that it was cut with.
+  subroutine mark_over(mortar, f, master, x, cuts)
+    type(mortar_type), intent(in) :: mortar
+    integer, intent(in) :: f                       !< slave facet
+    type(facets_type), intent(in) :: master
+    real(DP), intent(in) :: x(:, :)
+    type(cuts_type), intent(inout) :: cuts
+    type(plane_type) :: plane
+    real(DP) :: corners(2, 4)
+    integer :: i, k, j, m, n, nodes(MAX_FACE_NODES)
+    call facet_nodes(mortar%slave, f, n, nodes)
+    call lay_plane(mortar%slave, f, x, plane)
+    do k = cuts%first(f), cuts%n
+      if (abs(sum(cuts%segments(k)%share)) <= 0.0_DP) cycle
+      call corners_in(plane, master, cuts%segments(k)%master, x, corners, m)
+      do i = 1, n
+        j = mortar%place_of(mortar%slave%first(f) + i - 1)
+        if (cuts%is_over(j)) cycle
+        cuts%is_over(j) = beyond_polygon(corners(:, m:1:-1), in_plane(plane, x(:, nodes(i)))) &
+          <= BEYOND * mortar%slave%edge_length(f)
       end do
-      if (.not. is_kept(i)) points%weight(segments(i)%first:segments(i)%last) = 0.0_DP
     end do
-  end subroutine drop_behind
+  end subroutine mark_over
 
 
-  !> The depth of a line at a point: its thickness, or the length of the circle; 1 for faces.
-  pure real(DP) function depth_at(plane, point) result(depth)
-    type(plane_type), intent(in) :: plane
-    real(DP), intent(in) :: point(3)               !< [length]
-    depth = plane%depth
-    if (depth < 0.0_DP) depth = 2 * PI * point(1)
-  end function depth_at
+  !> The nodes of a facet that has a master in front though none of its nodes is over it count as if they were.
+  pure subroutine keep_islands(mortar, cuts)
+    type(mortar_type), intent(in) :: mortar
+    type(cuts_type), intent(inout) :: cuts
+    logical :: is_over(size(cuts%is_over))
+    integer :: f
+    is_over = cuts%is_over
+    do f = 1, mortar%slave%n
+      if (cuts%first(f + 1) == cuts%first(f)) cycle
+      associate (nodes => mortar%place_of(mortar%slave%first(f):mortar%slave%first(f + 1) - 1))
+        if (.not. any(is_over(nodes))) cuts%is_over(nodes) = .true.
+      end associate
+    end do
+  end subroutine keep_islands
 
 
   !> The first n parts of a whole facet that its functions take.
@@ -395,249 +374,6 @@ contains
     all_of = whole_share(kind)
     share = all_of(:n)
   end function share_of
-
-
-  !> The plane through the middle of the corners of a facet, normal to its mean normal. A line's plane stands across the model.
-  pure subroutine lay_plane(facets, f, x, plane)
-    type(facets_type), intent(in) :: facets
-    integer, intent(in) :: f
-    real(DP), intent(in) :: x(:, :)
-    type(plane_type), intent(out) :: plane
-    type(facet_kind_type) :: shape
-    integer :: n, m, nodes(MAX_FACE_NODES)
-    call facet_nodes(facets, f, n, nodes)
-    shape = facet_kind(facets%kind(f))
-    m = shape%n_corners
-    plane%origin = sum(x(:, nodes(:m)), dim=2) / real(m, DP)
-    if (m == 2) then
-      plane%axes(:, 1) = (x(:, nodes(2)) - x(:, nodes(1))) / max(norm2(x(:, nodes(2)) - x(:, nodes(1))), tiny(1.0_DP))
-      plane%axes(:, 2) = [0.0_DP, 0.0_DP, 1.0_DP]
-      plane%normal = cross_product(plane%axes(:, 1), plane%axes(:, 2))
-      return
-    end if
-    plane%normal = cross_product(x(:, nodes(3)) - x(:, nodes(1)), x(:, nodes(modulo(3, m) + 1)) - x(:, nodes(2)))
-    if (m == 3) plane%normal = cross_product(x(:, nodes(2)) - x(:, nodes(1)), x(:, nodes(3)) - x(:, nodes(1)))
-    plane%normal = plane%normal / max(norm2(plane%normal), tiny(1.0_DP))
-    plane%axes(:, 1) = x(:, nodes(2)) - x(:, nodes(1))
-    plane%axes(:, 1) = plane%axes(:, 1) - dot_product(plane%normal, plane%axes(:, 1)) * plane%normal
-    plane%axes(:, 1) = plane%axes(:, 1) / max(norm2(plane%axes(:, 1)), tiny(1.0_DP))
-    plane%axes(:, 2) = cross_product(plane%normal, plane%axes(:, 1))
-  end subroutine lay_plane
-
-
-  !> A point in the coordinates of the plane.
-  pure function in_plane(plane, point) result(p)
-    type(plane_type), intent(in) :: plane
-    real(DP), intent(in) :: point(3)               !< [length]
-    real(DP) :: p(2)                               !< [length]
-    p = matmul(point - plane%origin, plane%axes)
-  end function in_plane
-
-
-  !> The corners of a facet in the coordinates of a plane; a line is a rectangle of depth 1.
-  pure subroutine corners_in(plane, facets, f, x, corners, n)
-    type(plane_type), intent(in) :: plane
-    type(facets_type), intent(in) :: facets
-    integer, intent(in) :: f
-    real(DP), intent(in) :: x(:, :)
-    real(DP), intent(out) :: corners(2, 4)         !< the first n are set [length]
-    integer, intent(out) :: n
-    type(facet_kind_type) :: shape
-    integer :: i, n_nodes, nodes(MAX_FACE_NODES)
-    call facet_nodes(facets, f, n_nodes, nodes)
-    shape = facet_kind(facets%kind(f))
-    n = shape%n_corners
-    corners = 0.0_DP
-    do i = 1, n
-      corners(:, i) = in_plane(plane, x(:, nodes(i)))
-    end do
-    if (n > 2) return
-    n = 4
-    corners(2, :2) = 0.0_DP
-    corners(:, 3) = [corners(1, 2), 1.0_DP]
-    corners(:, 4) = [corners(1, 1), 1.0_DP]
-  end subroutine corners_in
-
-
-  !> Cuts a slave facet with one master facet and appends the points of the cut. After: segment%master = 0 if there is none.
-  subroutine cut_with(slave, f, master, g, x, reach, plane, points, segment)
-    type(facets_type), intent(in) :: slave, master
-    integer, intent(in) :: f, g                    !< slave and master facet
-    real(DP), intent(in) :: x(:, :), reach
-    type(plane_type), intent(in) :: plane
-    type(points_type), intent(inout) :: points
-    type(segment_type), intent(out) :: segment
-    type(plane_type) :: other
-    real(DP) :: own(2, 4), front(2, 4), cut(2, MAX_CORNERS), at(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
-    integer :: n, m, k, q, before
-    call lay_plane(master, g, x, other)
-    if (dot_product(other%normal, plane%normal) > -FACING) return
-    call corners_in(plane, slave, f, x, own, n)
-    call corners_in(plane, master, g, x, front, m)
-    front(:, :m) = front(:, m:1:-1)                ! seen from the slave it runs the other way round
-    if (any(minval(own(:, :n), dim=2) > maxval(front(:, :m), dim=2))) return
-    if (any(maxval(own(:, :n), dim=2) < minval(front(:, :m), dim=2))) return
-    call clip_polygon(own(:, :n), front(:, :m), cut, k)
-    if (k < 3) return
-    if (polygon_area(cut(:, :k)) <= SLIVER * polygon_area(own(:, :n))) return
-    call polygon_points(cut(:, :k), max(order_for(slave%kind(f), own), order_for(master%kind(g), front)), q, at, weight)
-    before = points%n
-    segment%slave = f
-    segment%master = g
-    segment%first = before + 1
-    segment%n = k
-    segment%cut = cut
-    call append_points(slave, master, x, plane, at(:, :q), weight(:q), points, segment)
-    segment%last = points%n
-    if (abs(segment%distance) <= reach) return
-    points%n = before
-    segment = segment_type()
-  end subroutine cut_with
-
-
-  !> The order of the rule that a facet wants. Its functions are polynomials in the plane for triangles with straight edges and for
-  !! parallelograms, and the rule is exact; else they are not, and the error falls fast with the order.
-  pure integer function order_for(kind, corners) result(order)
-    integer, intent(in) :: kind                    !< FACET_...
-    real(DP), intent(in) :: corners(2, 4)          !< in the plane [length]
-    logical :: is_skew
-    is_skew = norm2(corners(:, 1) - corners(:, 2) + corners(:, 3) - corners(:, 4)) > AFFINE * norm2(corners(:, 3) - corners(:, 1))
-    select case (kind)
-    case (FACET_QUAD4)
-      order = merge(5, 3, is_skew)
-    case (FACET_QUAD8)
-      order = merge(6, 4, is_skew)
-    case (FACET_TRI6, FACET_LINE3)
-      order = 4
-    case default
-      order = 3
-    end select
-  end function order_for
-
-
-  !> The points of a cut with the functions of both facets there, and their mean distance, positive where the facets are apart.
-  subroutine append_points(slave, master, x, plane, at, weight, points, segment)
-    type(facets_type), intent(in) :: slave, master
-    real(DP), intent(in) :: x(:, :)
-    type(plane_type), intent(in) :: plane
-    real(DP), intent(in) :: at(:, :), weight(:)    !< (2, n), (n) in the plane
-    type(points_type), intent(inout) :: points
-    type(segment_type), intent(inout) :: segment   !< in: its facets; out: centre, distance
-    real(DP) :: xi(2), eta(2), N(MAX_FACE_NODES), M(MAX_FACE_NODES), tangents(3, 2), normal(3)
-    integer :: q, n_slave, n_master, nodes(MAX_FACE_NODES), fronts(MAX_FACE_NODES)
-    call facet_nodes(slave, segment%slave, n_slave, nodes)
-    call facet_nodes(master, segment%master, n_master, fronts)
-    call reserve(points, points%n + size(weight))
-    do q = 1, size(weight)
-      call natural_place(slave%kind(segment%slave), plane, x(:, nodes(:n_slave)), at(:, q), xi, N)
-      call natural_place(master%kind(segment%master), plane, x(:, fronts(:n_master)), at(:, q), eta, M)
-      call facet_tangents(slave, x, segment%slave, xi, tangents)
-      normal = cross_product(tangents(:, 1), tangents(:, 2))
-      points%n = points%n + 1
-      points%at(:, points%n) = at(:, q)
-      points%weight(points%n) = weight(q) * norm2(normal) / max(dot_product(normal, plane%normal), 0.1_DP * norm2(normal)) &
-        * depth_at(plane, matmul(x(:, nodes(:n_slave)), N(:n_slave)))
-      points%on_master(:, points%n) = M
-      segment%distance = segment%distance + weight(q) * dot_product(plane%normal, matmul(x(:, fronts(:n_master)), M(:n_master)) &
-        - matmul(x(:, nodes(:n_slave)), N(:n_slave)))
-      segment%centre = segment%centre + weight(q) * eta
-      call transform_shapes(slave%kind(segment%slave), N)
-      points%on_slave(:, points%n) = N
-    end do
-    segment%centre = segment%centre / sum(weight)
-    segment%distance = segment%distance / sum(weight)
-  end subroutine append_points
-
-
-  !> Room for n points.
-  pure subroutine reserve(points, n)
-    type(points_type), intent(inout) :: points
-    integer, intent(in) :: n
-    real(DP), allocatable :: longer(:), wider(:, :)
-    integer :: room, m
-    m = points%n
-    if (.not. allocated(points%weight)) then
-      allocate (points%weight(0), points%at(2, 0), points%on_slave(MAX_FACE_NODES, 0), points%on_master(MAX_FACE_NODES, 0))
-    end if
-    if (n <= size(points%weight)) return
-    room = max(n, 2 * size(points%weight), 128)
-    allocate (longer(room))
-    longer(:m) = points%weight(:m)
-    call move_alloc(longer, points%weight)
-    allocate (wider(2, room))
-    wider(:, :m) = points%at(:, :m)
-    call move_alloc(wider, points%at)
-    allocate (wider(MAX_FACE_NODES, room))
-    wider(:, :m) = points%on_slave(:, :m)
-    call move_alloc(wider, points%on_slave)
-    allocate (wider(MAX_FACE_NODES, room))
-    wider(:, :m) = points%on_master(:, :m)
-    call move_alloc(wider, points%on_master)
-  end subroutine reserve
-
-
-  !> The natural coordinates of the point of a facet that is over a point of the plane: Newton, two equations.
-  pure subroutine natural_place(kind, plane, x, at, xi, N)
-    integer, intent(in) :: kind                    !< FACET_...
-    type(plane_type), intent(in) :: plane
-    real(DP), intent(in) :: x(:, :)                !< (3, n) nodes of the facet [length]
-    real(DP), intent(in) :: at(2)                  !< in the plane [length]
-    real(DP), intent(out) :: xi(2)                 !< [-]
-    real(DP), intent(out) :: N(MAX_FACE_NODES)     !< shape functions there [-]
-    real(DP) :: flat(2, size(x, 2)), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), J(2, 2), r(2), step(2), det
-    integer :: i, iteration
-    do i = 1, size(x, 2)
-      flat(:, i) = in_plane(plane, x(:, i))
-    end do
-    xi = merge(1.0_DP / 3, 0.0_DP, kind == FACET_TRI3 .or. kind == FACET_TRI6)
-    if (is_line(kind)) flat(2, :) = at(2)
-    do iteration = 1, MOST_ITERATIONS
-      call facet_shapes(kind, xi, N, dN, ddN)
-      r = at - matmul(flat, N(:size(x, 2)))
-      J = matmul(flat, transpose(dN(:, :size(x, 2))))
-      if (is_line(kind)) J(2, 2) = 1.0_DP
-      det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
-      if (abs(det) <= tiny(1.0_DP)) return
-      step = [J(2, 2) * r(1) - J(1, 2) * r(2), J(1, 1) * r(2) - J(2, 1) * r(1)] / det
-      if (maxval(abs(step)) > 1.0_DP) step = step / maxval(abs(step))
-      xi = xi + step
-      if (maxval(abs(step)) < 1.0e-13_DP) exit
-    end do
-    call facet_shapes(kind, xi, N, dN, ddN)
-  end subroutine natural_place
-
-
-  !> The integrals of all segments of one slave facet, with the dual functions of what they cover together.
-  subroutine integrate_segments(slave, f, x, plane, area, points, segments)
-    type(facets_type), intent(in) :: slave
-    integer, intent(in) :: f
-    real(DP), intent(in) :: x(:, :)
-    type(plane_type), intent(in) :: plane
-    real(DP), intent(in) :: area                   !< of the slave facet [length^2]
-    type(points_type), intent(in) :: points
-    type(segment_type), intent(inout) :: segments(:)
-    real(DP), allocatable :: phi(:, :)
-    real(DP) :: at_node(2, MAX_FACE_NODES), d(MAX_FACE_NODES)
-    integer :: n, i, k, q, nodes(MAX_FACE_NODES)
-    call facet_nodes(slave, f, n, nodes)
-    do i = 1, n
-      at_node(:, i) = in_plane(plane, x(:, nodes(i)))
-    end do
-    call transform_nodes(slave%kind(f), at_node(:, :n))
-    allocate (phi(n, points%n))
-    associate (w => points%weight, N_j => points%on_slave, N_i => points%on_master)
-      call dual_functions(slave%kind(f), area, at_node(:, :n), w(:points%n), points%at(:, :points%n), N_j(:n, :points%n), &
-        phi, d(:n))
-      do k = 1, size(segments)
-        do q = segments(k)%first, segments(k)%last
-          segments(k)%share(:n) = segments(k)%share(:n) + w(q) * N_j(:n, q)
-          do i = 1, MAX_FACE_NODES
-            segments(k)%block(:n, i) = segments(k)%block(:n, i) + w(q) * N_i(i, q) * phi(:, q)
-          end do
-        end do
-      end do
-    end associate
-  end subroutine integrate_segments
 
 
   !> Places and rows of all slave nodes from the segments of the facets around them.
@@ -654,17 +390,18 @@ contains
       associate (vertices => mortar%vertices(mortar%first(j):mortar%first(j + 1) - 1), place => mortar%places(j))
         place = place_type()
         call start_row(mortar%nodes(j), mortar%corners(:, j), mortar%rows(j))
+        mortar%rows(j)%shares = mortar%bases(j)%shares
         if (size(vertices) == 0) cycle
         v = vertices(maxloc(cuts%area(vertices), dim=1))
         if (abs(cuts%area(v)) <= NOTHING * cuts%whole(v)) cycle
         m = vertex_normal(mortar%slave, x, v)
-        if (norm2(m) <= 0.0_DP) cycle
+        if (norm2(m) <= 0.0_DP .or. .not. cuts%is_over(j)) cycle
         place%vertex = v
         place%area = cuts%area(v)
         place%whole = cuts%whole(v)
         place%is_thin = place%area <= COVERED * place%whole
         place%normal = -m / norm2(m)
-        call add_masters(mortar%slave, master, cuts, at, place, mortar%rows(j))
+        call add_masters(mortar, master, x, cuts, at, place, mortar%rows(j))
       end associate
     end do
   end subroutine fill_rows
@@ -684,47 +421,137 @@ contains
   end subroutine start_row
 
 
-  !> The master's part of a row: -M_ji / D_j, in the order in which the segments bring the nodes.
-  subroutine add_masters(slave, master, cuts, at, place, row)
-    type(facets_type), intent(in) :: slave, master
+  !> The master's part of a row: -M_ji / D_j, in the order in which the segments bring the nodes. Nodes beside that are beyond the
+  !! master's edge give their functions to the row: their part of the slave's side is there too.
+  subroutine add_masters(mortar, master, x, cuts, at, place, row)
+    type(mortar_type), intent(in) :: mortar
+    type(facets_type), intent(in) :: master
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     type(cuts_type), intent(in) :: cuts
     integer, intent(inout) :: at(:)                !< (n_nodes) 0; left so
     type(place_type), intent(inout) :: place
     type(contact_row_type), intent(inout) :: row
     real(DP), allocatable :: weights(:)
     integer, allocatable :: nodes(:)
-    real(DP) :: largest
-    integer :: s, k, n, f
+    real(DP) :: largest, taken(MAX_FACE_NODES), beside, first_moment(3)
+    integer :: i, s, k, n, f, own, n_head
     n = 0
-    do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
-      f = slave%star_facet(s)
-      n = n + MAX_FACE_NODES * (cuts%first(f + 1) - cuts%first(f))
-    end do
-    allocate (nodes(n))
-    allocate (weights(n), source=0.0_DP)
-    n = 0
-    largest = -huge(1.0_DP)
-    do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
-      f = slave%star_facet(s)
-      do k = cuts%first(f), cuts%first(f + 1) - 1
-        call add_segment(master, cuts%segments(k), slave%star_local(s), at, n, nodes, weights)
-        if (cuts%segments(k)%share(slave%star_local(s)) <= largest) cycle
-        largest = cuts%segments(k)%share(slave%star_local(s))
-        place%facet = cuts%segments(k)%master
-        place%xi = cuts%segments(k)%centre
+    associate (slave => mortar%slave)
+      do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
+        f = slave%star_facet(s)
+        n = n + MAX_FACE_NODES * (cuts%first(f + 1) - cuts%first(f) + 3)
       end do
+      n_head = size(row%nodes)
+      allocate (nodes(n))
+      allocate (weights(n), source=0.0_DP)
+      n = 0
+      largest = -huge(1.0_DP)
+      beside = 0.0_DP
+      first_moment = place%area * relative_position(row, x)
+      do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
+        f = slave%star_facet(s)
+        own = slave%star_local(s)
+        if (cuts%first(f + 1) == cuts%first(f)) cycle
+        taken = taken_by(slave%kind(f), own, cuts%is_over(mortar%place_of(slave%first(f):slave%first(f + 1) - 1)))
+        do k = cuts%first(f), cuts%first(f + 1) - 1
+          call add_segment(master, cuts%segments(k), taken, at, n, nodes, weights)
+          if (cuts%segments(k)%share(own) <= largest) cycle
+          largest = cuts%segments(k)%share(own)
+          place%facet = cuts%segments(k)%master
+          place%xi = cuts%segments(k)%centre
+        end do
+        call add_beside(mortar, f, own, taken, cuts%segments(cuts%first(f):cuts%first(f + 1) - 1))
+      end do
+      at(nodes(:n)) = 0
+    end associate
+    if (beside > 0.0_DP) then
+      row%weights = row%weights * (place%area / (place%area + beside))
+      row%shares = row%shares * ((place%area + beside) / place%area)
+      place%area = place%area + beside
+      place%arm = first_moment / place%area - x(:, row%nodes(1))
+    end if
+    do k = 1, n_head                               ! each node once
+      i = findloc(nodes(:n), row%nodes(k), dim=1)
+      if (i == 0) cycle
+      row%weights(k) = row%weights(k) - weights(i) / place%area
+      nodes(i:n - 1) = nodes(i + 1:n)
+      weights(i:n - 1) = weights(i + 1:n)
+      n = n - 1
     end do
-    at(nodes(:n)) = 0
     row%nodes = [row%nodes, nodes(:n)]
     row%weights = [row%weights, -weights(:n) / place%area]
+
+  contains
+
+    !> Adds the nodes beside that give their functions to the row, as nodes of the slave's side.
+    subroutine add_beside(mortar, f, own, taken, segments)
+      type(mortar_type), intent(in) :: mortar
+      integer, intent(in) :: f, own                !< slave facet, local number of the row's node
+      real(DP), intent(in) :: taken(MAX_FACE_NODES)
+      type(segment_type), intent(in) :: segments(:)
+      type(contact_row_type) :: part
+      real(DP) :: d
+      integer :: i, q, j
+      do i = 1, mortar%slave%first(f + 1) - mortar%slave%first(f)
+        if (i == own .or. taken(i) <= 0.0_DP) cycle
+        d = taken(i) * sum(segments%share(i))
+        beside = beside + d
+        j = mortar%place_of(mortar%slave%first(f) + i - 1)
+        call start_row(mortar%nodes(j), mortar%corners(:, j), part)
+        first_moment = first_moment + d * relative_position(part, x)
+        do q = 1, size(part%nodes)
+          call add_weight(part%nodes(q), -d * part%weights(q), at, n, nodes, weights)
+        end do
+      end do
+    end subroutine add_beside
+
   end subroutine add_masters
 
 
+  !> Which parts of the functions of a facet a node of it takes: its own, and those of nodes beyond the master that are nearest to it.
+  pure function taken_by(kind, own, is_over) result(taken)
+    integer, intent(in) :: kind                    !< FACET_...
+    integer, intent(in) :: own                     !< local number of a node that is over the master
+    logical, intent(in) :: is_over(:)              !< (n)
+    real(DP) :: taken(MAX_FACE_NODES)              !< [-]
+    real(DP) :: at(2, MAX_FACE_NODES), distance(size(is_over))
+    integer :: i, k
+    taken = 0.0_DP
+    taken(own) = 1.0_DP
+    if (all(is_over) .or. .not. any(is_over)) return
+    at = regular_places(kind)
+    do i = 1, size(is_over)
+      if (is_over(i)) cycle
+      distance = [(norm2(at(:, k) - at(:, i)), k=1, size(is_over))]
+      where (.not. is_over) distance = huge(1.0_DP)
+      if (distance(own) < minval(distance) + 0.01_DP) taken(i) = 1 / real(count(distance < minval(distance) + 0.01_DP), DP)
+    end do
+  end function taken_by
+
+
+  !> Where the nodes of a facet are if all its edges are alike.
+  pure function regular_places(kind) result(at)
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP) :: at(2, MAX_FACE_NODES)              !< [-]
+    type(facet_kind_type) :: shape
+    integer :: i, m
+    shape = facet_kind(kind)
+    m = shape%n_corners
+    at = 0.0_DP
+    do i = 1, m
+      at(:, i) = [cos(2 * PI * real(i, DP) / real(m, DP)), sin(2 * PI * real(i, DP) / real(m, DP))]
+    end do
+    do i = m + 1, shape%n_nodes
+      at(:, i) = 0.5_DP * (at(:, i - m) + at(:, modulo(i - m, m) + 1))
+    end do
+  end function regular_places
+
+
   !> Adds what one segment gives to M of a slave node.
-  pure subroutine add_segment(master, segment, local, at, n, nodes, weights)
+  pure subroutine add_segment(master, segment, taken, at, n, nodes, weights)
     type(facets_type), intent(in) :: master
     type(segment_type), intent(in) :: segment
-    integer, intent(in) :: local                   !< local number of the slave node in the segment's slave facet
+    real(DP), intent(in) :: taken(MAX_FACE_NODES)  !< of the functions of the segment's slave facet [-]
     integer, intent(inout) :: at(:)                !< (n_nodes) place in nodes(:) or 0
     integer, intent(inout) :: n                    !< entries so far
     integer, intent(inout) :: nodes(:)
@@ -732,13 +559,25 @@ contains
     integer :: own(MAX_FACE_NODES), i, n_own
     call facet_nodes(master, segment%master, n_own, own)
     do i = 1, n_own
-      if (at(own(i)) == 0) then
-        n = n + 1
-        nodes(n) = own(i)
-        at(own(i)) = n
-      end if
-      weights(at(own(i))) = weights(at(own(i))) + segment%block(local, i)
+      call add_weight(own(i), dot_product(taken, segment%block(:, i)), at, n, nodes, weights)
     end do
   end subroutine add_segment
+
+
+  !> Adds to the weight of a node.
+  pure subroutine add_weight(node, amount, at, n, nodes, weights)
+    integer, intent(in) :: node
+    real(DP), intent(in) :: amount                 !< [length^2]
+    integer, intent(inout) :: at(:)                !< (n_nodes) place in nodes(:) or 0
+    integer, intent(inout) :: n                    !< entries so far
+    integer, intent(inout) :: nodes(:)
+    real(DP), intent(inout) :: weights(:)          !< [length^2]
+    if (at(node) == 0) then
+      n = n + 1
+      nodes(n) = node
+      at(node) = n
+    end if
+    weights(at(node)) = weights(at(node)) + amount
+  end subroutine add_weight
 
 end module amontons_mortar

@@ -6,7 +6,7 @@ module amontons_polygons
   use amontons_shapes, only: facet_quadrature, MAX_FACET_POINTS
   implicit none
   private
-  public :: clip_polygon, polygon_area, polygon_points
+  public :: clip_polygon, polygon_area, polygon_points, beyond_polygon
   public :: MAX_CORNERS, MAX_CUT_POINTS
 
   integer, parameter :: MAX_CORNERS = 16           !< of a cut of polygons with up to 8 and 4 corners, with room to spare
@@ -69,6 +69,21 @@ contains
       area = area + 0.5_DP * (a(1) * b(2) - a(2) * b(1))
     end do
   end function polygon_area
+
+
+  !> How far a point is beyond the edge of a convex polygon that it is beyond most; negative inside.
+  pure real(DP) function beyond_polygon(corners, point) result(beyond)
+    real(DP), intent(in) :: corners(:, :)          !< (2, :) counter-clockwise [length]
+    real(DP), intent(in) :: point(2)               !< [length]
+    real(DP) :: edge(2), r(2)
+    integer :: k
+    beyond = -huge(1.0_DP)
+    do k = 1, size(corners, 2)
+      edge = corners(:, modulo(k, size(corners, 2)) + 1) - corners(:, k)
+      r = point - corners(:, k)
+      if (norm2(edge) > 0.0_DP) beyond = max(beyond, (edge(2) * r(1) - edge(1) * r(2)) / norm2(edge))
+    end do
+  end function beyond_polygon
 
 
   !> Points and weights of an integral over a convex polygon, triangle by triangle from its first corner.

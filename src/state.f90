@@ -52,6 +52,7 @@ module amontons_state
     real(DP) :: energy = 0                  !< stored by a compliant law [energy]
     real(DP) :: slip_increment(3) = 0       !< of this increment [length]
     real(DP) :: area = 0                    !< tributary area [length^2]
+    real(DP) :: arm(3) = 0                  !< from the node to where its force acts, where it also acts at nodes beside it [length]
     real(DP) :: stiffness = 0               !< scale c of the trial traction [force/length]
   end type slave_type
 

@@ -3,13 +3,16 @@
 program test_mortar
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: facet_kind, facet_kind_type, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
-    MAX_FACE_NODES
+  use amontons_topology, only: facet_kind, facet_kind_type, KIND_C3D8, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
+    FACET_QUAD8, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_shapes, only: facet_shapes, facet_node_coordinates, node_coordinates
-  use amontons_facets, only: facets_type, build_facets
+  use amontons_facets, only: facets_type, build_facets, facet_nodes
+  use amontons_search, only: search_type, build_search
+  use amontons_rows, only: relative_position
+  use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar, search_margin
   use amontons_gap, only: vertex_normal, vertex_derivative
-  use amontons_polygons, only: clip_polygon, polygon_area, polygon_points, MAX_CORNERS, MAX_CUT_POINTS
+  use amontons_polygons, only: clip_polygon, polygon_area, polygon_points, beyond_polygon, MAX_CORNERS, MAX_CUT_POINTS
   use amontons_dual, only: transform_shapes, transform_nodes, whole_share, dual_functions
   use check, only: suite_type
   implicit none
@@ -22,6 +25,13 @@ program test_mortar
   call check_duals(FACET_TRI6, 'quadratic triangle')
   call check_duals(FACET_QUAD8, 'quadratic square')
   call check_normal()
+  call check_overhang(KIND_C3D8, 8, 'C3D8', 0.3_DP, .false., 2)
+  call check_overhang(KIND_C3D8, 8, 'C3D8', 0.93_DP, .false., 4)
+  call check_overhang(KIND_C3D8, 8, 'C3D8', 0.8_DP, .false., 2)
+  call check_overhang(KIND_C3D8, 8, 'C3D8, in touch', 0.8_DP, .true., 4)
+  call check_overhang(KIND_C3D8, 8, 'C3D8, in touch', 0.4_DP, .true., 4)
+  call check_overhang(KIND_C3D20, 20, 'C3D20', 0.3_DP, .false., 3)
+  call check_overhang(KIND_C3D20, 20, 'C3D20', 0.8_DP, .false., 5)
   call suite%finish()
 
 contains
@@ -46,6 +56,8 @@ contains
     call clip_polygon(SQUARE, other, cut, n)
     if (n >= 3) call suite%near('a common edge has no area', polygon_area(cut(:, :n)), 0.0_DP, 1.0e-14_DP)
     if (n < 3) call suite%that('a common edge has no area', .true.)
+    call suite%near('beyond the edge of a square', beyond_polygon(SQUARE, [1.5_DP, 0.2_DP]), 0.5_DP, 1.0e-14_DP)
+    call suite%near('within a square', beyond_polygon(SQUARE, [0.9_DP, 0.2_DP]), -0.1_DP, 1.0e-14_DP)
   end subroutine check_cuts
 
 
@@ -172,5 +184,87 @@ contains
       end do
     end do
   end subroutine check_normal
+
+
+  !> A slave face over the square (0, 1) x (0, 1), of which a master at the distance 0.1 covers x < cover: as many rows as nodes are
+  !! over the master, each at that distance, and the forces of a pressure of 1 are the integrals of the N_k over what is covered.
+  subroutine check_overhang(kind, n, name, cover, has_touched, n_rows)
+    integer, intent(in) :: kind, n                 !< of the elements, with n nodes
+    character(*), intent(in) :: name
+    real(DP), intent(in) :: cover                  !< [length]
+    logical, intent(in) :: has_touched             !< all slave nodes did when the increment began
+    integer, intent(in) :: n_rows
+    type(mesh_type) :: mesh
+    type(mortar_type) :: mortar
+    type(facets_type) :: master
+    type(search_type) :: search
+    type(error_type), allocatable :: error
+    real(DP) :: xi(3, 20), at(2, MAX_CUT_POINTS), w(MAX_CUT_POINTS), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES)
+    real(DP) :: ddN(3, MAX_FACE_NODES), expected(40), force(40), first_moment, by_arms, cut(2, 4)
+    integer :: i, k, q, n_points, n_own, nodes(MAX_FACE_NODES)
+    mesh%n_nodes = 2 * n
+    mesh%n_elements = 2
+    mesh%kind = [kind, kind]
+    mesh%material = [1, 1]
+    mesh%first = [1, n + 1, 2 * n + 1]
+    mesh%nodes = [(i, i=1, 2 * n)]
+    mesh%element_label = [1, 2]
+    mesh%node_label = mesh%nodes
+    allocate (mesh%node_sets(0), mesh%element_sets(0))
+    call node_coordinates(kind, xi)
+    allocate (mesh%coordinates(3, 2 * n))
+    mesh%coordinates(:, :n) = 0.5_DP * (xi(:, :n) + 1)
+    mesh%coordinates(:, n + 1:) = mesh%coordinates(:, :n)
+    mesh%coordinates(1, n + 1:) = cover - 2 * (1 - mesh%coordinates(1, n + 1:))
+    mesh%coordinates(2, n + 1:) = 3 * mesh%coordinates(2, n + 1:) - 1
+    mesh%coordinates(3, n + 1:) = mesh%coordinates(3, n + 1:) - 1.1_DP
+    call finish_mesh(mesh)
+    call build_facets(mesh, [1], [1], master, error)
+    call facet_nodes(master, 1, n_own, nodes)
+    call create_mortar(mesh, [1], [1], nodes(:n_own), mortar, error)
+    call build_facets(mesh, [2], [2], master, error)
+    call build_search(master, mesh%coordinates, search_margin(mortar, 1.0_DP), search)
+    mortar%has_touched = has_touched
+    call integrate_mortar(mortar, master, search, mesh%coordinates, 1.0_DP)
+    cut = SQUARE                                   ! in natural coordinates of the face, which runs along y first or along x
+    expected = 0.0_DP
+    cut(1, 2:3) = cover
+    call polygon_points(cut, 6, n_points, at, w)
+    do q = 1, n_points
+      call facet_shapes(mortar%slave%kind(1), place_on(mesh%coordinates(:2, nodes(:4)), at(:, q)), N_i, dN, ddN)
+      expected(nodes(:n_own)) = expected(nodes(:n_own)) + w(q) * N_i(:n_own)
+    end do
+    force = 0.0_DP
+    first_moment = 0.0_DP
+    by_arms = 0.0_DP
+    call suite%that(name // ': nodes over the master', count(mortar%places%facet > 0) == n_rows)
+    do i = 1, n_own
+      associate (row => mortar%rows(i), place => mortar%places(i))
+        if (place%facet == 0) cycle
+        by_arms = by_arms + place%area * (mesh%coordinates(1, mortar%nodes(i)) + place%arm(1))
+        call suite%near(name // ': weights of a row', sum(row%weights), 0.0_DP, 1.0e-12_DP)
+        call suite%near(name // ': distance', norm2(relative_position(row, mesh%coordinates) - [0.0_DP, 0.0_DP, 0.1_DP]), 0.0_DP, &
+          1.0e-10_DP)
+        do k = 1, size(row%nodes)
+          if (row%nodes(k) <= n) force(row%nodes(k)) = force(row%nodes(k)) + row%weights(k) * place%area
+          if (row%nodes(k) <= n) first_moment = first_moment + row%weights(k) * place%area * mesh%coordinates(1, row%nodes(k))
+        end do
+      end associate
+    end do
+    call suite%near(name // ': area', sum(mortar%places%area, mask=mortar%places%facet > 0), cover, 1.0e-12_DP)
+    call suite%near(name // ': forces of a uniform pressure', maxval(abs(force - expected)), 0.0_DP, 1.0e-12_DP)
+    call suite%near(name // ': their place', first_moment, 0.5_DP * cover**2, 1.0e-12_DP)
+    if (kind == KIND_C3D8) call suite%near(name // ': their place by the arms', by_arms, 0.5_DP * cover**2, 1.0e-12_DP)
+  end subroutine check_overhang
+
+
+  !> The natural coordinates of a point of the square (0, 1) x (0, 1), whose corners are given.
+  pure function place_on(corners, at) result(xi)
+    real(DP), intent(in) :: corners(2, 4), at(2)
+    real(DP) :: xi(2), a(2), b(2)
+    a = corners(:, 2) - corners(:, 1)
+    b = corners(:, 4) - corners(:, 1)
+    xi = 2 * [dot_product(a, at - corners(:, 1)), dot_product(b, at - corners(:, 1))] - 1
+  end function place_on
 
 end program test_mortar

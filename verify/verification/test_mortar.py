@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -352,4 +353,60 @@ def test_shrink_fit_quarter(proof: Proof) -> None:
     force = job.last("RF")[: len(inner.nodes)]
     left, right = force[inner.node_sets["INNER_LEFT"], 0].sum(), force[inner.node_sets["INNER_RIGHT"], 2].sum()
     case.near("forces on the planes of symmetry", left, right, 1e-6, why="symmetry", place="the inner ring", time="1")
+    case.done()
+
+
+def bent(increments: int) -> str:
+    """A cantilever of 11 C3D8I whose tip goes down by its length over ten; a block under it ends at nine tenths of its length."""
+    parts = {
+        "BEAM": (make_decks.block(between(0, 10, 11), between(0, 1, 1), between(0.1, 0.6, 1), "BODY"), "C3D8I"),
+        "BASE": (make_decks.block(between(6, 9, 4), between(-0.2, 1.3, 2), between(-1, 0, 2), "BODY"), "C3D8I"),
+    }
+    deck, held, first_node, first_element = "", "", 0, 0
+    for name, (mesh, kind) in parts.items():
+        body = solids.as_kind(mesh, kind)
+        height = 0.1 if name == "BEAM" else 0.0
+        deck += renumbered(body, first_node, first_element, name) + f"*SURFACE, NAME={name}_FACE\n"
+        deck += faces_at(body, lambda x, z=height: np.full(len(x), z), first_element)  # type: ignore[misc]
+        deck += f"*SOLID SECTION, ELSET={name}, MATERIAL=STEEL\n"
+        if name == "BEAM":
+            held += "".join(f"{n + 1}, 1, 3\n" for n in body.where(0, 0.0)) + "".join(f"{n + 1}, 2\n" for n in range(len(body.nodes)))
+            tip = "".join(f"{n + 1}, 3, 3, -1.\n" for n in body.where(0, 10.0))
+        else:
+            held += "".join(f"{first_node + n + 1}, 1, 3\n" for n in body.where(2, -1.0))
+        first_node, first_element = first_node + len(body.nodes), first_element + len(body.elements)
+    return (
+        deck
+        + "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n*SURFACE INTERACTION, NAME=I\n"
+        + "*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE\nBEAM_FACE, BASE_FACE\n*BOUNDARY\n" + held
+        + f"*STEP, NLGEOM\n*STATIC\n{1 / increments}, 1., 1e-6, {1 / increments}\n*BOUNDARY\n" + tip + "*END STEP\n"
+    )
+
+
+def test_bent_over_edge(proof: Proof) -> None:
+    """A slave that bends over the edge of its master: nodes beyond the edge are below the master's plane and inside nothing."""
+    case = proof(
+        "mortar-bent-over-edge",
+        title="A cantilever bends over the edge of a block, surface to surface",
+        model="A steel beam, 10 x 1 x 0.5, 11 C3D8I, held at one end and across, 0.1 above a block of 4 x 2 x 2 C3D8I that ends at 9. Its tip goes down by 1, NLGEOM, "
+        "no friction. Exact contact; the lower face of the beam is the slave.",
+        formula="Elastic bodies without friction: the end does not depend on the increments. The block bears what contact brings: its reactions have force and "
+        "moment of the pair.",
+        source="uniqueness of a path without dissipation; balance",
+        proves="What contact is near the edge of a master is the same whatever the increments, and forces act where the sums over the pair say.",
+    )
+    deck = bent(5)
+    job = case.run(deck, asked=5)
+    finer = case.run(bent(20), name="finer", asked=20)
+    displacement = job.last("U")
+    case.near("displacement", displacement, finer.last("U"), 2e-3, scale=1.0, why="the tolerance of Newton's method, 5e-3 of the force", place="all nodes", time="1")
+    case.true("it touches", bool(job.last("CPRESS").max() > 0.0), why="the tip is 1 lower", place="all slave nodes", time="1")
+    base = np.flatnonzero(job.points[:, 2] == -1.0)
+    reaction = job.last("RF")[base]
+    with h5py.File(job.path) as file:
+        sums = {key: values[-1] for key, values in file["AMONTONS/pair_history"].items()}
+    moment = np.cross(job.points[base], reaction).sum(axis=0)
+    scale = float(np.linalg.norm(reaction.sum(axis=0)))
+    case.near("force of the pair", sums["CFN"], reaction.sum(axis=0), 5e-3, scale=scale, why="the tolerance of Newton's method", place="the base of the block", time="1")
+    case.near("moment of the pair", sums["CMN"], moment, 5e-3, scale=10 * scale, why="the same, times the length of the beam", place="the base of the block", time="1")
     case.done()

@@ -1,0 +1,68 @@
+"""MORTAR with NLGEOM in increments of several sizes, against CalculiX itself (ccx), where it is installed.
+
+A beam of C3D8I, held at one end and across, is bent over the edge of a block without friction: an elastic job, whose end does not depend on the way.
+CalculiX makes integrals and normals once an increment; its end comes nearer to ours with smaller increments.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from dat import read_frd  # noqa: E402
+from feature_decks import STEEL, bodies, sections  # noqa: E402
+from parts import Part  # noqa: E402
+from test_mixed_decks import run_peer  # noqa: E402
+
+pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+
+
+def bent(n: int) -> str:
+    """The deck in n increments of one size."""
+    beam = Part("B", "C3D8I", (0, 0, 0.1), (10, 1, 0.6), (6, 1, 1), 1001)
+    base = Part("A", "C3D8I", (6, -0.2, -1), (9, 1.3, 0), (4, 2, 2))
+    return (
+        bodies(base, beam) + STEEL + sections("A", "B")
+        + "*SURFACE INTERACTION, NAME=SI\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.E6\n*CONTACT PAIR, INTERACTION=SI, TYPE=MORTAR\nB_Z0, A_Z1\n"
+        + f"*BOUNDARY\nA_Z0N, 1, 3\nB_X0N, 1, 3\nBN, 2, 2\n*STEP, NLGEOM\n*STATIC\n{1 / n}, 1., 1.E-6, {1 / n}\n"
+        + "*BOUNDARY\nB_X1N, 3, 3, -1.\n*NODE FILE\nU\n*END STEP\n"
+    )
+
+
+def end_of(folder: Path) -> tuple[float, int]:
+    """The largest displacement of the beam along itself at the end, and the iterations of all increments."""
+    fields = [block for block in read_frd(folder / "job.frd") if block.title.startswith("DISP")]
+    rows = [line.split() for line in (folder / "job.sta").read_text().splitlines() if re.match(r"\s+\d", line)]
+    return max(abs(row[0]) for (node, *_), row in fields[-1].rows.items() if node > 1000), sum(int(row[3]) for row in rows)
+
+
+def test_end_does_not_depend_on_increments(run: Callable, tmp_path: Path) -> None:
+    """Ours is the same in 1, 4, 20 and 50 increments; CalculiX's is far off in 1 and near with 20 and 50, in more iterations."""
+    ours, theirs = {}, {}
+    for n in (1, 4, 20, 50):
+        for side, ends in (("ours", ours), ("theirs", theirs)):
+            folder = tmp_path / f"{side}{n}"
+            folder.mkdir()
+            (folder / "job.inp").write_text(bent(n))
+            if side == "theirs":
+                run_peer(folder)
+            else:
+                done = run(["--dialect=calculix", "job"], cwd=folder)
+                assert done.returncode == 0, done.stdout + done.stderr
+            ends[n] = end_of(folder)
+    print(ours, theirs)
+    for n, (end, iterations) in ours.items():
+        assert end == pytest.approx(ours[50][0], rel=2e-3), n
+        assert iterations < theirs[n][1], n
+    assert abs(theirs[1][0] - ours[1][0]) > 0.5 * ours[1][0]
+    assert theirs[20][0] == pytest.approx(ours[20][0], rel=0.02)
+    assert theirs[50][0] == pytest.approx(ours[50][0], rel=0.02)
