@@ -37,7 +37,7 @@ module amontons_derived
   public :: section_type, measure_section
   public :: sector_share, take_sector, turn_trusses, bar_points
   public :: nodal_slaves, n_nodal_slaves, shown_slip, shown_energy
-  public :: pair_sums_type, list_followers, sum_pair
+  public :: pair_sums_type, list_followers, show_sides, sum_pair
   public :: add_inelastic_work, shown_density
 
   real(DP), parameter :: OUT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point if it were one of three [-]
@@ -766,6 +766,32 @@ contains
       end do
     end do
   end subroutine list_followers
+
+
+  !> Stresses of contact at the mid-side nodes of quadratic faces of mortar pairs: what slaves have belongs to the transformed functions,
+  !! and the field has (1 - 2 alpha) of it at the node and alpha of both its corners (doc/theory/contact.md, "Quadratic slave faces").
+  subroutine show_sides(model, slaves, first, last, values)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)      !< as nodal_slaves gives them
+    integer, intent(in) :: first, last             !< rows with the stresses
+    real(DP), intent(inout) :: values(:, :)        !< (:, n_nodes)
+    integer, allocatable :: ends(:, :)
+    logical :: is_done(model%mesh%n_nodes)
+    integer :: p, i
+    is_done = .false.
+    do p = 1, size(model%pairs)
+      if (.not. model%pairs(p)%is_mortar .or. model%pairs(p)%is_pointwise) cycle
+      call find_ends(model, model%pairs(p)%slave, .true., ends)
+      do i = 1, size(slaves)
+        associate (node => slaves(i)%node)
+          if (slaves(i)%pair /= p .or. slaves(i)%status == STATUS_OPEN .or. ends(1, node) == 0 .or. is_done(node)) cycle
+          is_done(node) = .true.
+          values(first:last, node) = (1 - 2 * ALPHA) * values(first:last, node) &
+            + ALPHA * sum(values(first:last, ends(:, node)), dim=2)
+        end associate
+      end do
+    end do
+  end subroutine show_sides
 
 
   !> Adds the work of the stresses on the plastic and creep strains between two states, by the trapezoidal rule: q (dp + dc) where

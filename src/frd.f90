@@ -26,7 +26,7 @@ module amontons_frd
   use amontons_history, only: increment_record_type
   use amontons_state, only: inelastic_strain, inner_variables, n_inner_variables, fields_type, slave_type, STATUS_OPEN
   use amontons_derived, only: average_at_nodes, estimate_error, list_followers, mechanical_strain, nodal_slaves, n_nodal_slaves, &
-    shown_density, shown_energy, shown_slip, turn_trusses
+    show_sides, shown_density, shown_energy, shown_slip, turn_trusses
   use amontons_printed, only: contact_axes, in_axes, in_directions, printed_forces
   use amontons_version, only: VERSION
   implicit none
@@ -431,6 +431,7 @@ contains
       row = table_row(model, slaves(i))
       if (abs(row(4)) >= abs(values(4, slaves(i)%node))) values(:, slaves(i)%node) = row
     end do
+    call show_sides(model, slaves, 4, 6, values)
     call list_followers(model, slaves, followers)
     do i = 1, size(followers, 2)
       values(:, followers(1, i)) = 0.5_DP * sum(values(:, followers(2:3, i)), dim=2)

@@ -46,7 +46,7 @@ module amontons_results
     N_CONTACT_REALS, N_HISTORY_INTEGERS, N_HISTORY_REALS, N_INTEGRATION_REALS, N_ITERATION_INTEGERS, &
     N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, &
     STEP_COLUMNS, STRAIN_COLUMN
-  use amontons_derived, only: pair_sums_type, average_at_nodes, list_followers, nodal_slaves, sum_pair
+  use amontons_derived, only: pair_sums_type, average_at_nodes, list_followers, nodal_slaves, show_sides, sum_pair
   implicit none
   private
   public :: results_type, open_results, resume_results, write_increment, write_attempt, write_iteration, close_results
@@ -715,6 +715,7 @@ contains
     integer :: i
     call pack_solid(model%mesh, fields, reals)
     call pack_contact(slaves, far, reals, integers)
+    call show_sides(model, slaves, 20, 23, reals)
     call list_followers(model, slaves, followers)
     do i = 1, size(followers, 2)                   ! pressure, friction, gap and slip; the forces are those of the corners
       associate (node => followers(1, i), ends => followers(2:3, i))

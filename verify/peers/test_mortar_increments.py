@@ -1,4 +1,4 @@
-"""MORTAR with NLGEOM in increments of several sizes, against CalculiX itself (ccx), where it is installed.
+"""MORTAR against CalculiX itself (ccx), where it is installed: increments of several sizes, and what nodes show.
 
 A beam of C3D8I, held at one end and across, is bent over the edge of a block without friction: an elastic job, whose end does not depend on the way.
 CalculiX makes integrals and normals once an increment; its end comes nearer to ours with smaller increments.
@@ -66,3 +66,35 @@ def test_end_does_not_depend_on_increments(run: Callable, tmp_path: Path) -> Non
     assert abs(theirs[1][0] - ours[1][0]) > 0.5 * ours[1][0]
     assert theirs[20][0] == pytest.approx(ours[20][0], rel=0.02)
     assert theirs[50][0] == pytest.approx(ours[50][0], rel=0.02)
+
+
+@pytest.mark.parametrize("kind", ["C3D8", "C3D20"])
+def test_pressure_at_nodes(kind: str, run: Callable, tmp_path: Path) -> None:
+    """Pressure and friction of MORTAR in .frd, which the faces of eight nodes have by transformed functions: those of CalculiX.
+
+    Within 1 %: CalculiX ends its iterations at 0.5 % of a mean force; meshes match.
+    """
+    base = Part("A", kind, (0, 0, -1), (1, 1, 0), (2, 2, 1))
+    top = Part("B", kind, (0, 0, 0), (1, 1, 0.5), (2, 2, 1), 1001)
+    deck = (
+        bodies(base, top) + STEEL + sections("A", "B")
+        + "*SURFACE INTERACTION, NAME=SI\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.E6\n*FRICTION\n0.3, 1.E5\n"
+        + "*CONTACT PAIR, INTERACTION=SI, TYPE=MORTAR\nB_Z0, A_Z1\n*BOUNDARY\nA_Z0N, 1, 3\nB_Z1N, 1, 2\n"
+        + "*STEP\n*STATIC\n1., 1.\n*DLOAD\n" + top.dload("Z1", 100.0) + "*NODE FILE\nU\n*CONTACT FILE\nCDIS, CSTR\n*END STEP\n"
+    )
+    fields = []
+    for side in ("ours", "theirs"):
+        folder = tmp_path / side
+        folder.mkdir()
+        (folder / "job.inp").write_text(deck)
+        if side == "theirs":
+            run_peer(folder)
+        else:
+            done = run(["--dialect=calculix", "job"], cwd=folder)
+            assert done.returncode == 0, done.stdout + done.stderr
+        fields += [block.rows for block in read_frd(folder / "job.frd") if block.title == "CONTACT"]
+    ours, theirs = fields
+    largest = max(row[3] for row in theirs.values())
+    assert largest > 100.0
+    for node, row in theirs.items():
+        assert ours[node][3:] == pytest.approx(row[3:], abs=1e-2 * largest), node
