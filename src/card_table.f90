@@ -375,7 +375,7 @@ contains
 
     call table%card('PRE-TENSION SECTION', IN_MODEL, 'Cuts a body open at the faces of a surface; the first ' // &
       'displacement of the pre-tension node is the overlap along the normal, a force on it the pre-tension.', &
-      data='normal; optional: the mean normal of the faces')
+      data='normal; without it that of the faces, out of their elements: a positive force then pulls the two sides together')
     call table%option('SURFACE', VALUE_NAME, 'Faces of the elements on one side of the section; or')
     call table%option('ELEMENT', VALUE_NAME, 'a truss T3D2, cut at its second node.')
     call table%option('NODE', VALUE_NAME, 'The pre-tension node.', default='required')

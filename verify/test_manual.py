@@ -14,6 +14,8 @@ import sys
 from fnmatch import fnmatch
 from pathlib import Path
 
+import h5py
+import numpy as np
 import pytest
 from card_reference import MANUAL, find_examples, page_of, read_cards
 from conftest import ROOT, Run
@@ -85,6 +87,37 @@ def test_part_of_your_own(run: Run, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout
     force = [float(word) for word in (tmp_path / "bracket.dat").read_text().split()[-3:]]
     assert force == pytest.approx([0.0, 0.0, 640.0], abs=1e-5)
+
+
+def column(table: str) -> np.ndarray:
+    """A column of the history tables of job.vtkhdf in the working directory."""
+    with h5py.File("job.vtkhdf") as file:
+        return file[f"AMONTONS/{table}"][:]
+
+
+def test_three_joints(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The press fit by Lamé, the bolt by statics, the snap fit by the slopes of its catch."""
+    monkeypatch.chdir(tmp_path)
+    press, bolt, snap = DECK.findall((MANUAL / "joints.md").read_text())
+
+    def values(deck: str, table: str) -> np.ndarray:
+        Path("job.inp").write_text(deck)
+        assert run(["--quiet", "job"]).returncode == 0
+        return column(table)
+
+    force = 78.75 * 2 * np.pi * 20 * 10
+    normal, shear = values(press, "pair_history/CFN"), column("pair_history/CFS")
+    assert normal[column("pair_history/step") == 1][-1, 0] == pytest.approx(force, rel=0.015)
+    assert np.abs(shear[:, 1]).max() == pytest.approx(0.15 * force, rel=0.015)
+    head, nut, joint = values(bolt, "pair_history/CFN").reshape(-1, 3, 3)[-1, :, 1]
+    assert (head, nut) == (pytest.approx(joint + 4000, rel=1e-6), pytest.approx(-head, rel=1e-6))
+    assert 10000 < head < 10100
+    time = values(snap, "history/total_time")
+    along, across = column("history/slave_force")[:, :2].T
+    for at, ratio in ((0.1, -0.8 / 0.88), (0.3, -0.8 / 0.88), (0.4, -0.2), (0.6, -0.2), (0.85, 1.4 / 1.32)):
+        k = int(np.argmin(np.abs(time - at)))
+        assert along[k] / across[k] == pytest.approx(ratio, rel=2e-3)
+    assert along[-1] == across[-1] == 0
 
 
 EXAMPLES = sorted((MANUAL / "examples").glob("*.inp"))
