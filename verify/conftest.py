@@ -5,11 +5,15 @@
 
 import os
 import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
-from proof import MOST_OVER_ALL, Case, write_index
+
+sys.path.insert(0, str(Path(__file__).resolve().parent / "decks"))   # what makes decks, for all tests
+
+from proof import MOST_OVER_ALL, Case, write_index  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 TIME_LIMIT = 900  # [s] of one job

@@ -9,39 +9,23 @@ from pathlib import Path
 
 import pytest
 from conftest import Run
+from solids import unit_cube
 
 USAGE, DECK, IO = 2, 3, 7
 
 # One cube, pulled. The corner nodes carry a hexahedron; the whole runs in a moment.
-CUBE = """\
-*HEADING
-One cube, pulled by one part in a thousand.
-*NODE, NSET=all
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
-*ELEMENT, TYPE=C3D8, ELSET=cube
-1, 1, 2, 3, 4, 5, 6, 7, 8
+CUBE = "*HEADING\nOne cube, pulled by one part in a thousand.\n" + unit_cube() + """\
 *MATERIAL, NAME=steel
 *ELASTIC
 210000, 0.3
-*SOLID SECTION, ELSET=cube, MATERIAL=steel
-*NSET, NSET=bottom
-1, 2, 3, 4
-*NSET, NSET=top
-5, 6, 7, 8
+*SOLID SECTION, ELSET=E, MATERIAL=steel
 *BOUNDARY
-bottom, 1, 3
+LOW, 1, 3
 *STEP
 *STATIC
 1, 1
 *BOUNDARY
-top, 3, 3, 0.001
+HIGH, 3, 3, 0.001
 *END STEP
 """
 
@@ -202,13 +186,13 @@ def test_a_deck_that_talks_of_errors_does_not_look_like_one(run_deck: Run) -> No
 
 def test_all_errors_of_a_deck_at_once(run_deck: Run, tmp_path: Path) -> None:
     """Exit code 3, each error with file, line and card, and no file is touched."""
-    deck = CUBE.replace("*SOLID SECTION, ELSET=cube", "*SOLID SECTION, ELSET=cubes").replace("*MATERIAL", "*MATERAIL")
+    deck = CUBE.replace("*SOLID SECTION, ELSET=E", "*SOLID SECTION, ELSET=Es").replace("*MATERIAL", "*MATERAIL")
     done = run_deck(deck)
     assert done.returncode == DECK
     lines = done.stdout.splitlines()
     places = [line for line in lines if re.match(r"\S*job\.inp:\d+: \*ERROR", line)]
     assert len(places) >= 2, done.stdout
-    for card in ("*MATERAIL, NAME=steel", "*SOLID SECTION, ELSET=cubes, MATERIAL=steel"):
+    for card in ("*MATERAIL, NAME=steel", "*SOLID SECTION, ELSET=Es, MATERIAL=steel"):
         assert any(line.strip() == card for line in lines), f"the card {card} is not shown:\n{done.stdout}"
     assert lines[-1].startswith("*ERROR")
     assert [path.name for path in tmp_path.iterdir()] == ["job.inp"]

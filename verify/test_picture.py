@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent / "decks"))
 import picture  # noqa: E402
 from planes import flat_deck, flatten  # noqa: E402
 from sheets import between, fix, pair, sheet, step  # noqa: E402
+from solids import unit_cube  # noqa: E402
 
 BALL = """*NODE
 90, 0.5, 0.5, 3.
@@ -26,18 +27,7 @@ START, 0., -2.
 CIRCL, 2., 0., 0., 0.
 *RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=90
 """
-CUBE = """*NODE
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
-*ELEMENT, TYPE=C3D8, ELSET=ALL
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*MATERIAL, NAME=M
+CUBE = unit_cube("N", "ALL") + """*MATERIAL, NAME=M
 *ELASTIC
 1000., 0.3
 *SOLID SECTION, ELSET=ALL, MATERIAL=M

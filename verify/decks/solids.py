@@ -124,6 +124,14 @@ def _with_mid_sides(kind: str, nodes: Floats, elements: Ints, edges: Sequence[tu
     return Solids(kind, np.array(places), np.array(rows))
 
 
+def unit_cube(nset: str = "ALL", elset: str = "E", kind: str = "C3D8", low: str = "LOW", high: str = "HIGH") -> str:
+    """Cards of one element of eight nodes, the cube from 0 to 1: nodes 1 to 4 below, 5 to 8 above them."""
+    corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    rows = "".join(f"{i}, {x}., {y}., {z}.\n" for i, (x, y, z) in enumerate(corners, start=1))
+    element = f"*ELEMENT, TYPE={kind}, ELSET={elset}\n1, 1, 2, 3, 4, 5, 6, 7, 8\n"
+    return f"*NODE, NSET={nset}\n{rows}{element}{node_set(low, range(4))}{node_set(high, range(4, 8))}"
+
+
 def node_set(name: str, members: Iterable[int]) -> str:
     """*NSET of indices from 0."""
     labels = [str(int(m) + 1) for m in members]

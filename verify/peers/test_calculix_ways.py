@@ -18,19 +18,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import feature_decks  # noqa: E402
 from dat import Block, read_dat, read_frd  # noqa: E402
 from mixed_decks import deck, hold, prints, solid, step  # noqa: E402
+from solids import unit_cube  # noqa: E402
 
-CUBE = """*NODE, NSET=N
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
-*ELEMENT, TYPE=C3D8, ELSET=E
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*BOUNDARY
+CUBE = unit_cube("N") + """*BOUNDARY
 1, 1, 3
 4, 1
 5, 1, 2

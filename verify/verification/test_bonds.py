@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import Run
+from solids import unit_cube
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
@@ -25,22 +26,7 @@ from solids import FACES, as_kind, node_set  # noqa: E402
 YOUNG, NU = 1000.0, 0.25
 TOLERANCE = 1e-6  # of the largest value: six digits are printed
 
-CUBE = """*NODE, NSET=ALL
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
-*ELEMENT, TYPE=C3D8, ELSET=E
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*NSET, NSET=BOTTOM
-1, 2, 3, 4
-*NSET, NSET=TOP
-5, 6, 7, 8
-*SURFACE, NAME=UP
+CUBE = unit_cube(low="BOTTOM", high="TOP") + """*SURFACE, NAME=UP
 1, S2
 """
 MATERIAL = f"*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG}, {NU}\n*SOLID SECTION, ELSET=E, MATERIAL=M\n"

@@ -11,21 +11,9 @@ import h5py
 import numpy as np
 import pytest
 from conftest import Run
+from solids import unit_cube
 
-CUBE = """*NODE, NSET=ALL
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
-*NSET, NSET=HIGH
-5, 6, 7, 8
-*ELEMENT, TYPE=C3D8, ELSET=E
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*MATERIAL, NAME=M
+CUBE = unit_cube() + """*MATERIAL, NAME=M
 *ELASTIC
 1000., 0.
 *SOLID SECTION, ELSET=E, MATERIAL=M

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from conftest import Run
+from solids import unit_cube
 
 READ = """AMPLITUDE|BOUNDARY|CHANGE FRICTION|CHANGE MATERIAL|CHANGE PLASTIC|CHANGE SOLID SECTION|CHANGE SURFACE BEHAVIOR|CLEARANCE|CLOAD|
 CONTACT FILE|CONTACT OUTPUT|CONTACT PAIR|CONTACT PRINT|CONTROLS|COUPLING|CREEP|CYCLIC HARDENING|CYCLIC SYMMETRY MODEL|
@@ -99,22 +100,7 @@ def test_what_each_card_refuses(run_deck: Run, run: Run) -> None:
             assert re.search(rf"^job.inp:{i}: \*ERROR.*{re.escape(name)}", text, re.MULTILINE), row
 
 
-CUBE = """*NODE, NSET=ALL
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
-*NSET, NSET=LOW
-1, 2, 3, 4
-*NSET, NSET=HIGH
-5, 6, 7, 8
-*ELEMENT, TYPE=C3D8, ELSET=E
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*MATERIAL, NAME=M
+CUBE = unit_cube() + """*MATERIAL, NAME=M
 *ELASTIC
 1000., 0.
 *SOLID SECTION, ELSET=E, MATERIAL=M
@@ -259,7 +245,7 @@ def test_nodes_given_again(run_deck: Run, tmp_path: Path, dialect: str, row: str
 def test_members_named_twice(run_deck: Run, tmp_path: Path) -> None:
     """A load acts on a member of a set once, however often the set names it; where CalculiX loads it as often, that is told."""
     told = "Here the load acts on each of them once; CalculiX applies it as often as they are named."
-    deck = CUBE.replace("5, 6, 7, 8\n*ELEMENT", "5, 6, 7, 8, 5\n*ELEMENT") + f"*STEP\n*STATIC\n*CLOAD\nHIGH, 3, 1.\n{PRINT}*END STEP\n"
+    deck = CUBE.replace("5, 6, 7, 8\n*MATERIAL", "5, 6, 7, 8, 5\n*MATERIAL") + f"*STEP\n*STATIC\n*CLOAD\nHIGH, 3, 1.\n{PRINT}*END STEP\n"
     for dialect in ("abaqus", "calculix"):
         done = run_deck(f"** dialect: {dialect}\n{deck}")
         assert done.returncode == 0, done.stdout
@@ -351,7 +337,7 @@ REF, 3, 4.
 
 def test_rigid_body_over_missing_nodes(run_deck: Run) -> None:
     """An element whose node is not there is told; the rigid body over it does not write past its list."""
-    deck = CUBE.replace("8, 0, 1, 1\n", "") + "*NODE\n100, .5, .5, 2.\n*RIGID BODY, REF NODE=100, ELSET=E\n*STEP\n*STATIC\n*END STEP\n"
+    deck = CUBE.replace("8, 0., 1., 1.\n", "") + "*NODE\n100, .5, .5, 2.\n*RIGID BODY, REF NODE=100, ELSET=E\n*STEP\n*STATIC\n*END STEP\n"
     done = run_deck(deck)
     assert done.returncode == 3
     assert "no node 8" in re.sub(r"\s+", " ", done.stdout + done.stderr)

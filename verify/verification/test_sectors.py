@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import Run
+from solids import unit_cube
 
 DIGITS = 2e-6  # seven digits are printed
 YOUNG, NU, DENSITY = 1000.0, 0.3, 2.0
@@ -162,22 +163,8 @@ def test_refused_sectors(run_deck: Run, cards: str, code: int, told: str) -> Non
     assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)
 
 
-CUBE = """*NODE, NSET=ALL
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
+CUBE = unit_cube(low="BOTTOM", high="TOP") + """*NODE, NSET=ALL
 90, .5, .5, 2.
-*ELEMENT, TYPE=C3D8, ELSET=E
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*NSET, NSET=BOTTOM
-1, 2, 3, 4
-*NSET, NSET=TOP
-5, 6, 7, 8
 *MATERIAL, NAME=M
 *ELASTIC
 1000., .25
@@ -258,7 +245,7 @@ def test_refused_pretension(run_deck: Run, deck: str, told: str) -> None:
 
 def test_data_in_files(run_deck: Run, tmp_path: Path) -> None:
     """NODE, ELEMENT and EQUATION with INPUT read their rows from files; errors there name the file and its line."""
-    (tmp_path / "nodes.txt").write_text("".join(line + "\n" for line in CUBE.splitlines()[1:10]))
+    (tmp_path / "nodes.txt").write_text("".join(line + "\n" for line in CUBE.splitlines()[1:9]))
     (tmp_path / "cells.txt").write_text("1, 1, 2, 3, 4,\n5, 6, 7, 8\n")
     (tmp_path / "sums.txt").write_text("2\n7, 3, 1., 5, 3, -1.\n")
     deck = "*NODE, NSET=ALL,\nINPUT=nodes.txt\n*ELEMENT, TYPE=C3D8, ELSET=E, INPUT=cells.txt\n*EQUATION, INPUT=sums.txt\n"
