@@ -27,11 +27,20 @@ COMMAND = re.compile(
 )
 
 
+CELL = re.compile(r"\(?-?\d+\.\d+(?:e[-+]?\d+)?\)?(?: ?%)?(?: \(\d+\))?")  #: of a table: a measured number, perhaps in brackets
+
+
+def has_table_of_figures(section: str) -> bool:
+    """Whether a table of the section has cells that hold a decimal number and nothing else."""
+    cells = [cell.strip() for line in section.splitlines() if line.startswith("|") for cell in line.strip("|").split("|")]
+    return sum(CELL.fullmatch(cell) is not None for cell in cells) >= 2
+
+
 def sections_with_figures(text: str) -> list[str]:
     """The headings of the sections that tell a figure and no command."""
     prose = re.sub(r"```.*?```", "", text, flags=re.S)
     sections = re.split(r"^(?=#+ )", prose, flags=re.M)
-    return [section.splitlines()[0] for section in sections if FIGURE.search(section) and not COMMAND.search(section)]
+    return [section.splitlines()[0] for section in sections if (FIGURE.search(section) or has_table_of_figures(section)) and not COMMAND.search(section)]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
@@ -44,6 +53,7 @@ def test_the_rule_finds_what_it_should() -> None:
     """A figure without a command is found, one with a command, a constant or code is not."""
     assert sections_with_figures("# A\nIt takes 3.5 s.\n# B\nIt takes 3 s (`make bench`).\n# C\nmu = 0.3\n# D\n```\n12 %\n```\n") == ["# A"]
     assert sections_with_figures("# A\nSome 12 iterations\n") == ["# A"]
+    assert sections_with_figures("# A\n| a | b |\n|---|---|\n| (1.5) | 2.25 % |\n# B\n| E | 1000 |\n") == ["# A"]
 
 
 def test_scripts_that_are_named_are_there() -> None:
