@@ -56,6 +56,26 @@ def _with_mid_sides(plane: Plane) -> Plane:
     return plane
 
 
+def grid_rows(n_x: int, n_y: int, kind: str) -> list[list[int]]:
+    """Corners of the elements of a kind on a grid of n_x times n_y nodes, counted along x first; triangles cut each cell in two."""
+    quads = [[i + n_x * j, i + 1 + n_x * j, i + 1 + n_x * (j + 1), i + n_x * (j + 1)] for j in range(n_y - 1) for i in range(n_x - 1)]
+    return [[q[i] for i in t] for q in quads for t in ((0, 1, 2), (0, 2, 3))] if has_shape(kind, "36") else quads
+
+
+def has_shape(kind: str, numbers: str) -> bool:
+    """Whether a plane kind has one of these numbers of nodes: CPE8R has 8."""
+    return kind.rstrip("R")[3:] in numbers
+
+
+def number_mid_sides(rows: list[list[int]], n: int, kind: str) -> tuple[list[list[int]], dict[tuple[int, int], int]]:
+    """The rows of a quadratic kind with their mid-side nodes, numbered from n on as they come, and the ends of each; others as they are."""
+    made: dict[tuple[int, int], int] = {}
+    if not has_shape(kind, "68"):
+        return rows, made
+    edges = [[(min(a, b), max(a, b)) for a, b in zip(row, row[1:] + row[:1], strict=True)] for row in rows]
+    return [row + [made.setdefault(edge, n + len(made)) for edge in ends] for row, ends in zip(rows, edges, strict=True)], made
+
+
 def join_planes(parts: Iterable[Plane]) -> Plane:
     """Parts put together, nothing glued."""
     parts = list(parts)

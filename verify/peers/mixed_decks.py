@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
 from make_decks import block  # noqa: E402
+from planes import grid_rows, number_mid_sides  # noqa: E402
 from solids import KINDS, Solids, as_kind  # noqa: E402
 
 Floats = NDArray[np.float64]
@@ -110,33 +111,20 @@ def plane(kind: str, cells: tuple[int, int] = (2, 2), distortion: float = 0.1, s
     rng = np.random.default_rng(seed)
     x0 = inner if kind.startswith("CAX") else 0.0
     xs, ys = np.linspace(x0, x0 + 2, cells[0] + 1), np.linspace(0, 1, cells[1] + 1)
-    points = [[x, y] for y in ys for x in xs]
-    n = cells[0] + 1
-    quads = [[i + n * j, i + 1 + n * j, i + 1 + n * (j + 1), i + n * (j + 1)] for j in range(cells[1]) for i in range(cells[0])]
-    nodes = np.array(points)
+    nodes = np.array([[x, y] for y in ys for x in xs])
     is_left, is_right, is_top = nodes[:, 0] < x0 + 1e-9, nodes[:, 0] > x0 + 2 - 1e-9, nodes[:, 1] > 1 - 1e-9
     shift = distortion * (2 * rng.random(nodes.shape) - 1)
     shift[is_left, 0] = 0.0
     nodes = nodes + shift
-    shape = kind.rstrip("R")[3:]
-    rows = [[q[i] for i in t] for q in quads for t in ((0, 1, 2), (0, 2, 3))] if shape in "36" else quads
+    rows = grid_rows(len(xs), len(ys), kind)
     corners = len(rows[0])
+    elements, made = number_mid_sides(rows, len(nodes), kind)
     places = [tuple(x) for x in nodes]
-    made: dict[tuple[int, int], int] = {}
-    elements = []
-    for row in rows:
-        new = list(row)
-        for a, b in zip(row, row[1:] + row[:1], strict=True):
-            if shape in "68":
-                key = (min(a, b), max(a, b))
-                if key not in made:
-                    made[key] = len(places)
-                    bend = 0.03 * (2 * rng.random(2) - 1) * bool(distortion)
-                    if is_left[a] and is_left[b]:
-                        bend[0] = 0.0
-                    places.append(tuple((nodes[a] + nodes[b]) / 2 + bend))
-                new.append(made[key])
-        elements.append(new)
+    for a, b in made:
+        bend = 0.03 * (2 * rng.random(2) - 1) * bool(distortion)
+        if is_left[a] and is_left[b]:
+            bend[0] = 0.0
+        places.append(tuple((nodes[a] + nodes[b]) / 2 + bend))
     body = Body(kind, np.array(places), np.array(elements))
     sides = {"LEFT": is_left, "RIGHT": is_right, "TOP": is_top}
     on = {name: set(np.flatnonzero(side).tolist()) for name, side in sides.items()}

@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
 from make_decks import block  # noqa: E402
 from mixed_decks import nodes_of  # noqa: E402
+from planes import grid_rows, number_mid_sides  # noqa: E402
 from solids import Solids, as_kind  # noqa: E402
 
 Floats = NDArray[np.float64]
@@ -56,23 +57,10 @@ class Part:
     def _sheet(self, axes: list[Floats]) -> tuple[Floats, NDArray[np.int64], dict[str, list[tuple[int, int]]]]:
         """Plane elements in x-y."""
         xs, ys = axes[:2]
-        n = len(xs)
+        cut = grid_rows(len(xs), len(ys), self.kind)
         places = [(float(x), float(y)) for y in ys for x in xs]
-        quads = [[i + n * j, i + 1 + n * j, i + 1 + n * (j + 1), i + n * (j + 1)] for j in range(len(ys) - 1) for i in range(n - 1)]
-        shape = self.kind.rstrip("R")[3:]
-        cut = [[q[i] for i in t] for q in quads for t in ((0, 1, 2), (0, 2, 3))] if shape in "36" else quads
-        made: dict[tuple[int, int], int] = {}
-        result = []
-        for row in cut:
-            new = list(row)
-            for a, b in zip(row, row[1:] + row[:1], strict=True):
-                if shape in "68":
-                    key = (min(a, b), max(a, b))
-                    if key not in made:
-                        made[key] = len(places)
-                        places.append(tuple((np.array(places[a]) + places[b]) / 2))
-                    new.append(made[key])
-            result.append(new)
+        result, made = number_mid_sides(cut, len(places), self.kind)
+        places += [tuple((np.array(places[a]) + places[b]) / 2) for a, b in made]
         faces: dict[str, list[tuple[int, int]]] = {}
         for side, axis, end in SIDES[:4]:
             value = axes[axis][-end]

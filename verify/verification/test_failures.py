@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -229,10 +228,9 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
         assert 1 <= len(worst) <= 10, done.stdout
 
 
-@pytest.mark.parametrize("make", [tilted])
-def test_auto_finishes(run: Run, tmp_path: Path, make: Callable[[str], str]) -> None:
+def test_auto_finishes(run: Run, tmp_path: Path) -> None:
     """What ends in a cycle with full steps finishes with the default."""
-    (tmp_path / "job.inp").write_text(make("AUTO"))
+    (tmp_path / "job.inp").write_text(tilted("AUTO"))
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "attempts that failed                   0" in done.stdout, done.stdout
