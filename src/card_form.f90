@@ -355,13 +355,21 @@ contains
   end subroutine check_required
 
 
-  !> How the sentence about a card that is not known ends: with the one that was meant, if one is near.
+  !> How the sentence about a card that is not known ends: with the one that was meant, if one is near, or with the comma that is
+  !! missing after it (*ELEMENT TYPE=C3D8).
   function hint_at_cards(table, key) result(text)
     type(card_table_type), intent(in) :: table
     character(*), intent(in) :: key
     character(:), allocatable :: text
     character(*), parameter :: ASKED = '; did you mean '
-    integer :: i
+    integer :: i, begun
+    begun = 0
+    do i = 1, table%n
+      if (index(key, '=') == 0 .or. .not. starts_with(key, table%entries(i)%key)) cycle
+      if (len(table%entries(i)%key) > begun) begun = len(table%entries(i)%key)
+      if (len(table%entries(i)%key) == begun) text = '; a comma is missing after *' // table%entries(i)%keyword // '.'
+    end do
+    if (begun > 0) return
     text = table%names%hint(key)
     if (index(text, ASKED) /= 1) then
       text = '.'

@@ -228,6 +228,7 @@ def test_contact_that_never_was_is_told(run: Run, root: Path, tmp_path: Path) ->
 
 @pytest.mark.parametrize(("wrong", "right", "told"), [
     ("210000., 0.3", "210000. 0.3", "a comma parts two numbers, and a point is the decimal mark"),
+    ("*SOLID SECTION, ELSET", "*SOLID SECTION ELSET", "is not known; a comma is missing after *SOLID SECTION."),
     ("INPUT=three_cubes.mesh", "INPUT=four_cubes.mesh", "\n    *INCLUDE, INPUT=four_cubes.mesh\n"),
     ("*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n", "", "There is no material 'STEEL'; the deck has none at all."),
 ])  # fmt: skip
