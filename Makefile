@@ -198,6 +198,8 @@ bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) a
 study: programs $(VENV)/installed ## Iterations of all line searches by friction, shape and size of the increments: ironing, blocks, cylinder, ball
 	@$(PY) verify/study/ironing_table.py --program $(BIN)/amontons
 	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons
+	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons --direction SYMMETRIC --seconds 60
+	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons --direction LAGGED --seconds 60
 	@$(PY) verify/study/contact_table.py --program $(BIN)/amontons
 
 # --- the documentation --------------------------------------------------------------------------------------------

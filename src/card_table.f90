@@ -490,6 +490,9 @@ contains
     call table%option('TYPE', VALUE_WORD, 'NONE: full steps; ALL: one length from all unknowns; GLOBAL: one ' // &
       'length from the slave nodes; NODAL: a length for each slave node; AUTO: we choose.', allowed= &
       'NONE|ALL|GLOBAL|NODAL|AUTO', default='required')
+    call table%option('DIRECTION', VALUE_WORD, 'For studies. EXACT: by the whole tangent; SYMMETRIC: without what friction ' // &
+      'and moving contact make unsymmetric; LAGGED: by the stiffness of the bodies where the attempt began.', &
+      allowed='EXACT|SYMMETRIC|LAGGED', default='EXACT')
 
     call table%card('RESTART', IN_BOTH, 'Keeps states in the restart file job.res, from which another job can go on. ' // &
       '(To go on with the same deck after a crash, amontons --resume job needs no card.)')

@@ -43,7 +43,7 @@ contains
     integer, intent(in) :: trouble                 !< TROUBLE_... of the direction
     is_carried_off = trouble == TROUBLE_SOLVER .and. size(system%contact%view%status) > 0
     if (trouble /= TROUBLE_NONE .or. size(system%contact%view%status) == 0) return
-    is_carried_off = .not. maxval(abs(du)) <= mesh_extent(model%mesh) + 2.0_DP * maxval(abs(system%base%offset))
+    is_carried_off = .not. maxval(norm2(du, dim=1)) <= mesh_extent(model%mesh) + 2.0_DP * maxval(abs(system%base%offset))
   end function is_carried_off
 
 
@@ -74,11 +74,11 @@ contains
         cycle
       end if
       if (trouble /= TROUBLE_NONE) return
-      excess = maxval(abs(du)) / free_way(system, model, state, du)
+      excess = maxval(norm2(du, dim=1)) / free_way(system, model, state, du)
       if (excess <= ENOUGH .or. attempt == MOST_TRIES) then
         call settle_contact(system, model, step, state, du, ahead, n_rounds, error)
         if (allocated(error)) return
-        excess = maxval(abs(du)) / free_way(system, model, state, du)
+        excess = maxval(norm2(du, dim=1)) / free_way(system, model, state, du)
       end if
       if (excess <= ENOUGH .or. part >= MOST) exit
       part = min(MOST, part * excess)
@@ -135,7 +135,7 @@ contains
         if (closing > 0.0_DP) share = min(share, max(slave%gap, 1.0e-3_DP * system%contact%edge(slave%pair)) / closing)
       end associate
     end do
-    way = min(way, merge(BEYOND, 1.0_DP, system%is_condensed) * share * maxval(abs(du)))
+    way = min(way, merge(BEYOND, 1.0_DP, system%is_condensed) * share * maxval(norm2(du, dim=1)))
     way = max(way, 1.0e-6_DP * mesh_extent(model%mesh))
   end function free_way
 

@@ -22,8 +22,8 @@ module amontons_contact_tangent
     is_cornered
   implicit none
   private
-  public :: link_type, linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices, contact_springs, &
-    spring_factors
+  public :: link_type, linearise_contact, keep_symmetric, add_contact_rows, apply_contact_tangent, contact_matrices, &
+    contact_springs, spring_factors
 
   !> Entries of a matrix as they come.
   type :: triplets_type
@@ -345,6 +345,25 @@ contains
       link%force_nodes(:, :, j) = matmul(force_normal, derivative%d_n(:, :, j - 1))
     end do
   end subroutine link_moving_weights
+
+
+  !> Drops what makes the tangent unsymmetric: friction follows the pressure, weights and normals move. Rows and springs stay.
+  pure subroutine keep_symmetric(links)
+    type(link_type), intent(inout) :: links(:)
+    integer :: i, k
+    do i = 1, size(links)
+      associate (link => links(i))
+        link%force_imbalance = 0.0_DP
+        link%force_nodes = 0.0_DP
+        link%xi_nodes = 0.0_DP
+        if (.not. link%is_spring) cycle
+        link%spring = 0.5_DP * (link%spring + transpose(link%spring))
+        do k = 1, link%n_weights
+          link%force_nodes(:, :, k) = -link%weights(k) * link%spring
+        end do
+      end associate
+    end do
+  end subroutine keep_symmetric
 
 
   !> The derivatives of lambda = N (n/|n_f| + mu_f q) with respect to Rhat_s, the normal n and the slip vector d.

@@ -16,7 +16,7 @@ module amontons_deck_steps
     need_no_data, is_card
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, controls_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, &
-    SEARCH_NODAL, SEARCH_AUTO, SOLVER_AUTO, SOLVER_ITERATIVE
+    SEARCH_NODAL, SEARCH_AUTO, DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE
   use amontons_text, only: text_of, parse_integer, parse_real, is_one_of, NUMBER_OK
   use amontons_ties, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
   implicit none
@@ -223,7 +223,7 @@ contains
       case ('CONTROLS')
         call read_controls(reader, c, progress%step%controls)
       case ('LINESEARCH')
-        call read_line_search(reader, c, progress%step%line_search)
+        call read_line_search(reader, c, progress%step)
       case ('BOUNDARY')
         call read_boundary(reader, model, c, progress%n, progress%standing)
       case ('CLOAD')
@@ -512,25 +512,33 @@ contains
   end subroutine read_gap
 
 
-  !> LINE SEARCH, TYPE=...
-  subroutine read_line_search(reader, c, search)
+  !> LINE SEARCH, TYPE=..., DIRECTION=...
+  subroutine read_line_search(reader, c, step)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
-    integer, intent(inout) :: search             !< SEARCH_...
+    type(step_type), intent(inout) :: step
     type(row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     call open_card(reader, c, parameters, row)
     select case (parameter_word(parameters, 'TYPE', ''))
     case ('NONE')
-      search = SEARCH_NONE
+      step%line_search = SEARCH_NONE
     case ('ALL')
-      search = SEARCH_ALL
+      step%line_search = SEARCH_ALL
     case ('GLOBAL')
-      search = SEARCH_GLOBAL
+      step%line_search = SEARCH_GLOBAL
     case ('NODAL')
-      search = SEARCH_NODAL
+      step%line_search = SEARCH_NODAL
     case ('AUTO')
-      search = SEARCH_AUTO
+      step%line_search = SEARCH_AUTO
+    end select
+    select case (parameter_word(parameters, 'DIRECTION', ''))
+    case ('SYMMETRIC')
+      step%direction = DIRECTION_SYMMETRIC
+    case ('LAGGED')
+      step%direction = DIRECTION_LAGGED
+    case default
+      step%direction = DIRECTION_EXACT
     end select
   end subroutine read_line_search
 

@@ -153,5 +153,7 @@ uses_claims = kinds errors text posix dense factor model
 uses_analysis = kinds errors version text history posix journal store archive steps model deck state user_state changes damping fasten slaves derived contact_start system audit converge forensics newton stepper results printed frd restart failure user_job drive claims
 uses_values = kinds errors text topology mesh materials state constraints derived columns results drive analysis
 uses_library = kinds errors text posix journal sparse model slip state skew system direction converge stepper user_job drive analysis values
+uses_values = kinds errors text topology mesh materials state constraints derived columns results drive analysis
+uses_library = kinds errors text posix journal sparse model slip state skew system direction converge stepper user_job drive analysis values
 uses_capi = kinds errors version text posix sparse model library
 uses_main = errors version posix journal model card_table deck analysis

@@ -11,7 +11,7 @@ module amontons_direction
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type
   use amontons_model, only: model_type, n_bonds
-  use amontons_steps, only: step_type
+  use amontons_steps, only: step_type, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
   use amontons_history, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: state_type, fields_type, DAMPING_NOW
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, product_of, transpose_of, &
@@ -29,8 +29,8 @@ module amontons_direction
   use amontons_skew, only: finish_skew, subtract_skew, with_skew
   use amontons_assembly, only: assemble_tangent
   use amontons_applied, only: assemble_loads
-  use amontons_contact_tangent, only: linearise_contact, add_contact_rows, apply_contact_tangent, contact_matrices, &
-    contact_springs, spring_factors
+  use amontons_contact_tangent, only: linearise_contact, keep_symmetric, add_contact_rows, apply_contact_tangent, &
+    contact_matrices, contact_springs, spring_factors
   use amontons_system, only: system_type, prescribe, forget_bulk, interface_unknowns, start_clock, stop_clock, TROUBLE_NONE, &
     TROUBLE_ELEMENT, TROUBLE_SOLVER
   implicit none
@@ -147,10 +147,10 @@ contains
       call finish_skew(system%assembly%skew, 3 * model%mesh%n_nodes, error)
       if (allocated(error)) return
       if (state%new%damping(DAMPING_NOW) > 0.0_DP) call stiffen(system%share, state, system%assembly%stiffness)
-      system%is_assembled = system%is_constant
+      system%is_assembled = system%is_constant .or. step%direction == DIRECTION_LAGGED
       call add_carry(system)
+      if (step%is_nlgeom .and. n_bonds(model) > 0) call add_curvatures(system%base, system%assembly, model, state%new)
     end if
-    if (step%is_nlgeom .and. n_bonds(model) > 0) call add_curvatures(system%base, system%assembly, model, state%new)
     call scale_slaves(system, state%new)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call constrain(system, model, step, state%old, state%new, error)
@@ -183,6 +183,7 @@ contains
     call prescribe(system, model, step, fields, error)
     if (allocated(error)) return
     call linearise_contact(system%contact, model, old, fields, system%links)
+    if (step%direction == DIRECTION_SYMMETRIC) call keep_symmetric(system%links)
     system%whole = system%base
     call add_contact_rows(system%contact, model, fields, system%links, system%whole, system%n_conflicts)
     call finish_constraints(system%whole)
@@ -211,11 +212,15 @@ contains
   !> K with a part of its own diagonal.
   subroutine add_carry(system)
     type(system_type), intent(inout) :: system
-    integer :: i
+    integer :: i, j
+    real(DP) :: own                                ! [force/length]
     if (system%carry <= 0.0_DP) return
     associate (K => system%assembly%stiffness)
-      do i = 1, K%n_rows
-        K%value(K%first(i)) = (1.0_DP + system%carry) * K%value(K%first(i))
+      do i = 1, K%n_rows, 3                        ! a node's own stiffness in the mean, so that axes do not matter
+        own = sum(K%value(K%first(i:i + 2))) / 3.0_DP
+        do j = i, i + 2
+          K%value(K%first(j)) = K%value(K%first(j)) + system%carry * own
+        end do
       end do
     end associate
   end subroutine add_carry

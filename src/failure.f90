@@ -29,7 +29,7 @@ module amontons_failure
 
   integer, parameter :: N_WORST = 10               !< nodes listed
   integer, parameter :: N_NAMED = 8                !< nodes named in the reason
-  integer, parameter :: N_FREE = 4                 !< attempts that find a free body, each shorter: the next would not hold it either
+  integer, parameter :: N_FREE = 4                 !< attempts that find a free body, each shorter: the next would not hold it
   character(*), parameter :: LIMIT_POINT = 'LIMIT POINT: the stiffness is not positive: the structure buckles, snaps ' // &
     'through, or softens.'
 

@@ -66,7 +66,7 @@ module amontons_history
     real(DP) :: strain_energy = 0              !< stored in the elements [energy]
     real(DP) :: contact_energy = 0             !< stored by compliant laws of contact [energy]
     character(:), allocatable :: reason        !< why the attempt failed; empty if it converged
-    character(STORY_LENGTH), allocatable :: story(:)   !< of a failed attempt the nodes least in balance and a remedy; who left its master
+    character(STORY_LENGTH), allocatable :: story(:)   !< of a failed attempt: worst nodes and a remedy; who left its master
   end type increment_record_type
 
 end module amontons_history

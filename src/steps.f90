@@ -8,12 +8,16 @@ module amontons_steps
   private
   public :: step_type, controls_type, print_request_type, frd_request_type, calculix_controls, is_output_due, next_stop
   public :: SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
+  public :: DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
   public :: SOLVER_AUTO, SOLVER_ITERATIVE
   public :: N_FRD, FRD_DISP, FRD_FORC, FRD_NDTEMP, FRD_STRESS, FRD_TOSTRAIN, FRD_MESTRAIN, FRD_THSTRAIN, FRD_PE, FRD_ENER, &
     FRD_CONTACT, FRD_CELS, FRD_SDV, FRD_ERROR
 
   integer, parameter :: SEARCH_NONE = 0, SEARCH_ALL = 1, SEARCH_GLOBAL = 2, SEARCH_NODAL = 3, SEARCH_AUTO = 4
+  integer, parameter :: DIRECTION_EXACT = 0        !< by the whole tangent at the iterate
+  integer, parameter :: DIRECTION_SYMMETRIC = 1    !< without the change of the contact forces: C'K C alone
+  integer, parameter :: DIRECTION_LAGGED = 2       !< K is that of the start of the attempt at the increment
   integer, parameter :: SOLVER_AUTO = 0, SOLVER_ITERATIVE = 1
   integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4
   ! Fields of the .frd file, in their order there, which is CalculiX's.
@@ -81,6 +85,7 @@ module amontons_steps
     real(DP) :: damping_factor = 0         !< STABILIZE, FACTOR: given in place of the fraction; 0: not [force time/length^4]
     logical :: is_damping_continued = .false.   !< STABILIZE, CONTINUE: with the factor of the step before
     integer :: line_search = SEARCH_AUTO   !< SEARCH_...
+    integer :: direction = DIRECTION_EXACT !< DIRECTION_...
     integer :: solver = SOLVER_AUTO        !< SOLVER_...
     type(controls_type) :: controls
     type(prescribed_type), allocatable :: prescribed(:)

@@ -205,6 +205,7 @@ contains
     call set_temperatures(model, step, state)
     call begin_damping(step, is_step_start, state)
     call renew_points(system%contact, model, state)
+    if (.not. system%is_constant) system%is_assembled = .false.
     call begin_contact_increment(system%contact, model, step%is_nlgeom, is_step_start, system%u_start, state%new)
     call drop_bulk(system, model, step, is_step_start, state)
   end subroutine begin_increment

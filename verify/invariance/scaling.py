@@ -203,8 +203,8 @@ def turned_points(line: str, turn: Floats, n: int) -> str:
 
 
 def turned_gravity(line: str, turn: Floats) -> str:
-    """A line of *DLOAD with GRAV."""
-    *head, x, y, z = line.split(",")
+    """A line of *DLOAD with GRAV: set, GRAV, size, and the direction by its two or three components."""
+    *head, x, y, z = [*line.split(","), "0."][:6]
     return ",".join(head) + ", " + ", ".join(f"{v:.17g}" for v in turn @ [float(x), float(y), float(z)])
 
 

@@ -240,10 +240,7 @@ ALL = [pytest.param(case, marks=[] if case in SHORT else [pytest.mark.slow]) for
 #: The pin moves without any force until it touches: there the imbalance is rounding over rounding, which counts iterations by chance.
 #: Iterations of the wedge go through balances that rounding chooses between; another choice may fail and be cut back.
 BY_CHANCE = {"defaults, pin_in_bush", "defaults, wedge"}
-#: How far a body that nothing holds is carried in the first increments depends on the axes of the deck.
-CARRIED = {"fall in the plane"}
-TURNED = [pytest.param(*case.values, marks=[*case.marks, pytest.mark.xfail(reason="carried bodies depend on the axes of the deck", strict=False)])
-          if case.values[0] in CARRIED else case for case in ALL if case.values[0] != "defaults, wedge"]  # fmt: skip
+TURNED = [case for case in ALL if case.values[0] != "defaults, wedge"]
 IN_UNITS = [*(case for case in ALL if case.values[0] not in BY_CHANCE),
             *(pytest.param(case, marks=pytest.mark.slow) for case in OTHERS)]  # fmt: skip
 

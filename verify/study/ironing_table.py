@@ -13,6 +13,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import argparse
+import resource
 import subprocess
 import sys
 import tempfile
@@ -66,10 +67,16 @@ def ironing_deck(shape: str, mu: float, slide: float, line_search: str = "AUTO")
     )
 
 
-def run_case(program: Path, folder: Path, name: str, deck: str, asked: int) -> Outcome:
-    """Runs one deck and counts the rows of its .sta file."""
+def run_case(program: Path, folder: Path, name: str, deck: str, asked: int, seconds: float | None = None) -> Outcome:
+    """Runs one deck, for some seconds of a processor at most, and counts the rows of its .sta file."""
     (folder / f"{name}.inp").write_text(deck)
-    done = subprocess.run([program, "--quiet", "--outdir", folder, folder / f"{name}.inp"], check=False, capture_output=True)
+    command = [program, "--quiet", "--outdir", folder, folder / f"{name}.inp"]
+
+    def limit() -> None:
+        if seconds is not None:
+            resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
+
+    done = subprocess.run(command, check=False, capture_output=True, preexec_fn=limit)  # noqa: PLW1509 (no threads here)
     return count_rows(folder / f"{name}.sta", asked, done.returncode == 0)
 
 

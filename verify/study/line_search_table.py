@@ -1,7 +1,7 @@
 """Line searches on ironing: NONE, ALL, GLOBAL, NODAL and AUTO, by shape of the indenter, friction and size of the increments.
 
     python verify/study/line_search_table.py [--outdir DIR] [--program bin/amontons] [--mu 0.3] [--slides 0.15 0.4 0.75]
-        [--figure line_search.png] [--again]
+        [--direction EXACT|SYMMETRIC|LAGGED] [--seconds 60] [--figure line_search.png] [--again]
     python verify/study/line_search_table.py --draw doc/study/line_search.md --figure doc/study/line_search.png
 
 The decks are those of ironing_table.py. For each the table says the Newton iterations per increment asked for, failed
@@ -80,6 +80,8 @@ def main() -> int:
     parser.add_argument("--program", type=Path, default=ROOT / "bin" / "amontons")
     parser.add_argument("--mu", type=float, nargs="+", default=[0.3])
     parser.add_argument("--slides", type=float, nargs="+", default=[0.15, 0.4, 0.75])
+    parser.add_argument("--direction", choices=["EXACT", "SYMMETRIC", "LAGGED"], default="EXACT", help="DIRECTION of the card")
+    parser.add_argument("--seconds", type=float, help="most time of a processor for one run")
     parser.add_argument("--figure", type=Path)
     parser.add_argument("--again", action="store_true", help="count the .sta files in DIR")
     parser.add_argument("--draw", type=Path, metavar="PAGE", help="make the figure from the table of a page")
@@ -104,7 +106,8 @@ def main() -> int:
                         is_done = time_reached(folder / f"{name}.sta") >= 2.0
                         outcome = count_rows(folder / f"{name}.sta", asked, is_done)
                     else:
-                        outcome = run_case(options.program, folder, name, ironing_deck(shape, mu, slide, mode), asked)
+                        outcome = run_case(options.program, folder, name, ironing_deck(shape, mu, slide, f"{mode}, DIRECTION={options.direction}"), asked,
+                                           options.seconds)  # fmt: skip
                     outcomes[mode].append(outcome)
                     cells.append(cell(outcome, time_reached(folder / f"{name}.sta")))
                 cases.append(f"{shape}, mu {mu:g}\nslides {slide:g}")

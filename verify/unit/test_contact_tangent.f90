@@ -8,7 +8,7 @@ program test_contact_tangent
   use amontons_model, only: model_type
   use amontons_surfaces, only: interaction_type, surface_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
     BEHAVIOR_TIED
-  use amontons_steps, only: step_type
+  use amontons_steps, only: step_type, DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
   use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, place_type, place_of, &
@@ -32,6 +32,10 @@ program test_contact_tangent
   call check_planes()
   call check_shared()
   call check_foresight()
+  call check_symmetric('symmetric direction')
+  call check_symmetric('symmetric direction, compliant', interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, &
+    tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP))
+  call check_lagged()
   call suite%finish()
 
 contains
@@ -269,6 +273,95 @@ contains
     state%new%slaves%stiffness = stiffness
     call linearise_contact(system%contact, model, state%old, state%new, system%links)
   end subroutine check_condensed
+
+
+  !> x'J y = y'J x for SYMMETRIC, and not for the whole tangent of curved surfaces with friction.
+  subroutine check_symmetric(name, law)
+    character(*), intent(in) :: name
+    type(interaction_type), intent(in), optional :: law
+    type(model_type) :: model
+    type(step_type) :: step
+    type(system_type) :: system
+    type(state_type) :: state
+    type(sparse_type) :: J
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: x(:), y(:), Jx(:), Jy(:)
+    real(DP) :: skew(2)
+    integer :: trouble, i, k
+    call two_blocks(model, 0.15_DP, 0.4_DP, .true., .false.)
+    if (present(law)) model%interactions(1) = law
+    model%interactions(1)%friction = 0.4_DP
+    call start_sliding(model, step, system, state)
+    do k = 1, 2
+      step%direction = merge(DIRECTION_EXACT, DIRECTION_SYMMETRIC, k == 1)
+      call linearise(system, model, step, state, trouble, error)
+      call tangent_matrix(system, J, error)
+      x = [(sin(real(7 * i + 1, DP)**2), i=1, system%whole%n_free)]
+      y = [(sin(real(11 * i + 2, DP)**2), i=1, system%whole%n_free)]
+      allocate (Jx(size(x)), Jy(size(x)))
+      call multiply(J, x, Jx)
+      call multiply(J, y, Jy)
+      skew(k) = abs(dot_product(y, Jx) - dot_product(x, Jy)) / (norm2(Jx) * norm2(y))
+      deallocate (Jx, Jy)
+    end do
+    call suite%that(name // ': the whole tangent is not symmetric', skew(1) > 1.0e-6_DP)
+    call suite%near(name // ': J is its transpose', skew(2), 0.0_DP, 1.0e-14_DP)
+  end subroutine check_symmetric
+
+
+  !> K of LAGGED is that of the start of the increment until the next one begins; the statuses of contact are those of the iterate.
+  subroutine check_lagged()
+    type(model_type) :: model
+    type(step_type) :: step
+    type(system_type) :: system
+    type(state_type) :: state
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: first(:), u(:, :)
+    integer :: trouble, n_links
+    call two_blocks(model, 0.15_DP, 0.4_DP, .true., .false.)
+    call start_sliding(model, step, system, state)
+    step%direction = DIRECTION_LAGGED
+    call linearise(system, model, step, state, trouble, error)
+    first = system%assembly%stiffness%value
+    n_links = size(system%links)
+    u = state%new%u
+    u(3, model%surfaces(1)%nodes) = u(3, model%surfaces(1)%nodes) + 0.2_DP
+    state%new%u = u
+    call evaluate(system, model, step, state, trouble, is_frozen=.false.)
+    call linearise(system, model, step, state, trouble, error)
+    call suite%near('lagged: K stays', norm2(system%assembly%stiffness%value - first), 0.0_DP, 0.0_DP)
+    call suite%that('lagged: contact does not', size(system%links) /= n_links)
+    call begin_increment(system, model, step, .false., state)
+    call evaluate(system, model, step, state, trouble, is_frozen=.false.)
+    call linearise(system, model, step, state, trouble, error)
+    call suite%that('lagged: the next increment has its own', &
+      norm2(system%assembly%stiffness%value - first) > 1.0e-6_DP * norm2(first))
+  end subroutine check_lagged
+
+
+  !> The upper block has slid a little: some nodes stick, most slip.
+  subroutine start_sliding(model, step, system, state)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(out) :: step
+    type(system_type), intent(inout) :: system
+    type(state_type), intent(inout) :: state
+    type(error_type), allocatable :: error
+    integer :: s, trouble
+    step = model%steps(1)
+    call create_system(system, model, state, error)
+    call begin_step(system, model, step, state, error)
+    call begin_increment(system, model, step, .true., state)
+    call fill(state%new%u, 1, 0.02_DP)
+    do s = 1, size(state%new%slaves)
+      associate (slave => state%new%slaves(s))
+        if (slave%status == STATUS_OPEN) cycle
+        slave%status = merge(STATUS_STICK, STATUS_SLIP, mod(s, 3) == 0)
+        slave%stiffness = 100.0_DP
+        state%new%u(:, slave%node) = state%new%u(:, slave%node) + [0.05_DP, 0.03_DP, -0.01_DP]
+      end associate
+    end do
+    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+  end subroutine start_sliding
 
 
   !> The tangent as a matrix on the free unknowns does what the operator does.

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import Run
-from independent.results import read_history
+from independent.results import read_field, read_history
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1] / folder) for folder in ("decks", "study")]
 
-from contact_table import cylinder  # noqa: E402
+from contact_table import ball, cylinder  # noqa: E402
 
 FAST, SLOW, FEW = 6, 12, 4  #: iterations: IG, IL of doc/theory/newton.md, and those after which what was not foreseen counts
 SHORTER, LONGER, CUTS = 0.75, 1.5, (0.25, 0.5)  #: D_B, D_D, (D_F, D_C)
@@ -68,3 +68,19 @@ def test_increments_follow_what_happened(run: Run, tmp_path: Path) -> None:
         assert any(abs(took - min(length, left)) <= 1e-6 * MOST for length in lengths), f"attempt {i}: {took}, allowed {lengths}, left {left}"
     assert not history["is_converged"].all(), "some attempts fail"
     assert held >= 1, "what happened never held an increment back"
+
+
+def test_directions_lead_to_the_same(run: Run, tmp_path: Path) -> None:
+    """EXACT, SYMMETRIC and LAGGED converge to the same, since the residual does not know them: to 1e-4, the balance allowed being 1e-6 of the forces."""
+    found = {}
+    for direction in ("EXACT", "SYMMETRIC", "LAGGED"):
+        (tmp_path / "job.inp").write_text(ball(0.3, f"AUTO, DIRECTION={direction}", 5))
+        done = run(["job"], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout + done.stderr
+        history = read_history(tmp_path / "job.vtkhdf")
+        assert history["is_converged"][history["increment"] > 0].all(), direction
+        found[direction] = (read_field(tmp_path / "job.vtkhdf", "U")[-1], int(history["n_iterations"].sum()))
+    u, n = found["EXACT"]
+    for direction in ("SYMMETRIC", "LAGGED"):
+        assert np.abs(found[direction][0] - u).max() <= 1e-4 * np.abs(u).max(), direction
+        assert found[direction][1] > n, f"{direction} takes no more iterations: it is not another direction"
