@@ -240,7 +240,9 @@ ALL = [pytest.param(case, marks=[] if case in SHORT else [pytest.mark.slow]) for
 #: The pin moves without any force until it touches: there the imbalance is rounding over rounding, which counts iterations by chance.
 #: Iterations of the wedge go through balances that rounding chooses between; another choice may fail and be cut back.
 BY_CHANCE = {"defaults, pin_in_bush", "defaults, wedge"}
-TURNED = [case for case in ALL if case.values[0] != "defaults, wedge"]
+#: The capstan has sixty long increments: it is compared in other units alone.
+SHUFFLED = [case for case in ALL if case.values[0] != "capstan"]
+TURNED = [case for case in SHUFFLED if case.values[0] != "defaults, wedge"]
 IN_UNITS = [*(case for case in ALL if case.values[0] not in BY_CHANCE),
             *(pytest.param(case, marks=pytest.mark.slow) for case in OTHERS)]  # fmt: skip
 
@@ -253,7 +255,7 @@ def test_units(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str,
     same(solve(run, tmp_path, said(case, units)), plain(case), 1e-8, View(units))
 
 
-@pytest.mark.parametrize("case", ALL)
+@pytest.mark.parametrize("case", SHUFFLED)
 def test_shuffled_threads_twice(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str) -> None:
     """The cards of the model in another order and two threads: 1e-10 of each other; the same run again: bitwise."""
     deck, wanted = said(case), plain(case)
