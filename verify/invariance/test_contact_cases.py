@@ -134,6 +134,7 @@ CASES: dict[str, Callable[[], str]] = {
     "reversal by mortar": lambda: deck_of_case("test_mortar", "test_reversal"),
     "turning block by mortar": lambda: deck_of_case("test_mortar", "test_stuck_block_turns", degrees=10),
     "Hertz by mortar": lambda: deck_of_case("test_mortar", "test_hertz_point"),
+    "bent over an edge by mortar": lambda: deck_of_case("test_mortar", "test_bent_over_edge"),
     "stack": lambda: deck_of_case("test_overlaps", "test_stacked_blocks"),
     "corner of three walls": lambda: deck_of_case("test_overlaps", "test_corner_of_three_walls"),
     "groove": lambda: deck_of_case("test_overlaps", "test_groove", form=""),
