@@ -155,7 +155,7 @@ contains
   pure subroutine profile_weights(facets, f, xi, n, nodes, weights)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                     !< piece
-    real(DP), intent(in) :: xi(2)
+    real(DP), intent(in) :: xi(2)                !< natural coordinates of the piece [-]
     integer, intent(out) :: n                    !< number of carriers
     integer, intent(out) :: nodes(MAX_FACE_NODES)
     real(DP), intent(out) :: weights(MAX_FACE_NODES)   !< [-]
@@ -174,7 +174,7 @@ contains
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: f                     !< piece
-    real(DP), intent(in) :: xi(2)
+    real(DP), intent(in) :: xi(2)                !< natural coordinates of the piece [-]
     real(DP), intent(in) :: g                    !< gap [length]
     type(gap_derivative_type), intent(out) :: derivative
     type(place_type) :: place
@@ -222,7 +222,7 @@ contains
   pure real(DP) function bending_at(facets, f, xi) result(bending)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                     !< piece
-    real(DP), intent(in) :: xi(2)
+    real(DP), intent(in) :: xi(2)                !< natural coordinates of the piece [-]
     type(place_type) :: place
     place = place_at(facets%profile, f, xi, 0.0_DP)
     bending = 2.0_DP * maxval(abs(place%q))

@@ -26,8 +26,8 @@ contains
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e, face
     logical, intent(in) :: is_soft                 !< the law is compliant
-    real(DP), intent(inout) :: area_vector(:, :), area(:)
-    integer, intent(inout) :: corners(:, :)
+    real(DP), intent(inout) :: area_vector(:, :), area(:)   !< (3, n_nodes), (n_nodes) [length^2]
+    integer, intent(inout) :: corners(:, :)        !< (2, n_nodes) corners of a mid-side node, 0
     type(kind_type) :: kind
     type(facet_kind_type) :: shape
     integer :: nodes(MAX_FACE_NODES), m, n, q, i, n_points
@@ -218,7 +218,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(faces_type), intent(in) :: surface
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    real(DP), intent(inout) :: area_vector(:, :), area(:)
+    real(DP), intent(inout) :: area_vector(:, :), area(:)   !< (3, n_nodes), (n_nodes) [length^2]
     type(kind_type) :: kind
     type(facet_kind_type) :: shape
     integer :: nodes(MAX_FACE_NODES), f, n
@@ -236,7 +236,7 @@ contains
   pure real(DP) function mean_edge(mesh, surface, otherwise) result(edge)
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(in) :: surface
-    real(DP), intent(in) :: otherwise
+    real(DP), intent(in) :: otherwise              !< [length]
     type(kind_type) :: entry
     type(facet_kind_type) :: shape
     real(DP) :: total

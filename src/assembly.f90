@@ -749,7 +749,7 @@ contains
     type(sparse_type), intent(inout) :: matrix
     integer, intent(in) :: node
     integer, intent(in) :: place                   !< of the block in the rows, from 0
-    real(DP), intent(in) :: block(3, 3)
+    real(DP), intent(in) :: block(3, 3)            !< [force/length]
     integer :: r, s, start
     do r = 1, 3
       start = matrix%first(3 * node - 3 + r) + 3 * place - r

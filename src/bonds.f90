@@ -76,7 +76,7 @@ contains
   subroutine hold_lone(base, is_lone, u, u_start)
     type(constraints_type), intent(inout) :: base
     logical, intent(in) :: is_lone(:)              !< (3 n_nodes) of a node without elements
-    real(DP), intent(in) :: u(:, :)
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
     logical, allocatable :: is_loose(:)
     integer :: i
@@ -365,7 +365,7 @@ contains
   !> sum multiplier * d2g/du2 of one bond, at u, between its curved nodes.
   subroutine curvature_of(bond, coordinates, u, multiplier, H)
     type(bond_type), intent(in) :: bond
-    real(DP), intent(in) :: coordinates(:, :), u(:, :)
+    real(DP), intent(in) :: coordinates(:, :), u(:, :)   !< (3, n_nodes) [length]
     real(DP), intent(in) :: multiplier(:)          !< of the rows of the bond, in their order [force]
     real(DP), allocatable, intent(out) :: H(:, :)  !< (3 n, 3 n) symmetric [force/length]
     real(DP), allocatable :: plus(:), minus(:), moved(:, :)
@@ -444,7 +444,7 @@ contains
   !> R(w) = 1 + s [w] + c [w][w], s = sin t / t, c = (1 - cos t) / t^2, t = |w|, and dR/dw_k. Series for small t.
   pure subroutine rotation_matrix(w, R, dR)
     real(DP), intent(in) :: w(3)                   !< rotation vector [rad]
-    real(DP), intent(out) :: R(3, 3)
+    real(DP), intent(out) :: R(3, 3)               !< [-]
     real(DP), intent(out) :: dR(3, 3, 3)           !< (:, :, k) dR/dw_k
     real(DP) :: t2, t, s, c, ds, dc, S_matrix(3, 3), E(3, 3)
     integer :: i, k

@@ -131,7 +131,7 @@ contains
   subroutine add_node(scope, label, x, set)
     type(scope_type), intent(inout) :: scope
     integer, intent(in) :: label
-    real(DP), intent(in) :: x(3)
+    real(DP), intent(in) :: x(3)                   !< [length]
     integer, intent(in) :: set
     integer, allocatable :: labels(:)
     real(DP), allocatable :: places(:, :)

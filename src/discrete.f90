@@ -35,7 +35,7 @@ contains
     real(DP), intent(out) :: force(3, MAX_NODES)   !< [force]
     type(points_type), intent(inout) :: points     !< in: section, the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...
-    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u [force/length]
     real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
     real(DP) :: place(3), change(3), axis(3), weight(2), length, now
     type(point_type) :: point
@@ -204,7 +204,7 @@ contains
     real(DP), intent(out) :: force(3, MAX_NODES)   !< [force]
     type(points_type), intent(in) :: points        !< section is the spring constant [force/length], if there is no law
     integer, intent(out) :: status                 !< ELEMENT_...
-    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u [force/length]
     real(DP) :: row(6), tension, slope
     integer :: i, j, n
     n = size(X, 2)

@@ -108,7 +108,7 @@ contains
   pure subroutine list_driven(drive, model, driven, friction)
     type(drive_type), intent(in) :: drive
     type(model_type), intent(in) :: model
-    real(DP), allocatable, intent(inout) :: driven(:, :)
+    real(DP), allocatable, intent(inout) :: driven(:, :)  !< (8, n)
     real(DP), allocatable, intent(inout) :: friction(:)   !< (n_interactions) negative: the deck's
     integer :: i, n
     if (allocated(driven)) deallocate (driven)
@@ -131,8 +131,8 @@ contains
   subroutine recall_driven(drive, model, driven, friction)
     type(drive_type), intent(inout) :: drive
     type(model_type), intent(inout) :: model
-    real(DP), intent(in) :: driven(:, :)
-    real(DP), intent(in) :: friction(:)
+    real(DP), intent(in) :: driven(:, :)           !< (8, n) as list_driven gives it
+    real(DP), intent(in) :: friction(:)            !< (n_interactions) negative: the deck's [-]
     integer, allocatable :: kinds(:), items(:)
     integer :: first, last, i
     do i = 1, size(friction)

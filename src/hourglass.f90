@@ -215,7 +215,7 @@ contains
     logical, intent(in) :: is_nlgeom
     real(DP), intent(out) :: energy                !< W [energy]
     real(DP), intent(inout) :: force(3, MAX_NODES) !< [force]
-    real(DP), intent(inout), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP), intent(inout), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< [force/length]
     real(DP) :: F(3, 3), q(3, MAX_MODES), p(3 * MAX_MODES), s(3 * MAX_MODES), slope(3 * MAX_MODES, 3 * MAX_CORNERS)
     integer :: a, i, k, alpha, rows
     associate (d => hourglass%d, gamma => hourglass%gamma)

@@ -163,7 +163,7 @@ contains
   !> exp(a S) - 1 of a symmetric tensor.
   pure function tensor_exp(S, a) result(y)
     real(DP), intent(in) :: S(6)                   !< Voigt vector
-    real(DP), intent(in) :: a
+    real(DP), intent(in) :: a                      !< [-]
     real(DP) :: y(6)
     real(DP) :: values(3), n(3, 3)
     call symmetric_eigen(S, values, n)
@@ -174,7 +174,7 @@ contains
   !> a ln(1 + S) of a symmetric tensor.
   pure function tensor_log(S, a) result(y)
     real(DP), intent(in) :: S(6)                   !< Voigt vector, eigenvalues more than -1
-    real(DP), intent(in) :: a
+    real(DP), intent(in) :: a                      !< [-]
     real(DP) :: y(6)
     real(DP) :: values(3), n(3, 3)
     call symmetric_eigen(S, values, n)
@@ -231,7 +231,7 @@ contains
   !> The tensor with given principal values.
   pure function principal_stress(principal, values) result(tensor)
     type(principal_type), intent(in) :: principal
-    real(DP), intent(in) :: values(3)
+    real(DP), intent(in) :: values(3)              !< [stress]
     real(DP) :: tensor(6)                          !< Voigt vector
     tensor = values(1) * principal%m(:, 1) + values(2) * principal%m(:, 2) + values(3) * principal%m(:, 3)
   end function principal_stress

@@ -156,8 +156,8 @@ contains
   !> Stress and slope of one curve.
   pure subroutine evaluate_curve(curve, strain, stress, slope)
     type(curve_type), intent(in) :: curve
-    real(DP), intent(in) :: strain
-    real(DP), intent(out) :: stress, slope
+    real(DP), intent(in) :: strain                 !< [-]
+    real(DP), intent(out) :: stress, slope         !< [stress]
     integer :: i
     real(DP) :: s
     call find_interval(curve%strain, strain, i, s)
@@ -171,7 +171,7 @@ contains
 
   !> The interval of an ascending list that a value lies in, and the fraction of it: 0 at the ends of the list.
   pure subroutine find_interval(list, x, i, s)
-    real(DP), intent(in) :: list(:)
+    real(DP), intent(in) :: list(:)             !< (n) ascending
     real(DP), intent(in) :: x
     integer, intent(out) :: i                   !< 1 to size(list)
     real(DP), intent(out) :: s                  !< 0 to 1

@@ -135,9 +135,9 @@ contains
   !> Appends an equation, coefficients times displacements sum up to zero, without the terms that are nothing beside the largest.
   subroutine append_equation(model, node, dof, coefficient, card, line)
     type(model_type), intent(inout) :: model
-    integer, intent(in) :: node(:), dof(:)
-    real(DP), intent(in) :: coefficient(:)
-    character(*), intent(in) :: card
+    integer, intent(in) :: node(:), dof(:)         !< (terms) node, 1 to 3
+    real(DP), intent(in) :: coefficient(:)         !< (terms) [-]
+    character(*), intent(in) :: card               !< its name, for messages
     integer, intent(in) :: line                    !< of the deck
     type(equation_type) :: equation
     logical :: is_kept(size(node))

@@ -62,7 +62,7 @@ contains
     real(DP), intent(out) :: force(3, MAX_NODES)   !< [force]
     type(points_type), intent(inout) :: points     !< in: section, the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...
-    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u [force/length]
     type(strip_type) :: strip
     type(kind_type) :: entry
     real(DP) :: tau(4, P_MOST), c(4, 4, P_MOST), B(4, 2 * N_MOST, P_MOST), f(2 * N_MOST)

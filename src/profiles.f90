@@ -247,7 +247,7 @@ contains
   pure function place_at(profile, k, xi, gap) result(place)
     type(profile_type), intent(in) :: profile
     integer, intent(in) :: k                   !< piece
-    real(DP), intent(in) :: xi(2)
+    real(DP), intent(in) :: xi(2)              !< natural coordinates [-]
     real(DP), intent(in) :: gap                !< [length]
     type(place_type) :: place
     real(DP) :: p(2), n(2), out(3), around(3), radius
@@ -282,7 +282,7 @@ contains
   pure subroutine point_of(profile, k, xi, X, p, n)
     type(profile_type), intent(in) :: profile
     integer, intent(in) :: k                   !< piece
-    real(DP), intent(in) :: xi(2)
+    real(DP), intent(in) :: xi(2)              !< natural coordinates [-]
     real(DP), intent(out) :: X(3)              !< [length]
     real(DP), intent(out) :: p(2)              !< [length]
     real(DP), intent(out) :: n(2)              !< unit

@@ -57,7 +57,7 @@ contains
     real(DP), intent(out) :: force(3, MAX_NODES)   !< [force]
     type(points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...
-    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u [force/length]
     select case (kind)                             ! constants here make loops of known length there
     case (KIND_C3D4)
       call evaluate(KIND_C3D4, material, X, u, is_nlgeom, force, points, status, stiffness)

@@ -282,8 +282,8 @@ contains
   pure subroutine call_umat(routines, name, props, statev, values)
     type(routines_type), intent(in) :: routines
     character(CALL_NAME), intent(in) :: name       !< CMNAME
-    real(DP), intent(in) :: props(:)
-    real(DP), intent(inout) :: statev(:)
+    real(DP), intent(in) :: props(:)               !< PROPS
+    real(DP), intent(inout) :: statev(:)           !< STATEV
     type(umat_type), intent(inout) :: values
     call umat_c(routines%handle, name, props, size(props), statev, size(statev), values)
   end subroutine call_umat
@@ -292,7 +292,7 @@ contains
   !> SDVINI.
   pure subroutine call_sdvini(routines, statev, coordinates, element, point, is_taken)
     type(routines_type), intent(in) :: routines
-    real(DP), intent(inout) :: statev(:)
+    real(DP), intent(inout) :: statev(:)           !< STATEV
     real(DP), intent(in) :: coordinates(3)         !< of the point [length]
     integer, intent(in) :: element, point          !< label, number from 1
     logical, intent(out) :: is_taken
@@ -335,8 +335,8 @@ contains
   pure subroutine call_uamp(routines, name, props, svars, values)
     type(routines_type), intent(in) :: routines
     character(CALL_NAME), intent(in) :: name       !< ampName
-    real(DP), intent(in) :: props(:)
-    real(DP), intent(inout) :: svars(:)
+    real(DP), intent(in) :: props(:)               !< props
+    real(DP), intent(inout) :: svars(:)            !< svars
     type(uamp_type), intent(inout) :: values
     call uamp_c(routines%handle, name, props, size(props), svars, size(svars), values)
   end subroutine call_uamp
@@ -346,8 +346,8 @@ contains
   pure subroutine call_fric(routines, names, props, statev, values)
     type(routines_type), intent(in) :: routines
     character(CALL_NAME), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
-    real(DP), intent(in) :: props(:)
-    real(DP), intent(inout) :: statev(:)
+    real(DP), intent(in) :: props(:)               !< PROPS
+    real(DP), intent(inout) :: statev(:)           !< STATEV
     type(fric_type), intent(inout) :: values
     call fric_c(routines%handle, names(1) // names(2) // names(3), props, size(props), statev, size(statev), values)
   end subroutine call_fric
@@ -357,8 +357,8 @@ contains
   pure subroutine call_uinter(routines, names, props, statev, values)
     type(routines_type), intent(in) :: routines
     character(CALL_NAME), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
-    real(DP), intent(in) :: props(:)
-    real(DP), intent(inout) :: statev(:)
+    real(DP), intent(in) :: props(:)               !< PROPS
+    real(DP), intent(inout) :: statev(:)           !< STATEV
     type(uinter_type), intent(inout) :: values
     call uinter_c(routines%handle, names(1) // names(2) // names(3), props, size(props), statev, size(statev), values)
   end subroutine call_uinter
