@@ -16,7 +16,7 @@ module amontons_columns
   public :: POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN, INTEGRATION_COLUMNS, N_INTEGRATION_REALS
   public :: CONTACT_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, PAIR_COLUMNS, N_PAIR_INTEGERS, N_PAIR_REALS
   public :: HISTORY_COLUMNS, N_HISTORY_INTEGERS, N_HISTORY_REALS
-  public :: ITERATION_COLUMNS, N_ITERATION_INTEGERS, N_ITERATION_REALS, STEP_COLUMNS, CONTROL_COLUMNS
+  public :: rows_of, ITERATION_COLUMNS, N_ITERATION_INTEGERS, N_ITERATION_REALS, STEP_COLUMNS, CONTROL_COLUMNS
 
   !> A column of a table: a number or a short vector per row.
   type :: column_type
@@ -47,7 +47,9 @@ module amontons_columns
     column_type('CSTATUS', 1, '[-]', 'Status of slave nodes: 0 open, 1 stick, 2 slip; 0 elsewhere.', .true.), &
     column_type('CSCENARIO', 1, '[-]', &
       'Slip scenario 1 to 4 of the last iteration that moved the slave node, else 0.', .true.)]
-  integer, parameter :: N_POINT_REALS = 35, N_POINT_INTEGERS = 2, STRAIN_COLUMN = 4
+  integer, parameter :: N_POINT_INTEGERS = sum(POINT_COLUMNS%width, mask=POINT_COLUMNS%is_integer)
+  integer, parameter :: N_POINT_REALS = sum(POINT_COLUMNS%width, mask=.not. POINT_COLUMNS%is_integer)
+  integer, parameter :: STRAIN_COLUMN = findloc(POINT_COLUMNS%name, 'E', dim=1)
 
   type(column_type), parameter :: INTEGRATION_COLUMNS(4) = [ &
     column_type('S', 6, '[stress]', 'Cauchy stress xx yy zz xy yz xz.'), &
@@ -55,7 +57,7 @@ module amontons_columns
       'Strain xx yy zz xy yz xz, tensor shear components; NLGEOM: logarithmic (abaqus), Green''s (calculix).'), &
     column_type('energy', 1, '[energy/volume]', 'Strain energy per reference volume.'), &
     column_type('PEEQ', 1, '[-]', 'Equivalent plastic strain.')]
-  integer, parameter :: N_INTEGRATION_REALS = 14
+  integer, parameter :: N_INTEGRATION_REALS = sum(INTEGRATION_COLUMNS%width)
 
   type(column_type), parameter :: CONTACT_COLUMNS(11) = [ &
     column_type('facet', 1, '[-]', &
@@ -71,7 +73,8 @@ module amontons_columns
     column_type('slip', 3, '[length]', 'Slip vector since the start of the job.'), &
     column_type('area', 1, '[length^2]', 'Tributary area.'), &
     column_type('stiffness', 1, '[force/length]', 'Scale of the trial traction.')]
-  integer, parameter :: N_CONTACT_INTEGERS = 3, N_CONTACT_REALS = 17
+  integer, parameter :: N_CONTACT_INTEGERS = sum(CONTACT_COLUMNS%width, mask=CONTACT_COLUMNS%is_integer)
+  integer, parameter :: N_CONTACT_REALS = sum(CONTACT_COLUMNS%width, mask=.not. CONTACT_COLUMNS%is_integer)
 
   type(column_type), parameter :: PAIR_COLUMNS(12) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1; 0 is the state before the first.', .true.), &
@@ -87,7 +90,8 @@ module amontons_columns
     column_type('CAREA', 1, '[length^2]', 'Area in contact.'), &
     column_type('XN', 3, '[length]', 'Centre of the pressure: places by the sizes of their forces; 0 if there is none.'), &
     column_type('XS', 3, '[length]', 'Centre of the friction, likewise.')]
-  integer, parameter :: N_PAIR_INTEGERS = 6, N_PAIR_REALS = 20
+  integer, parameter :: N_PAIR_INTEGERS = sum(PAIR_COLUMNS%width, mask=PAIR_COLUMNS%is_integer)
+  integer, parameter :: N_PAIR_REALS = sum(PAIR_COLUMNS%width, mask=.not. PAIR_COLUMNS%is_integer)
 
   type(column_type), parameter :: HISTORY_COLUMNS(31) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1; 0 is the state before the first.', .true.), &
@@ -125,7 +129,8 @@ module amontons_columns
       'Taken while bodies that nothing held were carried to where they touch, since the start of the job.'), &
     column_type('damped_work', 1, '[energy]', 'Dissipated by the damping of STABILIZE since the start of the job.'), &
     column_type('plastic_work', 1, '[energy]', 'Taken by plastic and creep strains since the start of the job.')]
-  integer, parameter :: N_HISTORY_INTEGERS = 18, N_HISTORY_REALS = 25 + N_PHASES
+  integer, parameter :: N_HISTORY_INTEGERS = sum(HISTORY_COLUMNS%width, mask=HISTORY_COLUMNS%is_integer)
+  integer, parameter :: N_HISTORY_REALS = sum(HISTORY_COLUMNS%width, mask=.not. HISTORY_COLUMNS%is_integer)
 
   type(column_type), parameter :: ITERATION_COLUMNS(16) = [ &
     column_type('step', 1, '[-]', 'Step, counted from 1.', .true.), &
@@ -145,7 +150,8 @@ module amontons_columns
       'Largest correction over the largest increment of displacement; 1e30 if not finite.'), &
     column_type('step_length', 1, '[-]', 'Step length of the line search (mean of the nodes for NODAL).'), &
     column_type('worst_gap', 1, '[length]', 'Largest penetration or opening of a closed node; 1e30 if not finite.')]
-  integer, parameter :: N_ITERATION_INTEGERS = 17, N_ITERATION_REALS = 4
+  integer, parameter :: N_ITERATION_INTEGERS = sum(ITERATION_COLUMNS%width, mask=ITERATION_COLUMNS%is_integer)
+  integer, parameter :: N_ITERATION_REALS = sum(ITERATION_COLUMNS%width, mask=.not. ITERATION_COLUMNS%is_integer)
 
   type(column_type), parameter :: STEP_COLUMNS(10) = [ &
     column_type('is_nlgeom', 1, '[-]', '1: large displacements.', .true.), &
@@ -218,6 +224,17 @@ contains
       if (allocated(error)) return
     end do
   end subroutine open_columns
+
+
+  !> First and last row of a field at the nodes, among the reals or among the integers of POINT_COLUMNS.
+  pure function rows_of(name) result(rows)
+    character(*), intent(in) :: name                !< as in POINT_COLUMNS
+    integer :: rows(2)
+    integer :: at
+    at = findloc(POINT_COLUMNS%name, name, dim=1)
+    rows(1) = 1 + sum(POINT_COLUMNS(:at - 1)%width, mask=POINT_COLUMNS(:at - 1)%is_integer .eqv. POINT_COLUMNS(at)%is_integer)
+    rows(2) = rows(1) + POINT_COLUMNS(at)%width - 1
+  end function rows_of
 
 
   !> What the table of a column looks like.

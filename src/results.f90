@@ -45,7 +45,7 @@ module amontons_results
     CONTACT_COLUMNS, CONTROL_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, &
     N_CONTACT_REALS, N_HISTORY_INTEGERS, N_HISTORY_REALS, N_INTEGRATION_REALS, N_ITERATION_INTEGERS, &
     N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, &
-    STEP_COLUMNS, STRAIN_COLUMN
+    rows_of, STEP_COLUMNS, STRAIN_COLUMN
   use amontons_derived, only: pair_sums_type, average_at_nodes, list_followers, nodal_slaves, show_sides, sum_pair
   implicit none
   private
@@ -712,14 +712,17 @@ contains
     real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
     integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes) likewise
     integer, allocatable :: followers(:, :)
-    integer :: i
+    integer :: i, cpress(2), cshear(2), cslip(2)
+    cpress = rows_of('CPRESS')
+    cshear = rows_of('CSHEAR')
+    cslip = rows_of('CSLIP')
     call pack_solid(model%mesh, fields, reals)
     call pack_contact(slaves, far, reals, integers)
-    call show_sides(model, slaves, 20, 23, reals)
+    call show_sides(model, slaves, cpress(1), cshear(2), reals)
     call list_followers(model, slaves, followers)
     do i = 1, size(followers, 2)                   ! pressure, friction, gap and slip; the forces are those of the corners
       associate (node => followers(1, i), ends => followers(2:3, i))
-        reals(20:27, node) = 0.5_DP * sum(reals(20:27, ends), dim=2)
+        reals(cpress(1):cslip(2), node) = 0.5_DP * sum(reals(cpress(1):cslip(2), ends), dim=2)
         integers(1, node) = maxval(integers(1, ends))
       end associate
     end do
@@ -731,24 +734,31 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
     real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
-    integer :: i
-    reals(:3, :) = fields%u
-    reals(4:6, :) = fields%reaction_force
+    integer :: u(2), rf(2), s(2), e(2), mises(2), peeq(2), nt(2), i
+    u = rows_of('U')
+    rf = rows_of('RF')
+    s = rows_of('S')
+    e = rows_of('E')
+    mises = rows_of('S_mises')
+    peeq = rows_of('PEEQ')
+    nt = rows_of('NT')
+    reals = 0                                       ! what no slave node fills, and PEEQ without plasticity
+    reals(u(1):u(2), :) = fields%u
+    reals(rf(1):rf(2), :) = fields%reaction_force
     !$omp parallel sections
     !$omp section
-    call average_at_nodes(mesh, fields%stress, reals(7:12, :))
+    call average_at_nodes(mesh, fields%stress, reals(s(1):s(2), :))
     !$omp section
-    call average_at_nodes(mesh, fields%strain, reals(13:18, :))
+    call average_at_nodes(mesh, fields%strain, reals(e(1):e(2), :))
     !$omp end parallel sections
     !$omp parallel do schedule(static)
     do i = 1, mesh%n_nodes
-      reals(19, i) = von_mises(reals(7:12, i))
+      reals(mises(1), i) = von_mises(reals(s(1):s(2), i))
     end do
     !$omp end parallel do
-    reals(20:, :) = 0
     if (size(fields%history, 1) > 0) call average_at_nodes(mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, mesh%n_points]), &
-      reals(34:34, :))
-    reals(35, :) = fields%temperature
+      reals(peeq(1):peeq(2), :))
+    reals(nt(1), :) = fields%temperature
   end subroutine pack_solid
 
 
@@ -759,6 +769,13 @@ contains
     real(DP), intent(inout) :: reals(:, :)          !< (N_POINT_REALS, n_nodes)
     integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes)
     integer :: shown(size(reals, 2)), i, node
+    integer :: cpress(2), cshear(2), copen(2), cslip(2), cnormf(2), cshearf(2)
+    cpress = rows_of('CPRESS')
+    cshear = rows_of('CSHEAR')
+    copen = rows_of('COPEN')
+    cslip = rows_of('CSLIP')
+    cnormf = rows_of('CNORMF')
+    cshearf = rows_of('CSHEARF')
     shown = 0
     do i = 1, size(slaves)
       node = slaves(i)%node
@@ -773,13 +790,13 @@ contains
       if (shown(node) == 0) cycle
       associate (slave => slaves(shown(node)))
         if (slave%area > 0) then
-          reals(20, node) = dot_product(slave%force, slave%normal) / slave%area
-          reals(21:23, node) = slave%shear / slave%area
+          reals(cpress(1), node) = dot_product(slave%force, slave%normal) / slave%area
+          reals(cshear(1):cshear(2), node) = slave%shear / slave%area
         end if
-        reals(24, node) = merge(slave%gap, far, slave%facet > 0)
-        reals(25:27, node) = slave%slip
-        reals(28:30, node) = slave%force
-        reals(31:33, node) = slave%shear
+        reals(copen(1), node) = merge(slave%gap, far, slave%facet > 0)
+        reals(cslip(1):cslip(2), node) = slave%slip
+        reals(cnormf(1):cnormf(2), node) = slave%force
+        reals(cshearf(1):cshearf(2), node) = slave%shear
         integers(:, node) = [slave%status, slave%scenario]
       end associate
     end do

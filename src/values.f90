@@ -12,7 +12,7 @@ module amontons_values
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
   use amontons_state, only: history_row
   use amontons_constraints, only: condense_forces
-  use amontons_columns, only: column_type, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
+  use amontons_columns, only: column_type, rows_of, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
   use amontons_derived, only: nodal_slaves
   use amontons_results, only: point_fields
   use amontons_analysis, only: analysis_type, is_at_end
@@ -229,23 +229,24 @@ contains
     logical, intent(out) :: is_known
     real(DP), allocatable :: reals(:, :)
     integer, allocatable :: integers(:, :)
-    integer :: i, first(2), kind
-    first = 1
+    integer :: i, rows(2)
     is_known = .false.
     do i = 1, size(POINT_COLUMNS)
-      kind = merge(1, 2, POINT_COLUMNS(i)%is_integer)
       is_known = squeezed(POINT_COLUMNS(i)%name) == quantity .or. (i == STRAIN_COLUMN .and. quantity == 'LE')
       if (is_known) exit
-      first(kind) = first(kind) + POINT_COLUMNS(i)%width
     end do
     if (.not. is_known) return
-    associate (model => analysis%model, last => first + POINT_COLUMNS(i)%width - 1)
+    rows = rows_of(POINT_COLUMNS(i)%name)
+    associate (model => analysis%model)
       allocate (reals(N_POINT_REALS, model%mesh%n_nodes), integers(N_POINT_INTEGERS, model%mesh%n_nodes))
       call point_fields(model, analysis%state%new, nodal_slaves(model, analysis%state%new%slaves), &
         mesh_extent(model%mesh), reals, integers)
-      if (kind == 1) values = real(integers(first(1):last(1), nodes), DP)
-      if (kind == 2) values = reals(first(2):last(2), nodes)
     end associate
+    if (POINT_COLUMNS(i)%is_integer) then
+      values = real(integers(rows(1):rows(2), nodes), DP)
+    else
+      values = reals(rows(1):rows(2), nodes)
+    end if
   end subroutine get_column
 
 
