@@ -27,12 +27,11 @@ module amontons_analysis
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
   use amontons_newton, only: begin_newton, iterate, SNAP_LATE
-  use amontons_derived, only: add_inelastic_work, n_nodal_slaves
+  use amontons_derived, only: add_inelastic_work
   use amontons_forensics, only: n_changed_since_first
-  use amontons_stepper, only: stepper_type, course_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
-    STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
+  use amontons_stepper, only: course_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
+    STEP_DONE, CUT_BACK, GIVE_UP
   use amontons_failure, only: failure_reason, failure_lines, failed_attempts, edge_lines, is_free_for_good
-  use amontons_store, only: mend_store
   use amontons_printed, only: print_iteration, print_increment
   use amontons_restart, only: take_snapshot, put_back, unpack_state
   use amontons_archive, only: read_state

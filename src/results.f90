@@ -24,28 +24,24 @@
 !! A field is never written with a NaN or an infinity in it. The file is flushed after each increment.
 module amontons_results
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use amontons_kinds, only: DP, I64, NAME_LENGTH
+  use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_INTERNAL
   use amontons_tensor, only: von_mises
-  use amontons_version, only: VERSION
-  use amontons_topology, only: element_kind, kind_type, MAX_FACE_NODES
-  use amontons_mesh, only: mesh_type, set_type, mesh_extent
-  use amontons_surfaces, only: surface_type
-  use amontons_steps, only: is_output_due, step_type
-  use amontons_materials, only: law_of, HISTORY_PEEQ, LONGEST_LAW, USER_STATE
+  use amontons_mesh, only: mesh_type, mesh_extent
+  use amontons_steps, only: is_output_due
+  use amontons_materials, only: HISTORY_PEEQ, USER_STATE
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
-  use amontons_history, only: increment_record_type, iteration_record_type, PHASE_NAMES
+  use amontons_history, only: increment_record_type, iteration_record_type
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
   use amontons_told, only: told_type, create_told, open_told, append_told
-  use amontons_store, only: append_rows, apply_pages, close_store, create_group, create_store, create_table, drop_store, &
-    flush_store, form_type, open_store, open_table, pages_type, store_type, table_type, take_pages, write_attribute, &
-    write_data, STORE_I64, STORE_U8
-  use amontons_shown, only: shown_type, draw_profiles, displacement_of
-  use amontons_columns, only: append_columns, check_finite, column_type, create_columns, open_columns, write_columns, &
-    CONTACT_COLUMNS, CONTROL_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, &
-    N_CONTACT_REALS, N_HISTORY_INTEGERS, N_HISTORY_REALS, N_INTEGRATION_REALS, N_ITERATION_INTEGERS, &
-    N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, &
-    rows_of, STEP_COLUMNS, STRAIN_COLUMN
+  use amontons_store, only: append_rows, apply_pages, close_store, create_group, create_store, create_table, &
+    drop_store, flush_store, form_type, open_store, open_table, pages_type, store_type, table_type, take_pages, &
+    write_attribute, write_data, STORE_I64
+  use amontons_inventory, only: shown_type, draw_profiles, displacement_of, write_grid, write_inventory
+  use amontons_columns, only: append_columns, check_finite, column_type, create_columns, open_columns, CONTACT_COLUMNS, &
+    HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, N_HISTORY_INTEGERS, &
+    N_HISTORY_REALS, N_ITERATION_INTEGERS, N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, N_POINT_INTEGERS, &
+    N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, rows_of, STRAIN_COLUMN
   use amontons_derived, only: pair_sums_type, average_at_nodes, list_followers, nodal_slaves, show_sides, sum_pair
   implicit none
   private
@@ -76,7 +72,6 @@ module amontons_results
     type(table_type), allocatable :: iterations(:)
   end type results_type
 
-  integer, parameter :: LONGEST_NAME = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
   real(DP), parameter :: UNTOLD = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
 
   ! The constant tables of /VTKHDF/Steps: all frames show the same mesh, as one part.
@@ -105,11 +100,7 @@ contains
     call create_store(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
     if (.not. allocated(error)) call write_grid(results%store, model%mesh, results%shown, error)
     if (.not. allocated(error)) call create_frames(results, error)
-    if (.not. allocated(error)) call write_texts(results%store, model, error)
-    if (.not. allocated(error)) call write_mesh(results%store, model%mesh, error)
-    if (.not. allocated(error)) call write_materials(results%store, model, error)
-    if (.not. allocated(error)) call write_pairs(results%store, model, error)
-    if (.not. allocated(error)) call write_steps(results%store, model%steps, error)
+    if (.not. allocated(error)) call write_inventory(results%store, model, error)
     if (.not. allocated(error)) call create_histories(results, size(model%pairs), error)
     if (allocated(error)) call abandon(results)
   end subroutine open_results
@@ -291,49 +282,6 @@ contains
   end subroutine abandon
 
 
-  !> /VTKHDF: the mesh.
-  !! Reference: VTK, Documentation/docs/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.md, UnstructuredGrid.
-  subroutine write_grid(store, mesh, shown, error)
-    type(store_type), intent(in) :: store
-    type(mesh_type), intent(in) :: mesh
-    type(shown_type), intent(in) :: shown           !< analytic surfaces, after the mesh
-    type(error_type), allocatable, intent(out) :: error
-    character(*), parameter :: ROOT = '/VTKHDF/'
-    type(kind_type) :: entry
-    real(DP), allocatable :: points(:, :)
-    integer, allocatable :: nodes(:), first(:), vtk_type(:)
-    integer :: e
-    allocate (vtk_type(mesh%n_elements))
-    do e = 1, mesh%n_elements
-      entry = element_kind(mesh%kind(e))
-      vtk_type(e) = entry%vtk_type
-    end do
-    vtk_type = [vtk_type, shown%vtk_type]
-    nodes = [mesh%nodes, mesh%n_nodes + shown%nodes] - 1
-    first = [mesh%first - 1, size(mesh%nodes) + shown%last]
-    allocate (points(3, mesh%n_nodes + shown%n_points))
-    points(:, :mesh%n_nodes) = mesh%coordinates
-    points(:, mesh%n_nodes + 1:) = shown%points
-    call create_group(store, '/VTKHDF', error)
-    if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Version', [2, 0], error)
-    if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Type', 'UnstructuredGrid', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfPoints', [mesh%n_nodes + shown%n_points], '[-]', &
-      'Nodes, and points of analytic surfaces.', error, STORE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfCells', [mesh%n_elements + shown%n_cells], '[-]', &
-      'Elements, and cells of analytic surfaces.', error, STORE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfConnectivityIds', [size(nodes)], '[-]', &
-      'Length of Connectivity.', error, STORE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Points', points, '[length]', &
-      'Reference coordinates of the nodes.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Connectivity', nodes, '[-]', &
-      'Nodes of all elements, one after the other.', error, STORE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Offsets', first, '[-]', &
-      'Start of the nodes of each element in Connectivity, and the end.', error, STORE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Types', vtk_type, &
-      '[-]', 'VTK cell types.', error, STORE_U8)
-  end subroutine write_grid
-
-
   !> The tables that grow by a frame: point data, their offsets, times, integration points.
   subroutine create_frames(results, error)
     type(results_type), intent(inout) :: results
@@ -391,207 +339,6 @@ contains
     if (.not. allocated(error)) call create_columns(results%store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, &
       results%iterations, error)
   end subroutine create_histories
-
-
-  !> Deck, version, dialect, heading, names of the phases.
-  subroutine write_texts(store, model, error)
-    type(store_type), intent(in) :: store
-    type(model_type), intent(in) :: model
-    type(error_type), allocatable, intent(out) :: error
-    character(*), parameter :: ROOT = '/AMONTONS/'
-    call write_data(store, ROOT // 'deck', text_of(model%deck_text), '[-]', 'The deck, includes in place.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'heading', text_of(model%heading), '[-]', &
-      'Text of *HEADING.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'version', VERSION, &
-      '[-]', 'Version of Amontons.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'dialect', &
-      trim(merge('calculix', 'abaqus  ', model%dialect == DIALECT_CALCULIX)), '[-]', 'Dialect of the deck.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'phases', PHASE_NAMES, '[-]', &
-      'Names of the columns of history/seconds.', error)
-  end subroutine write_texts
-
-
-  !> /AMONTONS/mesh: labels, kinds, materials, first integration points and sets.
-  subroutine write_mesh(store, mesh, error)
-    type(store_type), intent(in) :: store
-    type(mesh_type), intent(in) :: mesh
-    type(error_type), allocatable, intent(out) :: error
-    character(*), parameter :: ROOT = '/AMONTONS/mesh/'
-    type(kind_type) :: entry
-    character(len(entry%name)) :: kind_name(mesh%n_elements)
-    integer :: e
-    do e = 1, mesh%n_elements
-      entry = element_kind(mesh%kind(e))
-      kind_name(e) = entry%name
-    end do
-    call create_group(store, '/AMONTONS/mesh', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'node_label', mesh%node_label, '[-]', &
-      'Label of each node in the deck.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'element_label', mesh%element_label, '[-]', &
-      'Label of each element in the deck.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'element_kind', kind_name, '[-]', &
-      'Kind of each element.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'element_material', mesh%material - 1, '[-]', &
-      'Index of the material of each element; -1: none.', error)
-    if (.not. allocated(error)) call write_data(store, '/AMONTONS/integration_points/first', mesh%point_first - 1, &
-      '[-]', &
-      'First integration point of each element within a frame, and the end.', error)
-    if (.not. allocated(error)) call write_sets(store, ROOT // 'node_sets', mesh%node_sets, error)
-    if (.not. allocated(error)) call write_sets(store, ROOT // 'element_sets', mesh%element_sets, error)
-  end subroutine write_mesh
-
-
-  !> Named sets as three lists: name, first, members.
-  subroutine write_sets(store, folder, sets, error)
-    type(store_type), intent(in) :: store
-    character(*), intent(in) :: folder
-    type(set_type), allocatable, intent(in) :: sets(:)
-    type(error_type), allocatable, intent(out) :: error
-    character(LONGEST_NAME), allocatable :: names(:)
-    integer, allocatable :: first(:), members(:)
-    integer :: i, n
-    n = 0
-    if (allocated(sets)) n = size(sets)
-    allocate (names(n), first(n + 1), members(0))
-    first(1) = 0
-    do i = 1, n
-      names(i) = sets(i)%name
-      members = [members, sets(i)%members - 1]
-      first(i + 1) = size(members)
-    end do
-    call create_group(store, folder, error)
-    if (.not. allocated(error)) call write_data(store, folder // '/name', names, '[-]', 'Name of each set.', error)
-    if (.not. allocated(error)) call write_data(store, folder // '/first', first, '[-]', &
-      'Start of each set in members, and the end.', error)
-    if (.not. allocated(error)) call write_data(store, folder // '/members', members, '[-]', &
-      'Indices of all sets, one after the other.', error)
-  end subroutine write_sets
-
-
-  !> /AMONTONS/materials.
-  subroutine write_materials(store, model, error)
-    type(store_type), intent(in) :: store
-    type(model_type), intent(in) :: model
-    type(error_type), allocatable, intent(out) :: error
-    character(*), parameter :: ROOT = '/AMONTONS/materials/'
-    character(LONGEST_NAME), allocatable :: names(:)
-    character(LONGEST_LAW), allocatable :: laws(:)
-    integer :: i, n
-    n = size(model%materials)
-    allocate (names(n), laws(n))
-    do i = 1, n
-      names(i) = model%materials(i)%name
-      laws(i) = law_of(model%materials(i))
-    end do
-    call create_group(store, '/AMONTONS/materials', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'name', names, '[-]', 'Name of each material.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'law', laws, &
-      '[-]', 'Law: the elastic one at finite strain, and what is added to it.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'youngs_modulus', (model%materials%youngs_modulus), &
-      '[stress]', &
-      'Young''s modulus.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'poissons_ratio', (model%materials%poissons_ratio), &
-      '[-]', &
-      'Poisson''s ratio.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'density', (model%materials%density), &
-      '[mass/length^3]', 'Density.', error)
-  end subroutine write_materials
-
-
-  !> /AMONTONS/pairs: surfaces, friction and facets of the master of each contact pair.
-  subroutine write_pairs(store, model, error)
-    type(store_type), intent(in) :: store
-    type(model_type), intent(in) :: model
-    type(error_type), allocatable, intent(out) :: error
-    character(*), parameter :: ROOT = '/AMONTONS/pairs/'
-    character(LONGEST_NAME), allocatable :: names(:, :)
-    real(DP), allocatable :: friction(:)
-    integer, allocatable :: first(:), facets(:, :), small(:)
-    integer :: i, n
-    n = size(model%pairs)
-    allocate (names(n, 2), friction(n), first(n + 1), small(n))
-    first(1) = 0
-    do i = 1, n
-      associate (pair => model%pairs(i))
-        names(i, 1) = model%surfaces(pair%slave)%name
-        names(i, 2) = model%surfaces(pair%master)%name
-        friction(i) = model%interactions(pair%interaction)%friction
-        small(i) = merge(1, 0, pair%is_small_sliding)
-        first(i + 1) = first(i) + size(model%surfaces(pair%master)%element)
-      end associate
-    end do
-    allocate (facets(MAX_FACE_NODES + 2, first(n + 1)))
-    do i = 1, n
-      call list_facets(model%mesh, model%surfaces(model%pairs(i)%master), facets(:, first(i) + 1:first(i + 1)))
-    end do
-    call create_group(store, '/AMONTONS/pairs', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'slave', names(:, 1), &
-      '[-]', 'Slave surface of each pair.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'master', names(:, 2), &
-      '[-]', 'Its master surface.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'friction', friction, &
-      '[-]', 'Its coefficient of friction.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'is_small_sliding', small, '[-]', &
-      '1: weights and normal kept from the start of the step.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'first', first, '[-]', &
-      'Start of its facets in facet_nodes, facet_element and facet_face, and the end.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_nodes', (facets(:MAX_FACE_NODES, :)), '[-]', &
-      'Nodes of each facet: corners, then mid-sides, outward by the right-hand rule; -1 fills up.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_element', (facets(MAX_FACE_NODES + 1, :)), &
-      '[-]', 'Element of each facet.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_face', (facets(MAX_FACE_NODES + 2, :)), '[-]', &
-      'Number of the facet in its element, 1 to 6 as in the deck (S1 to S6).', error)
-  end subroutine write_pairs
-
-
-  !> Nodes, element and face number of the facets of a surface; all but the face numbers from 0, -1 fills up.
-  pure subroutine list_facets(mesh, surface, facets)
-    type(mesh_type), intent(in) :: mesh
-    type(surface_type), intent(in) :: surface
-    integer, intent(out) :: facets(:, :)            !< (MAX_FACE_NODES + 2, n_facets)
-    type(kind_type) :: entry
-    integer :: i, k, e, local
-    do i = 1, size(surface%element)
-      e = surface%element(i)
-      entry = element_kind(mesh%kind(e))
-      do k = 1, MAX_FACE_NODES
-        local = entry%face_nodes(k, surface%face(i))
-        facets(k, i) = -1
-        if (local > 0) facets(k, i) = mesh%nodes(mesh%first(e) + local - 1) - 1
-      end do
-      facets(MAX_FACE_NODES + 1, i) = e - 1
-      facets(MAX_FACE_NODES + 2, i) = surface%face(i)
-    end do
-  end subroutine list_facets
-
-
-  !> /AMONTONS/steps and /AMONTONS/controls: what was taken in each step.
-  subroutine write_steps(store, steps, error)
-    type(store_type), intent(in) :: store
-    type(step_type), intent(in) :: steps(:)
-    type(error_type), allocatable, intent(out) :: error
-    character(240) :: titles(size(steps))
-    integer :: integers(7, size(steps)), i
-    real(DP) :: reals(11, size(steps))
-    do i = 1, size(steps)
-      associate (step => steps(i))
-        titles(i) = text_of(step%title)
-        integers(:6, i) = [merge(1, 0, step%is_nlgeom), step%max_increments, merge(1, 0, step%is_direct), &
-          step%line_search, step%file_frequency, step%print_frequency]
-        reals(:4, i) = [step%dt_initial, step%period, step%dt_min, step%dt_max]
-      end associate
-    end do
-    call write_columns(store, '/AMONTONS/steps', STEP_COLUMNS, integers, reals, error)
-    if (.not. allocated(error)) call write_data(store, '/AMONTONS/steps/title', titles, &
-      '[-]', 'Line after *STEP.', error)
-    do i = 1, size(steps)
-      associate (c => steps(i)%controls)
-        integers(:, i) = [c%i_0, c%i_r, c%i_p, c%i_c, c%i_l, c%i_g, c%i_a]
-        reals(:, i) = [c%d_f, c%d_c, c%d_b, c%d_d, c%r_n, c%c_n, c%r_p, c%r_l, c%s_max, c%s_min, c%gap_tolerance]
-      end associate
-    end do
-    if (.not. allocated(error)) call write_columns(store, '/AMONTONS/controls', CONTROL_COLUMNS, integers, reals, error)
-  end subroutine write_steps
 
 
   !> Writes the fields of an increment as a new frame. All is checked first, so that an error leaves the file whole.
@@ -868,14 +615,5 @@ contains
     written = UNTOLD
     if (ieee_is_finite(value)) written = value
   end function finite
-
-
-  !> A text, empty if it was never set.
-  pure function text_of(text) result(told)
-    character(:), allocatable, intent(in) :: text
-    character(:), allocatable :: told
-    told = ''
-    if (allocated(text)) told = text
-  end function text_of
 
 end module amontons_results
