@@ -64,7 +64,7 @@ module amontons_contact
     type(sparse_type) :: passing                 !< E: forces on all nodes to those on free ones; only where reactions are passed on
     real(DP), allocatable :: free(:, :, :)        !< (3, 3, n_slaves) projector on what supports and other pairs leave free
     real(DP), allocatable :: friction(:)          !< (n_slaves) mu at the last evaluation [-]
-    real(DP), allocatable :: carried(:, :)        !< (3, n_slaves) imbalance of the row, what other slaves bring included [force]
+    real(DP), allocatable :: Rhat(:, :)           !< (3, n_slaves) imbalance of the row, what other slaves bring included [force]
     type(mortar_type), allocatable :: mortar(:)   !< (n_pairs) rows of surface-to-surface pairs: slave%row; empty for others
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
     type(slip_view_type) :: view                  !< of the last evaluation
@@ -129,7 +129,7 @@ contains
     end do
     allocate (contact%mask(3, n), source=1.0_DP)
     allocate (contact%axes, source=global_axes(n))
-    allocate (contact%free(3, 3, n), contact%friction(n), contact%carried(3, n), source=0.0_DP)
+    allocate (contact%free(3, 3, n), contact%friction(n), contact%Rhat(3, n), source=0.0_DP)
     allocate (contact%direction(3, n), source=0.0_DP)
     allocate (contact%answers(n))
     allocate (contact%hold(n), source=HOLD_NEVER)
@@ -176,11 +176,11 @@ contains
     contact%hold = spread(HOLD_NEVER, 1, n)
     deallocate (contact%answers)
     allocate (contact%answers(n))
-    contact%carried = reshape([0.0_DP], [3, n], pad=[0.0_DP])
-    contact%direction = contact%carried
-    contact%view%imbalance_t = contact%carried
-    contact%view%slip = contact%carried
-    contact%view%position = contact%carried
+    contact%Rhat = reshape([0.0_DP], [3, n], pad=[0.0_DP])
+    contact%direction = contact%Rhat
+    contact%view%imbalance_t = contact%Rhat
+    contact%view%slip = contact%Rhat
+    contact%view%position = contact%Rhat
     contact%view%normal_force = contact%friction
     contact%view%status = spread(STATUS_OPEN, 1, n)
     call fit_overlaps(contact%overlaps, n)
@@ -522,7 +522,7 @@ contains
     do level = 1, contact%overlaps%n_levels
       do s = 1, size(fields%slaves)
         if (contact%overlaps%level(s) /= level) cycle
-        contact%carried(:, s) = row_imbalance(contact, fields%slaves(s), total)
+        contact%Rhat(:, s) = row_imbalance(contact, fields%slaves(s), total)
         call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. contact%hold(s) == HOLD_NOW, s, fields)
       end do
       do s = 1, size(fields%slaves)
@@ -562,7 +562,7 @@ contains
       if (slave%facet == 0 .and. slave%row == 0) call find_again(contact, x, s, slave)
       call locate_slave(contact, x, slave)
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
-        call press_slave(contact, model, old, u_old, contact%carried(:, s), s, fields)
+        call press_slave(contact, model, old, u_old, contact%Rhat(:, s), s, fields)
       else
         call hold_slave(contact, model, old, u_old, is_frozen, before, s, fields)
       end if
@@ -588,7 +588,7 @@ contains
       contact%free(:, :, s) = free
       contact%friction(s) = law%friction
       if (is_friction_taken(contact%overlaps, fields%slaves, s, free, contact%laws%friction)) contact%friction(s) = 0.0_DP
-      Rhat = matmul(free, contact%carried(:, s))
+      Rhat = matmul(free, contact%Rhat(:, s))
       free_normal = matmul(free, slave%normal)
       share = norm2(free_normal)
       if (slave%facet == 0 .or. share < SUPPORTED) then

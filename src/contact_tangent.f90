@@ -79,7 +79,7 @@ contains
       else if (fields%slaves(s)%status == STATUS_STICK) then
         call link_stick(contact, fields%slaves(s), s, links(n))
       else
-        call link_slip(contact, model, x, contact%carried(:, s), fields, links(n))
+        call link_slip(contact, model, x, contact%Rhat(:, s), fields, links(n))
       end if
     end do
   end subroutine linearise_contact
