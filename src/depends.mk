@@ -98,7 +98,7 @@ uses_segments = kinds tensor topology shapes facets dual polygons
 uses_mortar = kinds errors topology mesh facets search gap rows dual polygons areas segments
 
 # 5 system: unknowns, residual, matrix
-uses_state = kinds tensor topology mesh materials loads steps model shapes log_strain material_point
+uses_state = kinds tensor topology mesh materials loads steps model shapes log_strain material_point slip
 uses_user_state = kinds errors user topology mesh materials loads model shapes points element state
 uses_changes = mesh model state
 uses_constraints = kinds errors sparse

@@ -21,7 +21,7 @@ module amontons_slip
   public :: SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV
   public :: NODE_OPEN, NODE_STICK, NODE_SLIP, NODE_BALANCED, NODE_OPENED, NODE_CLOSED
 
-  ! Status of a node by trial traction; the same numbers as in `state` and in the results.
+  ! Status of a node by trial traction; the same numbers stand in the results.
   integer, parameter :: STATUS_OPEN = 0, STATUS_STICK = 1, STATUS_SLIP = 2
 
   integer, parameter :: SCENARIO_NONE = 0    !< no slip search: open, stick, or slip in balance

@@ -10,6 +10,7 @@ module amontons_state
   use amontons_log_strain, only: tensor_exp
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_shapes, only: shape_functions, quadrature
+  use amontons_slip, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
   use amontons_tensor, only: IDENTITY, pack_voigt, unpack_voigt
   use amontons_topology, only: MAX_NODES, MAX_POINTS
@@ -19,7 +20,6 @@ module amontons_state
   public :: state_type, fields_type, slave_type, create_state, create_material_state, commit_state, restore_state
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
 
-  integer, parameter :: STATUS_OPEN = 0, STATUS_STICK = 1, STATUS_SLIP = 2
   integer, parameter :: N_PLASTIC = 13                      !< values that CalculiX keeps of its plasticity
   integer, parameter :: DAMPING_NOW = 1, DAMPING_NEXT = 2   !< in force; from the next increment on
 
