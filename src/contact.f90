@@ -1,48 +1,39 @@
-!> Contact: the node loop: where each slave node is on its master, whether it touches, sticks or slips, and the forces.
+!> Contact: the pairs made ready, and where each slave node is on its master: its facet and row, and those where it first touched.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md. The contact force on a slave node is its own imbalance with the sign turned, as far as
-!! the contact can give it; the masters get the opposite force with the weights of the closest point.
+!! Theory: doc/theory/contact.md, section 1.
 module amontons_contact
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_topology, only: N_SOLID_KINDS
   use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
-  use amontons_surfaces, only: interaction_type, is_compliant, pair_laws, BEHAVIOR_TIED, BEHAVIOR_USER
-  use amontons_slaves, only: slip_view_type, lose_master, set_force, set_view
-  use amontons_user_contact, only: user_answer_type, ask_interface, ask_friction
+  use amontons_surfaces, only: interaction_type, is_compliant, pair_laws
+  use amontons_slaves, only: slip_view_type, lose_master
+  use amontons_user_contact, only: user_answer_type
   use amontons_steps, only: step_type
-  use amontons_state, only: fields_type, slave_type, amplitude_memory, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_state, only: slave_type, amplitude_memory, STATUS_OPEN, STATUS_STICK
   use amontons_constraints, only: constraints_type, condensation
-  use amontons_rows, only: contact_row_type, facet_row, relative_position, imbalance_of, spread_force
+  use amontons_rows, only: contact_row_type, facet_row, relative_position
   use amontons_areas, only: faces_type, add_face_areas, cover_slave, mean_edge
   use amontons_profiles, only: extent_of, PROFILE_FLAT
-  use amontons_sparse, only: sparse_type, multiply
-  use amontons_overlaps, only: overlaps_type, find_overlaps, free_directions, left_free, global_axes, &
-    is_friction_taken, fit_overlaps, PARALLEL
-  use amontons_facets, only: facets_type, build_facets, is_line
+  use amontons_sparse, only: sparse_type
+  use amontons_overlaps, only: overlaps_type, find_overlaps, global_axes, fit_overlaps, PARALLEL
+  use amontons_facets, only: facets_type, build_facets
   use amontons_analytic, only: build_profile_facets
   use amontons_search, only: search_type
   use amontons_mortar, only: mortar_type, create_mortar, unite_shares, integrate_mortar, merge_rows, turned_with
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
-  use amontons_slip, only: trial_type, trial_traction
-  use amontons_compliance, only: law_pressure, law_reach, law_shear, shear_most
   implicit none
   private
-  public :: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, fit_contact
-  public :: touching_row, origin_row, contact_slip_vector, elastic_trial, is_cornered, renew_rows, refresh_facet, &
-    set_origin, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
+  public :: contact_type, create_contact, begin_contact_step, set_supports, fit_contact
+  public :: renew_rows, touching_row, origin_row, contact_slip_vector, find_again, refresh_facet, renew_place, locate_slave, &
+    set_origin, close_slave, is_stuck, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
 
   integer, parameter :: HOLD_NEVER = 0            !< the node's status was not held in this increment
   integer, parameter :: HOLD_NOW = 1              !< it is held, whatever its trial traction says
   integer, parameter :: HOLD_WAS = 2              !< it was, and is not held again
 
-  real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
-  real(DP), parameter :: STILL = 1.0e-11_DP        !< a slip below this times the edge is rounding [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
-  real(DP), parameter :: SUPPORTED = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
-
-  real(DP), parameter :: LED = 1.0e-9_DP          !< a node that supports lead farther than this times the edge slides [-]
 
   !> The pairs made ready: facets, search, and the free directions of the slave nodes.
   type :: contact_type
@@ -480,220 +471,6 @@ contains
   end subroutine origin_row
 
 
-  !> The imbalance that the contact force of a slave node has to answer.
-  pure function row_imbalance(contact, slave, imbalance) result(own)
-    type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
-    real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat, condensed [force]
-    real(DP) :: own(3)
-    if (slave%row > 0) then
-      own = imbalance_of(contact%mortar(slave%pair)%rows(slave%row), imbalance)
-    else
-      own = imbalance(:, slave%node)
-    end if
-  end function row_imbalance
-
-
-  !> Positions, statuses and contact forces of all slave nodes at a configuration.
-  !!
-  !! Before: `imbalance` is Rhat = F_ext - F_int, condensed onto the free unknowns (0 where a support holds).
-  !! After: slaves, contact_force, and in `contact` the view for the slip procedure and the counts of changes.
-  subroutine evaluate_contact(contact, model, old, imbalance, is_frozen, fields)
-    type(contact_type), intent(inout) :: contact
-    type(model_type), intent(in) :: model
-    type(fields_type), intent(in) :: old           !< committed: where the increment started
-    real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) [force]
-    logical, intent(in) :: is_frozen               !< .true.: keep every status
-    type(fields_type), intent(inout) :: fields
-    real(DP), allocatable :: x(:, :), total(:, :)
-    integer :: level, s
-    fields%contact_force = 0.0_DP
-    contact%n_opened = 0
-    contact%n_closed = 0
-    contact%n_changed = 0
-    contact%n_left = 0
-    contact%worst_gap = 0.0_DP
-    contact%worst_slave = 0
-    if (size(fields%slaves) == 0) return
-    contact%memory = old%user_memory
-    allocate (x, source=model%mesh%coordinates + fields%u)
-    if (any(model%pairs%is_mortar)) call renew_rows(contact, old%slaves, model%pairs%is_mortar .and. .not. contact%is_small, x)
-    allocate (total, source=imbalance)
-    do level = 1, contact%overlaps%n_levels
-      do s = 1, size(fields%slaves)
-        if (contact%overlaps%level(s) /= level) cycle
-        contact%Rhat(:, s) = row_imbalance(contact, fields%slaves(s), total)
-        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. contact%hold(s) == HOLD_NOW, s, fields)
-      end do
-      do s = 1, size(fields%slaves)
-        if (contact%overlaps%level(s) == level) call add_contact_force(contact, fields%slaves(s), fields%contact_force)
-      end do
-      if (level < contact%overlaps%n_levels) call pass_on(contact, fields%contact_force, imbalance, total)
-    end do
-  end subroutine evaluate_contact
-
-
-  !> The imbalance with the contact forces that are known by now, condensed onto the free unknowns.
-  subroutine pass_on(contact, contact_force, imbalance, total)
-    type(contact_type), intent(in) :: contact
-    real(DP), intent(in) :: contact_force(:, :)    !< (3, n_nodes) [force]
-    real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat [force]
-    real(DP), intent(out) :: total(:, :)           !< (3, n_nodes) [force]
-    real(DP) :: condensed(size(total))
-    call multiply(contact%passing, reshape(contact_force, shape(condensed)), condensed)
-    total = imbalance + reshape(condensed, shape(total))
-  end subroutine pass_on
-
-
-  !> One slave node: where it is, and what its law makes of that.
-  subroutine evaluate_slave(contact, model, old, u_old, x, is_frozen, s, fields)
-    type(contact_type), intent(inout) :: contact
-    type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: old
-    real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
-    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    logical, intent(in) :: is_frozen               !< it keeps its status
-    integer, intent(in) :: s                       !< index of the slave
-    type(fields_type), intent(inout) :: fields
-    integer :: before
-    associate (slave => fields%slaves(s))
-      before = slave%status
-      if (slave%row > 0 .and. .not. contact%is_small(slave%pair) .and. contact%overlaps%is_kept(s)) call renew_place(contact, slave)
-      if (slave%facet == 0 .and. slave%row == 0) call find_again(contact, x, s, slave)
-      call locate_slave(contact, x, slave)
-      if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
-        call press_slave(contact, model, old, u_old, contact%Rhat(:, s), s, fields)
-      else
-        call hold_slave(contact, model, old, u_old, is_frozen, before, s, fields)
-      end if
-    end associate
-  end subroutine evaluate_slave
-
-
-  !> A slave node of exact contact: its status by the trial traction along what supports and other pairs leave free, its force
-  !! from its imbalance. Theory: doc/theory/contact.md, section 3.
-  subroutine hold_slave(contact, model, old, u_old, is_frozen, before, s, fields)
-    type(contact_type), intent(inout) :: contact
-    type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: old
-    real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
-    logical, intent(in) :: is_frozen               !< it keeps its status
-    integer, intent(in) :: before                  !< status before
-    integer, intent(in) :: s                       !< index of the slave
-    type(fields_type), intent(inout) :: fields
-    type(trial_type) :: trial
-    real(DP) :: free(3, 3), free_normal(3), share, mu, most, Rhat(3), d(3)
-    associate (slave => fields%slaves(s), law => contact%laws(fields%slaves(s)%pair))
-      free = free_directions(contact%overlaps, fields%slaves, s, left_free(contact%axes(:, :, s), contact%mask(:, s)))
-      contact%free(:, :, s) = free
-      contact%friction(s) = law%friction
-      if (is_friction_taken(contact%overlaps, fields%slaves, s, free, contact%laws%friction)) contact%friction(s) = 0.0_DP
-      Rhat = matmul(free, contact%Rhat(:, s))
-      free_normal = matmul(free, slave%normal)
-      share = norm2(free_normal)
-      if (slave%facet == 0 .or. share < SUPPORTED) then
-        if (before /= STATUS_OPEN) contact%n_left = contact%n_left + 1
-        call lose_master(slave)
-        if (old%status == STATUS_OPEN) slave%origin_facet = 0
-        slave%slip_increment = 0.0_DP
-        call set_view(contact%view, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, spread(0.0_DP, 1, 3))
-        return
-      end if
-      free_normal = free_normal / share
-      d = 0.0_DP
-      if (slave%origin_facet > 0) d = contact_slip_vector(contact, model, fields%u, slave)
-      if (is_led(free, d - dot_product(slave%normal, d) * slave%normal, contact%edge(slave%pair))) contact%friction(s) = 0.0_DP
-      mu = contact%friction(s) / share
-      most = law%shear_limit * slave%area
-      d = matmul(free, d)
-      call ask_status()
-      if (slave%status /= STATUS_OPEN .and. slave%origin_facet == 0) then
-        call close_slave(contact, model, u_old, fields%u, slave)
-        d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))   ! since first touch: stick or slip is asked again
-        call ask_status()
-      end if
-      if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
-      contact%direction(:, s) = trial%direction
-      slave%slip_increment = d - dot_product(free_normal, d) * free_normal
-      if (slave%status == STATUS_OPEN) slave%slip_increment = 0.0_DP
-      call set_forces(-dot_product(free_normal, Rhat))
-      contact%view%position(:, s) = d
-      call count_changes(contact, before, s, slave)
-    end associate
-
-  contains
-
-    !> Trial traction and status. An open node that grazes its master stays open: it would only chatter.
-    subroutine ask_status()
-      real(DP) :: gap
-      associate (slave => fields%slaves(s))
-        gap = slave%gap
-        if (before == STATUS_OPEN) gap = gap + GRAZE * contact%edge(slave%pair)
-        call trial_traction(Rhat, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
-        slave%status = merge(before, trial%status, is_frozen)
-      end associate
-    end subroutine ask_status
-
-    !> Normal force and friction by the status; of a routine of the user where the pair has one.
-    subroutine set_forces(N)
-      real(DP), intent(in) :: N                    !< normal force that the imbalance asks for [force]
-      integer :: status
-      associate (slave => fields%slaves(s))
-        status = slave%status
-        if (contact%laws(slave%pair)%is_user_friction .and. status /= STATUS_OPEN) then
-          call rub_by_user(contact, model, before, Rhat / slave%area, d, s, fields)
-          if (is_frozen) slave%status = status
-        end if
-        if (contact%laws(slave%pair)%is_user_friction .and. slave%status == STATUS_SLIP) then
-          slave%force = N / share * slave%normal
-        else
-          call set_force(slave, Rhat, N / share, min(mu * N, most) * trial%direction)
-        end if
-        if (slave%status == STATUS_STICK .and. is_cornered(contact, s)) slave%shear = -Rhat - N * free_normal
-        call set_view(contact%view, s, slave%status, Rhat + N * free_normal, N, slave%slip_increment)
-      end associate
-    end subroutine set_forces
-
-  end subroutine hold_slave
-
-
-  !> Whether supports alone move a slave along its master: none of its directions along the master is free. What friction is
-  !! there the supports carry, and the node is not to be held where it first touched.
-  pure logical function is_led(free, d, edge)
-    real(DP), intent(in) :: free(3, 3)             !< its free directions
-    real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) along the master [length]
-    real(DP), intent(in) :: edge                   !< of the master [length]
-    is_led = free(1, 1) + free(2, 2) + free(3, 3) < 1.5_DP .and. norm2(d) > LED * edge
-  end function is_led
-
-
-  !> FRIC at a slave node of exact contact: LM = 1 sticks, all else slips by the shear that it gives.
-  subroutine rub_by_user(contact, model, before, pull, d, s, fields)
-    type(contact_type), intent(inout) :: contact
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: before                  !< status before
-    real(DP), intent(in) :: pull(3)                !< imbalance over the area: what the contact has to answer [stress]
-    real(DP), intent(in) :: d(3)                   !< slip in this increment [length]
-    integer, intent(in) :: s                       !< index of the slave
-    type(fields_type), intent(inout) :: fields
-    associate (slave => fields%slaves(s))
-      slave%status = before
-      slave%shear = 0.0_DP
-      call ask_friction(model, contact%laws(slave%pair), is_line(contact%facets(slave%pair)%kind(1)), d, pull, contact%memory, s, &
-        fields, contact%answers(s))
-      slave%status = merge(STATUS_STICK, STATUS_SLIP, contact%answers(s)%is_stuck)
-    end associate
-  end subroutine rub_by_user
-
-
-  !> Whether other pairs hold directions of a slave that supports leave free.
-  pure logical function is_cornered(contact, s)
-    type(contact_type), intent(in) :: contact
-    integer, intent(in) :: s
-    is_cornered = any(abs(contact%free(:, :, s) - left_free(contact%axes(:, :, s), contact%mask(:, s))) > 0.0_DP)
-  end function is_cornered
-
-
   !> Finite sliding of a mortar pair: place and row as they are now; a node that sticks keeps the row that it sticks by.
   subroutine renew_place(contact, slave)
     type(contact_type), intent(inout) :: contact
@@ -712,90 +489,6 @@ contains
     is_stuck = slave%row > 0 .and. slave%status == STATUS_STICK .and. slave%facet > 0 .and. slave%origin_facet > 0
     is_stuck = is_stuck .and. .not. contact%is_small(slave%pair) .and. .not. is_compliant(contact%laws(slave%pair))
   end function is_stuck
-
-
-  !> A slave node under a compliant law: its force is the law's, whatever the imbalance; open beyond the law's reach.
-  subroutine press_slave(contact, model, old, u_old, imbalance, s, fields)
-    type(contact_type), intent(inout) :: contact
-    type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: old
-    real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
-    real(DP), intent(in) :: imbalance(3)           !< Rhat of the node [force]
-    integer, intent(in) :: s                       !< index of the slave
-    type(fields_type), intent(inout) :: fields
-    real(DP) :: p, slope, energy, N, k, d(3)
-    logical :: is_slipping
-    integer :: before
-    associate (slave => fields%slaves(s), law => contact%laws(fields%slaves(s)%pair))
-      before = slave%status
-      slave%slip_increment = 0.0_DP
-      if (law%behavior == BEHAVIOR_USER) then
-        if (slave%origin_facet == 0) call close_slave(contact, model, u_old, fields%u, slave)
-        call ask_interface(model, law, is_line(contact%facets(slave%pair)%kind(1)), elastic_trial(contact, model, old, fields%u, &
-          slave), old, contact%memory, s, fields, contact%answers(s))
-        if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
-        call set_view(contact%view, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
-        call count_changes(contact, before, s, slave)
-        return
-      end if
-      if (slave%gap > law_reach(law, slave%area)) then
-        slave%status = STATUS_OPEN
-        slave%force = 0.0_DP
-        slave%shear = 0.0_DP
-        slave%elastic = 0.0_DP
-        slave%energy = 0.0_DP
-        if (old%status == STATUS_OPEN) slave%origin_facet = 0
-        call set_view(contact%view, s, STATUS_OPEN, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
-        call count_changes(contact, before, s, slave)
-        return
-      end if
-      if (slave%origin_facet == 0) call close_slave(contact, model, u_old, fields%u, slave)
-      call law_pressure(law, -slave%gap, p, slope, energy)
-      slave%force = p * slave%area * slave%normal
-      slave%energy = energy * slave%area
-      d = elastic_trial(contact, model, old, fields%u, slave)
-      k = law%stick_slope * slave%area
-      call law_shear(d, k, shear_most(law, slave%area, p), slave%elastic, slave%slip_increment, is_slipping)
-      slave%shear = -k * slave%elastic
-      slave%energy = slave%energy + 0.5_DP * k * dot_product(slave%elastic, slave%elastic)
-      slave%status = merge(STATUS_SLIP, STATUS_STICK, is_slipping)
-      if (law%is_user_friction) call rub_softly(contact, model, before, -p * slave%normal - slave%shear / slave%area, d, s, fields)
-      N = -dot_product(slave%normal, imbalance)
-      call set_view(contact%view, s, slave%status, imbalance + N * slave%normal, N, slave%slip_increment)
-      call count_changes(contact, before, s, slave)
-    end associate
-  end subroutine press_slave
-
-
-  !> FRIC at a slave node of a compliant law: LM = 1 sticks by the stick slope.
-  subroutine rub_softly(contact, model, before, pull, d, s, fields)
-    type(contact_type), intent(inout) :: contact
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: before                  !< status before
-    real(DP), intent(in) :: pull(3)                !< what the contact has to answer [stress]
-    real(DP), intent(in) :: d(3)                   !< tangential slip in this increment [length]
-    integer, intent(in) :: s                       !< index of the slave
-    type(fields_type), intent(inout) :: fields
-    type(slave_type) :: stuck
-    stuck = fields%slaves(s)
-    call rub_by_user(contact, model, before, pull, d, s, fields)
-    if (contact%answers(s)%is_stuck) fields%slaves(s) = stuck
-    if (.not. contact%answers(s)%is_stuck) fields%slaves(s)%elastic = 0.0_DP
-  end subroutine rub_softly
-
-
-  !> Tangential displacement of a slave node under a compliant law, counted as if all since the last commit were elastic.
-  pure function elastic_trial(contact, model, old, u, slave) result(d)
-    type(contact_type), intent(in) :: contact
-    type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: old            !< committed
-    real(DP), intent(in) :: u(:, :)
-    type(slave_type), intent(in) :: slave
-    real(DP) :: d(3)
-    d = old%elastic + contact_slip_vector(contact, model, u, slave)
-    d = d - dot_product(slave%normal, d) * slave%normal
-    if (norm2(d) <= STILL * contact%edge(slave%pair)) d = 0.0_DP   ! one that only touches has no shear to resist rounding
-  end function elastic_trial
 
 
   !> Facet, natural coordinates, gap and normal of a slave node now.
@@ -846,42 +539,5 @@ contains
     end if
     call set_origin(contact, model, u, slave%facet, slave%xi, slave)
   end subroutine close_slave
-
-
-  !> Counts changes of status and keeps the worst violation of a closed node.
-  subroutine count_changes(contact, before, s, slave)
-    type(contact_type), intent(inout) :: contact
-    integer, intent(in) :: before                  !< status before
-    integer, intent(in) :: s
-    type(slave_type), intent(in) :: slave
-    real(DP) :: distance
-    if (slave%status /= before) contact%n_changed = contact%n_changed + 1
-    if (slave%status == STATUS_OPEN .and. before /= STATUS_OPEN) contact%n_opened = contact%n_opened + 1
-    if (slave%status /= STATUS_OPEN .and. before == STATUS_OPEN) contact%n_closed = contact%n_closed + 1
-    if (slave%status == STATUS_OPEN .or. is_compliant(contact%laws(slave%pair))) return
-    distance = abs(slave%gap)
-    if (slave%status == STATUS_STICK) distance = max(distance, norm2(contact%view%position(:, s)))
-    distance = distance / contact%edge(slave%pair)
-    if (distance > contact%worst_gap) then
-      contact%worst_gap = distance
-      contact%worst_slave = s
-    end if
-  end subroutine count_changes
-
-
-  !> The force on the slave and its reaction on the nodes of the facet.
-  subroutine add_contact_force(contact, slave, contact_force)
-    type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
-    real(DP), intent(inout) :: contact_force(:, :)   !< (3, n_nodes) [force]
-    type(contact_row_type) :: row
-    if (slave%status == STATUS_OPEN) return
-    if (slave%status == STATUS_STICK .and. .not. is_compliant(contact%laws(slave%pair))) then
-      call origin_row(contact, slave, row)
-    else
-      call touching_row(contact, slave, row)
-    end if
-    call spread_force(row, slave%force + slave%shear, contact_force)
-  end subroutine add_contact_force
 
 end module amontons_contact

@@ -18,8 +18,8 @@ module amontons_contact_tangent
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER
   use amontons_compliance, only: law_pressure, shear_most
   use amontons_rows, only: contact_row_type, relative_position
-  use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector, elastic_trial, &
-    is_cornered
+  use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector
+  use amontons_contact_forces, only: elastic_trial, is_cornered
   implicit none
   private
   public :: link_type, linearise_contact, keep_symmetric, add_contact_rows, apply_contact_tangent, contact_matrices, &

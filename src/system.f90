@@ -24,8 +24,8 @@ module amontons_system
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces
   use amontons_applied, only: assemble_loads
   use amontons_symmetry, only: find_symmetry, find_held
-  use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, evaluate_contact, &
-    touching_row
+  use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, touching_row
+  use amontons_contact_forces, only: evaluate_contact
   use amontons_slaves, only: slip_view_type, rounding_force
   use amontons_contact_start, only: begin_contact_increment
   use amontons_contact_points, only: renew_points

@@ -14,7 +14,7 @@ program test_contact_tangent
   use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, place_type, place_of, &
     foresee
   use amontons_direction, only: linearise, change_forces, tangent_matrix, find_direction
-  use amontons_contact, only: is_cornered
+  use amontons_contact_forces, only: is_cornered
   use amontons_contact_tangent, only: linearise_contact, contact_matrices, spring_factors
   use amontons_sprung, only: springs_type
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
