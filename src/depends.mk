@@ -62,16 +62,17 @@ uses_deck_output = kinds text topology steps model cards card_form card_table de
 uses_deck_changes = text topology mesh materials steps model cards card_form deck_reader deck_materials
 uses_deck_steps = kinds text ties steps model cards card_form deck_reader deck_conditions deck_contact standing deck_loads deck_output deck_changes
 uses_deck_steps = kinds text ties steps model cards card_form deck_reader deck_conditions deck_contact deck_loads deck_output deck_changes standing
+uses_deck_output = kinds text topology steps model cards card_form card_table deck_reader
 uses_deck_bonds = kinds text tensor topology mesh ties model cards card_form deck_reader deck_profiles deck_faces deck_model deck_mpc
 uses_standing = kinds loads model
 uses_deck_loads = kinds text lookup topology loads model cards card_form deck_reader deck_model standing
 uses_deck_springs = kinds text topology materials ties model cards card_form deck_reader deck_mesh deck_mpc deck_bonds
 uses_deck_times = kinds text cards card_form deck_reader
 uses_deck_changes = text topology mesh materials steps model cards card_form deck_reader deck_materials
-uses_deck_steps = kinds text ties steps model cards card_form deck_reader deck_conditions deck_contact deck_loads deck_output deck_changes standing
+uses_deck_steps = kinds text ties steps model cards card_form deck_reader deck_conditions deck_contact deck_output standing deck_loads deck_changes
 uses_deck_restart = kinds errors text archive model cards card_form
 uses_explain = kinds text topology materials surfaces loads steps model cards card_form deck_reader
-uses_deck = errors text materials ties model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_mpc deck_bonds deck_springs deck_output deck_steps deck_restart explain
+uses_deck = errors text materials ties model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_mpc deck_output deck_bonds deck_springs deck_steps deck_restart explain
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
@@ -102,8 +103,6 @@ uses_symmetry = kinds steps model facets gap
 uses_slip = kinds
 uses_compliance = kinds surfaces
 uses_areas = kinds topology mesh surfaces shapes
-uses_mortar = kinds errors topology mesh facets search gap rows dual polygons areas segments
-uses_areas = kinds topology mesh surfaces shapes
 uses_segments = kinds tensor topology shapes facets dual polygons
 uses_mortar = kinds errors topology mesh facets search gap rows dual polygons areas segments
 
@@ -115,7 +114,6 @@ uses_constraints = kinds errors sparse
 uses_condensed = kinds errors sparse dense partition factor sprung constraints
 uses_skew = kinds errors tensor sparse topology shapes
 uses_assembly = kinds errors sparse partition topology mesh materials model batch element state user_state skew
-uses_applied = kinds tensor topology mesh materials loads steps model shapes element areas state user_state skew assembly
 uses_applied = kinds tensor topology mesh materials loads steps model shapes element areas state user_state skew assembly
 uses_bonds = kinds errors tensor loads ties model state constraints assembly
 uses_supports = kinds errors loads steps model state user_state constraints bonds
