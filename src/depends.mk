@@ -61,7 +61,7 @@ uses_deck_springs = kinds text topology materials ties model cards card_form dec
 uses_deck_output = kinds text topology steps model cards card_form card_table deck_reader
 uses_deck_changes = text topology mesh materials steps model cards card_form deck_reader deck_materials
 uses_deck_steps = kinds text ties steps model cards card_form deck_reader deck_conditions deck_contact standing deck_loads deck_output deck_changes
-uses_deck_steps = kinds text ties steps model cards card_form deck_reader deck_conditions deck_contact deck_loads deck_output deck_changes standing
+uses_deck_steps = kinds text ties steps model cards card_form deck_reader deck_conditions deck_contact standing deck_loads deck_output deck_changes
 uses_deck_output = kinds text topology steps model cards card_form card_table deck_reader
 uses_deck_bonds = kinds text tensor topology mesh ties model cards card_form deck_reader deck_profiles deck_faces deck_model deck_mpc
 uses_standing = kinds loads model
@@ -69,10 +69,10 @@ uses_deck_loads = kinds text lookup topology loads model cards card_form deck_re
 uses_deck_springs = kinds text topology materials ties model cards card_form deck_reader deck_mesh deck_mpc deck_bonds
 uses_deck_times = kinds text cards card_form deck_reader
 uses_deck_changes = text topology mesh materials steps model cards card_form deck_reader deck_materials
-uses_deck_steps = kinds text ties steps model cards card_form deck_reader deck_conditions deck_contact deck_output standing deck_loads deck_changes
+uses_deck_steps = kinds text ties steps model cards card_form deck_reader deck_conditions deck_contact standing deck_loads deck_output deck_changes
 uses_deck_restart = kinds errors text archive model cards card_form
 uses_explain = kinds text topology materials surfaces loads steps model cards card_form deck_reader
-uses_deck = errors text materials ties model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_mpc deck_output deck_bonds deck_springs deck_steps deck_restart explain
+uses_deck = errors text materials ties model cards card_form card_table deck_generate deck_parts deck_reader deck_mesh deck_sets deck_model deck_materials deck_conditions deck_contact deck_mpc deck_bonds deck_springs deck_output deck_steps deck_restart explain
 
 # 4 kernels: pure, numbers in and out
 uses_shapes = kinds topology
