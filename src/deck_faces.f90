@@ -1,5 +1,4 @@
-!> Deck faces: element faces by their corner nodes: the free faces of a body, the faces that a mesh generator wrote, and what stands on
-!! one side of faces inside a body.
+!> Deck faces: element faces by their corner nodes: the free faces of a body, those of a mesh generator, one side of inner faces.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_faces
   use amontons_deck_reader, only: reader_type
@@ -203,6 +202,5 @@ contains
     side = reached%trimmed()
     is_cut_through = .not. any(is_reached(pack(beyond, beyond > 0)))
   end subroutine find_side
-
 
 end module amontons_deck_faces

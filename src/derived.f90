@@ -768,8 +768,9 @@ contains
   end subroutine list_followers
 
 
-  !> Stresses of contact at the mid-side nodes of quadratic faces of mortar pairs: what slaves have belongs to the transformed functions,
-  !! and the field has (1 - 2 alpha) of it at the node and alpha of both its corners (doc/theory/contact.md, "Quadratic slave faces").
+  !> Stresses of contact at the mid-side nodes of quadratic faces of mortar pairs: what slaves have belongs to the transformed
+  !! functions, and the field has (1 - 2 alpha) of it at the node and alpha of both its corners (doc/theory/contact.md, "Quadratic
+  !! slave faces").
   subroutine show_sides(model, slaves, first, last, values)
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)      !< as nodal_slaves gives them

@@ -38,7 +38,7 @@ module amontons_mortar
     real(DP) :: xi(2) = 0                          !< middle of what the node has on that facet, natural coordinates [-]
     real(DP) :: area = 0                           !< D_j [length^2]
     real(DP) :: normal(3) = 0                      !< unit normal, out of the master: that of the slave's vertex turned round
-    real(DP) :: arm(3) = 0                         !< from the node to where its force acts, where nodes beside it have part of it [length]
+    real(DP) :: arm(3) = 0                         !< from the node to where its force acts, if nodes beside it have part [length]
   end type place_type
 
   !> The slave surface of a pair with its rows.
@@ -508,7 +508,8 @@ contains
   end subroutine add_masters
 
 
-  !> Which parts of the functions of a facet a node of it takes: its own, and those of nodes beyond the master that are nearest to it.
+  !> Which parts of the functions of a facet a node of it takes: its own, and those of nodes beyond the master that are nearest
+  !! to it.
   pure function taken_by(kind, own, is_over) result(taken)
     integer, intent(in) :: kind                    !< FACET_...
     integer, intent(in) :: own                     !< local number of a node that is over the master
