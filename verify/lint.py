@@ -198,10 +198,16 @@ def read_floors() -> dict[str, list[str]]:
     return {match[1]: match[2].split() for match in re.finditer(r"^uses_(\w+)\s*=(.*)$", text, re.M)}
 
 
+def repeated_rooms() -> list[str]:
+    """Rooms that stand twice in depends.mk, where only the last line of a name counts."""
+    names = re.findall(r"^uses_(\w+)", (SOURCE / "depends.mk").read_text(), re.M)
+    return [f"src/depends.mk: {name} stands twice" for name in sorted(set(names)) if names.count(name) > 1]
+
+
 def check_floors(rooms: dict[str, Room], floors: dict[str, list[str]]) -> list[str]:
-    """Upward, stale and missing uses."""
+    """Upward, stale and missing uses; rooms that are there no more."""
     order = {name: place for place, name in enumerate(floors)}
-    troubles = []
+    troubles = [f"src/depends.mk: {name} is not in src" for name in floors if name not in rooms]
     for name, room in rooms.items():
         if name not in floors:
             troubles.append(f"src/depends.mk: {name} is missing")
@@ -252,7 +258,7 @@ def main() -> int:
     if "--write" in sys.argv:
         write_uses(rooms, floors)
         floors = read_floors()
-    troubles = check_floors(rooms, floors) + check_documents(set(rooms), ROOT)
+    troubles = check_floors(rooms, floors) + repeated_rooms() + check_documents(set(rooms), ROOT)
     troubles += [trouble for room in rooms.values() for trouble in room.troubles]
     print("\n".join(troubles or [f"lint: {len(rooms)} rooms, nothing wrong."]))
     return 1 if troubles else 0

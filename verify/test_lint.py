@@ -106,8 +106,9 @@ def test_wrong_name_and_head_are_found(tmp_path: Path) -> None:
 def test_wrong_floors_are_found() -> None:
     """Upward, stale, missing, unknown."""
     rooms = {name: lint.Room(name, [], uses) for name, uses in {"a": ["b"], "b": ["a"], "c": [], "d": []}.items()}
-    troubles = lint.check_floors(rooms, {"a": ["b"], "b": [], "c": ["a"]})
+    troubles = lint.check_floors(rooms, {"a": ["b"], "b": [], "c": ["a"], "e": []})
     assert troubles == [
+        "src/depends.mk: e is not in src",
         "src/depends.mk: a uses b, which does not stand below it",
         "src/depends.mk: b uses a, and that is missing",
         "src/depends.mk: c does not use a: stale",
