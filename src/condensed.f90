@@ -27,11 +27,9 @@ module amontons_condensed
   implicit none
   private
   public :: condensed_type, is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
-    apply_condensed, is_interface_worth
+    apply_condensed
 
   integer, parameter :: WIDTH = 8                  !< columns of J_c that are made together: a vector of doubles [-]
-  real(DP), parameter :: WORTH = 4.0_DP            !< an interface may cost so many factors of the bulk [-]
-  real(DP), parameter :: SMALL = 3.0e7_DP          !< operations that are not worth a thought [-]
   real(DP), parameter :: INSIDE = 1.0e-3_DP        !< of what is allowed: so little that single precision does not show [-]
   real(DP), parameter :: NEGLIGIBLE = 0.3_DP       !< of what is allowed: what the bulk may be out of balance [-]
 
@@ -65,16 +63,6 @@ module amontons_condensed
   end type condensed_type
 
 contains
-
-  !> Whether the dense interface is not much dearer than a new factor of the bulk: contact settles on it within an iteration.
-  pure logical function is_interface_worth(n_contact, bulk_operations)
-    integer, intent(in) :: n_contact
-    real(DP), intent(in) :: bulk_operations        !< of a sparse factorisation [-]
-    real(DP) :: n
-    n = real(n_contact, DP)
-    is_interface_worth = n_contact > 0 .and. n**3 <= max(WORTH * bulk_operations, SMALL)
-  end function is_interface_worth
-
 
   !> Whether the analysis holds for these constraints: a rigid body that turns couples unknowns that it did not couple before.
   pure logical function is_analysed_for(self, base) result(is_analysed)

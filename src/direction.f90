@@ -20,7 +20,7 @@ module amontons_direction
   use amontons_reduced, only: factorise_reduced, apply_reduced, give_up_iterative
   use amontons_sprung, only: springs_type
   use amontons_condensed, only: is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
-    apply_condensed, is_interface_worth
+    apply_condensed
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
     conjugate_gradients, KRYLOV_CONVERGED
   use amontons_constraints, only: finish_constraints, condense_forces, condensation
@@ -306,11 +306,11 @@ contains
     system%is_dense_wanted = .false.
     if (system%base%n_free == 0) return            ! all is prescribed
     if (.not. is_analysed_for(system%condensed, system%base)) then
-      if (count(system%is_contact) > MOST_INTERFACE .or. system%base%n_free == 0) return   ! all may be prescribed
+      if (count(system%is_contact) > MOST_INTERFACE) return
       call analyse_bulk(system%condensed, system%assembly%stiffness, system%base, system%is_contact, error)
       if (allocated(error) .or. .not. system%condensed%is_analysed) return
     end if
-    if (.not. is_interface_worth(system%condensed%n_contact, system%condensed%factor%n_operations)) return
+    if (system%condensed%n_contact == 0) return
     call factorise_bulk(system%condensed, system%assembly%stiffness, system%base, status, error)
     if (allocated(error)) return
     system%n_factorisations = system%n_factorisations + 1
