@@ -16,7 +16,7 @@ module amontons_deck_bonds
   use amontons_mesh, only: append_node, append_copies
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_tensor, only: cross_product
-  use amontons_text, only: parse_real, parse_integer, squeezed, NUMBER_OK
+  use amontons_text, only: parse_real, parse_integer, plural, squeezed, NUMBER_OK
   use amontons_ties, only: bond_type, tie_type, spread_type, frame_rule_type, frame_at, BOND_BODY
   use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
   implicit none
@@ -562,7 +562,9 @@ contains
       return
     end if
     call find_side(model%mesh, model%surfaces(surface)%element, model%surfaces(surface)%face, side, is_ok)
-    if (.not. is_ok) then
+    if (model%dialect == DIALECT_CALCULIX) then
+      call keep_to_faces(reader, c, model%surfaces(surface)%element, side)
+    else if (.not. is_ok) then
       call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // parameter_text(parameters, 'SURFACE') // &
         ''' does not cut its body through: elements on its two sides hang together around its edge, or it names faces of ' // &
         'both sides.')
@@ -694,18 +696,42 @@ contains
   end function face_nodes
 
 
-  !> Gives the elements on one side of a surface nodes of their own there; the nodes of all surfaces follow.
+  !> CalculiX parts the elements of the faces alone: the others on that side are left out, which is told.
+  subroutine keep_to_faces(reader, c, element, side)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: element(:)            !< of the faces
+    integer, allocatable, intent(inout) :: side(:)
+    integer :: i, n
+    n = size(side)
+    side = pack(side, [(any(element == side(i)), i=1, n)])
+    if (size(side) == n) return
+    call note(reader, reader%cards%cards(c)%line, plural(n - size(side), 'element') // ' beside the section touch it with no ' // &
+      'more than an edge or a corner. CalculiX leaves them tied to its other side, where they carry load past the section, ' // &
+      'and so does its dialect here; the abaqus dialect parts them.')
+  end subroutine keep_to_faces
+
+
+  !> Gives elements nodes of their own on a surface, in the order of its faces; the nodes of all surfaces follow.
   subroutine part_body(model, side, surface, partner)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: side(:)               !< elements
     integer, intent(in) :: surface
     integer, allocatable, intent(out) :: partner(:)   !< (n_nodes) new node of each old one, 0
-    integer :: e, i, n_old
-    associate (mesh => model%mesh, nodes => model%surfaces(surface)%nodes)
-      n_old = mesh%n_nodes
+    integer, allocatable :: nodes(:), face(:)
+    integer :: e, i, k
+    allocate (partner(model%mesh%n_nodes + size(model%surfaces(surface)%nodes)), source=0)
+    allocate (nodes(0))
+    do i = 1, size(model%surfaces(surface)%element)
+      face = face_nodes(model, surface, i)
+      do k = 1, size(face)
+        if (partner(face(k)) > 0) cycle
+        nodes = [nodes, face(k)]
+        partner(face(k)) = model%mesh%n_nodes + size(nodes)
+      end do
+    end do
+    associate (mesh => model%mesh)
       call append_copies(mesh, nodes)
-      allocate (partner(mesh%n_nodes), source=0)
-      partner(nodes) = n_old + [(i, i=1, size(nodes))]
       do e = 1, size(side)
         do i = mesh%first(side(e)), mesh%first(side(e) + 1) - 1
           if (partner(mesh%nodes(i)) > 0) mesh%nodes(i) = partner(mesh%nodes(i))

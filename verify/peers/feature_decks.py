@@ -178,6 +178,7 @@ def flow_cases() -> Iterator[tuple[str, str]]:
     yield "flow-kinematic-nl", kinematic + step(moved + out, NONLINEAR, static) + step("*BOUNDARY\nA_X1N, 1, 1\n" + out, NONLINEAR, static)
     creeping = bodies(body) + "*MATERIAL, NAME=EL\n*ELASTIC\n210000., .3\n*CREEP, LAW=NORTON\n1.E-13, 4., -.3\n" + sections("A")
     load = "*BOUNDARY\nA_X0N, 1, 3\n*DLOAD\n" + body.dload("X1", -150.0)
+    out = out.replace(", SDV", "")  # of creep laws CalculiX keeps fourteen values, the last one a rate
     for name, option in options("creep"):
         yield name, creeping + step(load + out, option) + step(out, option, "*VISCO, CETOL=.01\n.1, 10.\n")
     for kind in ("CAX4", "CAX8R"):

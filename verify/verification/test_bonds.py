@@ -280,6 +280,20 @@ def test_pretension_parts_all_elements(run_deck: Run, tmp_path: Path, kind: str,
     assert sum(row[2] for row in read_rows(tmp_path, "forces").values()) == pytest.approx(-5.0, rel=1e-6)
 
 
+def test_pretension_as_calculix_has_it(run_deck: Run, tmp_path: Path) -> None:
+    """The calculix dialect parts the elements of the faces alone, as CalculiX does (compared with it in verify/peers), and says how many
+    others carry load past the section: less than the force is left in the bar."""
+    done = run_deck(cut_deck("C3D4", has_wall=False).replace("*NSET, NSET=FAR\n\n", ""), "--dialect=calculix")
+    assert done.returncode == 0, done.stdout + done.stderr
+    told = re.search(r"(\d+) elements beside the section", done.stdout + done.stderr)
+    body = as_kind(block([0, 1, 2], [0, 1, 2], range(5), "COLUMN"), "C3D4")
+    above = (body.nodes[body.elements, 2] >= 2).all(axis=1)
+    on_cut = (body.nodes[body.elements, 2] == 2).sum(axis=1)
+    assert told
+    assert int(told[1]) == (above & (on_cut > 0) & (on_cut < 3)).sum()
+    assert 1.0 < -sum(row[2] for row in read_rows(tmp_path, "forces").values()) < 4.0
+
+
 def test_pretension_in_part_of_a_body(run_deck: Run) -> None:
     """A cut that ends inside the body is told: elements on its two sides hang together around its edge."""
     text = cut_deck("C3D8", has_wall=False).replace("*NSET, NSET=FAR\n\n", "")
