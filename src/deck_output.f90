@@ -19,8 +19,8 @@ module amontons_deck_output
   character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
     'CSTATUS|CFORCE|CNORMF|CSHEARF|CELS|PEEQ|CEEQ|PE|CE|ENER|ME|THE|SDV|ERR|NOE|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD|' // &
     'ALLSD'                                               !< what the result files hold
-  character(*), parameter :: FRD_WORDS(N_FRD) = [character(15) :: 'U', 'NT', 'S', 'E|THE', 'ME|THE', 'THE', 'RF', &
-    'PEEQ|CEEQ|PE|CE', 'ENER', 'CDIS|CSTR', 'CELS', 'SDV', 'ERR|S']   !< what asks for the fields of the .frd file
+  character(*), parameter :: FRD_WORDS(N_FRD) = [character(24) :: 'U', 'NT', 'S', 'E|THE', 'ME|THE', 'THE', 'RF', &
+    'PEEQ|CEEQ|PE|CE', 'ENER', 'CDIS|CDISP|CSTR|CSTRESS', 'CELS', 'SDV', 'ERR|S']   !< what asks for the fields of the .frd file
   integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 2, 2, 2, 2, 1, 2, 2, 3, 3, 2, 2]   !< cards of nodes, elements, contact
 
   !> What the output cards have asked for so far; what they ask for stands in the step.

@@ -143,7 +143,7 @@ uses_inventory = kinds errors version profiles history store topology mesh mater
 uses_told = errors history store
 uses_results = kinds errors tensor history store mesh materials steps model state derived columns inventory told
 uses_printed = kinds errors text tensor history posix topology mesh materials steps model state derived
-uses_frd = kinds errors version text history posix dense topology mesh steps model shapes state derived printed
+uses_frd = kinds errors version text lookup history posix dense topology mesh steps model shapes state derived printed
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state reduced system newton stepper

@@ -6,7 +6,7 @@
 !! field. No date stands in it, so that the same job gives the same file.
 !!
 !! As in CalculiX's own file, nodes without elements are left out, and of a frame those whose elements are all taken out
-!! (MODEL CHANGE); elements of one node are, too.
+!! (MODEL CHANGE); elements of one node are, too. Nodes and elements come by their numbers, whatever their order in the deck.
 !!
 !! Reference: CGX manual, "Result Format": fixed columns, long form; element types 1 to 12 with their order of nodes,
 !! in which the mid-side nodes of the upright edges come before those of the top.
@@ -16,6 +16,7 @@ module amontons_frd
   use amontons_errors, only: error_type, set_error, EXIT_IO
   use amontons_posix, only: cut_file, sync_file
   use amontons_text, only: rows_as_text, text_of
+  use amontons_lookup, only: sort_integers
   use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, FACET_TRI3, &
     FAMILY_MASS, FAMILY_SOLID, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, is_out
@@ -122,7 +123,7 @@ contains
   end subroutine prepare
 
 
-  !> The nodes of elements (has_elements of the mesh does not know those of pre-tension sections).
+  !> The nodes of elements, by their numbers (has_elements of the mesh does not know those of pre-tension sections).
   pure function nodes_of(mesh, is_by_frame) result(nodes)
     type(mesh_type), intent(in) :: mesh
     logical, intent(in) :: is_by_frame             !< of those alone that are not taken out
@@ -135,7 +136,18 @@ contains
       is_used(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
     end do
     nodes = pack([(i, i=1, mesh%n_nodes)], is_used)
+    nodes = nodes(places_by_number(mesh%node_label(nodes)))
   end function nodes_of
+
+
+  !> The places of numbers when these ascend.
+  pure function places_by_number(numbers) result(places)
+    integer, intent(in) :: numbers(:)
+    integer :: places(size(numbers)), ascending(size(numbers)), i
+    places = [(i, i=1, size(numbers))]
+    ascending = numbers
+    call sort_integers(ascending, places)
+  end function places_by_number
 
 
   !> Whether the job has such a file.
@@ -214,12 +226,14 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(kind_type) :: entry
     character(120) :: line
-    integer :: e, n, i, shape
-    integer, allocatable :: labels(:)
+    integer :: e, k, n, i, shape
+    integer, allocatable :: labels(:), order(:)
     n = count([(cgx_shape(element_kind(mesh%kind(e))) > 0, e=1, mesh%n_elements)])
     write (line, '(a,18x,i12,37x,i1)') '    3C', n, 1
     call put(frd, line)
-    do e = 1, mesh%n_elements
+    order = places_by_number(mesh%element_label)
+    do k = 1, size(order)
+      e = order(k)
       entry = element_kind(mesh%kind(e))
       shape = cgx_shape(entry)
       if (shape == 0) cycle
@@ -300,6 +314,7 @@ contains
       if (request%set > 0 .and. .not. frd%is_all) frd%present = those_in(model%mesh, frd%present, request%set)
       head = HEADS(i)
       if (i == FRD_SDV) head%n = n_inner_variables(model, fields)
+      if (i == FRD_CONTACT .and. any(model%pairs%is_mortar .and. .not. model%pairs%is_pointwise)) head%kind = KIND_SCALAR
       call write_block(frd, head, model%mesh%node_label, block_values(model, fields, i, request%is_local), fields%total_time, &
         record)
     end do

@@ -237,6 +237,39 @@ def test_contact_and_the_same_file_twice(run: Run, root: Path, tmp_path: Path) -
     assert np.abs(np.linalg.norm(values[closed, 1:3], axis=1) - lengths).max() <= DIGITS * lengths.max()
 
 
+@pytest.mark.parametrize("word", ["CDIS", "CDISP", "CSTR", "CSTRESS"])
+def test_words_for_contact(run: Run, root: Path, tmp_path: Path, word: str) -> None:
+    """CalculiX looks at the first four letters of what CONTACT FILE asks for, and decks have the long words too."""
+    deck = re.sub(r"\*END STEP", f"*NODE FILE\nU\n*CONTACT FILE\n{word}\n*END STEP", (root / "input" / "three_cubes.inp").read_text())
+    (tmp_path / "job.inp").write_text(deck)
+    (tmp_path / "three_cubes.mesh").write_bytes((root / "input" / "three_cubes.mesh").read_bytes())
+    done = run(["--dialect=calculix", "--quiet", "job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "CONTACT" in {block.title for block in read_frd(tmp_path / "job.frd")}
+
+
+def test_by_number(run_deck: Run, tmp_path: Path) -> None:
+    """Nodes and elements stand in the order of their numbers, as in CalculiX's file, whatever their order in the deck."""
+    cells = {9: 0, 4: 1, 30: 2}  # label of an element: the cell of a bar along x
+    nodes = {200 - 7 * i: (i // 4, (0, 1, 1, 0)[i % 4], (0, 0, 1, 1)[i % 4]) for i in range(16)}
+    label = {point: node for node, point in nodes.items()}
+    ring = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    deck = "*NODE\n" + "".join(f"{n}, {x}, {y}, {z}\n" for n, (x, y, z) in nodes.items()) + "*ELEMENT, TYPE=C3D8, ELSET=ALL\n"
+    for element, x in cells.items():
+        deck += ", ".join(str(v) for v in [element, *(label[(x + dx, y, z)] for dx in (0, 1) for y, z in ring)]) + "\n"
+    deck += "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.3\n*SOLID SECTION, ELSET=ALL, MATERIAL=M\n*STEP\n*STATIC\n*BOUNDARY\n"
+    deck += "".join(f"{label[(0, y, z)]}, 1, 3\n" for y, z in ring) + "*CLOAD\n" + f"{label[(3, 0, 0)]}, 1, 1.\n*END STEP\n"
+    done = run_deck(deck, "--frd", "--quiet")
+    assert done.returncode == 0, done.stdout + done.stderr
+    text = (tmp_path / "job.frd").read_text()
+    told = [int(line[3:13]) for line in text.split("    3C")[1].split(" -3")[0].splitlines() if line.startswith(" -1")]
+    assert told == sorted(cells)
+    for block in text.split(" -3\n"):
+        if "    2C" in block or " -4  DISP" in block:
+            told = [int(line[3:13]) for line in block.splitlines() if line.startswith(" -1")]
+            assert told == sorted(nodes)
+
+
 def test_it_goes_on_after_a_checkpoint(run: Run, tmp_path: Path) -> None:
     """A job that goes on after its checkpoint cuts off what came later, and leaves the same file as one that runs through."""
     deck = bar("C3D8", steps=2)
