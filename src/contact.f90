@@ -21,7 +21,8 @@ module amontons_contact
   use amontons_facets, only: facets_type, build_facets
   use amontons_analytic, only: build_profile_facets
   use amontons_search, only: search_type
-  use amontons_mortar, only: mortar_type, create_mortar, unite_shares, integrate_mortar, merge_rows, turned_with
+  use amontons_mortar, only: mortar_type, create_mortar, unite_shares, unite_twins, integrate_mortar, &
+    merge_rows, turned_with
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
   implicit none
   private
@@ -113,6 +114,10 @@ contains
     end do
     n = size(slaves)
     call unite_exact(contact, model)
+    do p = 1, size(model%pairs)
+      if (model%pairs(p)%is_mortar .and. .not. is_compliant(contact%laws(p)) .and. allocated(model%twins)) &
+        call unite_twins(contact%mortar(p), model%twins)
+    end do
     call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
     do p = 1, size(model%pairs)
       if (model%pairs(p)%is_mortar) contact%mortar(p)%is_alone = all(contact%overlaps%first(contact%mortar(p)%nodes + 1) &

@@ -613,22 +613,31 @@ contains
   end subroutine pretension_truss
 
 
-  !> The equations of a section: u_new = u_old + n u_1 of the pilot.
+  !> The equations of a section: u_new = u_old + n u_1 of the pilot. The first of each is bound: the new node, unless contact is to push
+  !! it and not the old one.
   subroutine overlap_nodes(model, partner, pilot, normal, line)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: partner(:)            !< new node of each old one, 0
     integer, intent(in) :: pilot
     real(DP), intent(in) :: normal(3)
     integer, intent(in) :: line                  !< of the deck
+    logical :: is_slave(model%mesh%n_nodes)
     integer :: i, k
     model%mesh%is_abstract(pilot) = .true.
+    is_slave = .false.
+    do i = 1, size(model%pairs)
+      is_slave(model%surfaces(model%pairs(i)%slave)%nodes) = .true.
+    end do
     if (.not. allocated(model%twins)) allocate (model%twins(2, 0))
     do i = 1, size(partner)
       if (partner(i) == 0) cycle
       model%twins = reshape([model%twins, i, partner(i)], [2, size(model%twins, 2) + 1])
       do k = 1, 3
-        call append_equation(model, [partner(i), i, pilot], [k, k, 1], [1.0_DP, -1.0_DP, -normal(k)], &
-          'PRE-TENSION SECT', line)
+        if (is_slave(partner(i)) .and. .not. is_slave(i)) then
+          call append_equation(model, [i, partner(i), pilot], [k, k, 1], [1.0_DP, -1.0_DP, normal(k)], 'PRE-TENSION SECT', line)
+        else
+          call append_equation(model, [partner(i), i, pilot], [k, k, 1], [1.0_DP, -1.0_DP, -normal(k)], 'PRE-TENSION SECT', line)
+        end if
       end do
     end do
     model%rotation_of = [model%rotation_of, spread(0, 1, model%mesh%n_nodes - size(model%rotation_of))]

@@ -21,8 +21,8 @@ module amontons_mortar
   use amontons_rows, only: contact_row_type, relative_position
   implicit none
   private
-  public :: mortar_type, place_type, create_mortar, unite_shares, integrate_mortar, merge_rows, n_own_nodes, search_margin, &
-    turned_with
+  public :: mortar_type, place_type, create_mortar, unite_shares, unite_twins, integrate_mortar, merge_rows, n_own_nodes, &
+    search_margin, turned_with
 
   real(DP), parameter :: COVERED = 1.0e-3_DP       !< a slave node with less of its area in front of the master has no row [-]
   real(DP), parameter :: NOTHING = 1.0e-9_DP       !< with less than this it does not count at all [-]
@@ -55,6 +55,7 @@ module amontons_mortar
     integer, allocatable, private :: vertices(:)
     integer, allocatable :: corners(:, :)          !< (2, n) the corners beside a mid-side node, else 0
     logical :: is_alone = .true.                   !< its nodes are slaves of no other exact pair
+    integer, allocatable :: twins(:, :)            !< (2, n) rows of nodes, and of those that are bound to them by an equation
     logical, allocatable :: has_touched(:)         !< (n) closed when the increment began
     integer, allocatable, private :: place_of(:)   !< (size(slave%nodes)) place in nodes(:) of each entry of the slave's facets
     type(contact_row_type), allocatable, private :: bases(:)   !< (n) own nodes and shares where no node beside is beyond the master
@@ -90,6 +91,7 @@ contains
     mortar%nodes = nodes
     allocate (mortar%places(n), mortar%rows(n), mortar%origins(n))
     allocate (mortar%has_touched(n), source=.false.)
+    allocate (mortar%twins(2, 0))
     of_node = 0
     of_node(nodes) = [(k, k=1, n)]
     mortar%place_of = of_node(mortar%slave%nodes)
@@ -217,6 +219,21 @@ contains
   end subroutine unite_shares
 
 
+  !> Slave nodes to which others are bound, as across a pre-tension section, have a share of what the mid-sides beside those carry, too.
+  subroutine unite_twins(mortar, twins)
+    type(mortar_type), intent(inout) :: mortar
+    integer, intent(in) :: twins(:, :)             !< (2, n) nodes, and those bound to them
+    integer :: k, at(2)
+    do k = 1, size(twins, 2)
+      at = [findloc(mortar%nodes, twins(1, k), dim=1), findloc(mortar%nodes, twins(2, k), dim=1)]
+      if (any(at == 0)) cycle
+      mortar%twins = reshape([mortar%twins, at], [2, size(mortar%twins, 2) + 1])
+      mortar%rows(at(1))%own = [mortar%rows(at(1))%own, mortar%rows(at(2))%own]
+      mortar%rows(at(1))%shares = [mortar%rows(at(1))%shares, mortar%rows(at(2))%shares]
+    end do
+  end subroutine unite_twins
+
+
   !> Nodes of the slave side at the head of a row.
   elemental integer function n_own_nodes(mortar, k) result(n)
     type(mortar_type), intent(in) :: mortar
@@ -225,41 +242,68 @@ contains
   end function n_own_nodes
 
 
-  !> One row in place of two of the same slave node against masters that lie side by side, or of slave surfaces that do: the means
-  !! of both by their areas, of which one may be negative (the transformed functions of corners are so in places). The second
+  !> One row in place of two of the same slave node against masters that lie side by side, or of slave surfaces that do. The second
   !! row is gone.
   subroutine merge_rows(a, i, b, j)
     type(mortar_type), intent(inout) :: a, b       !< two pairs
     integer, intent(in) :: i, j                    !< rows of the same node, both with a master in front
-    integer, allocatable :: nodes(:)
-    real(DP), allocatable :: weights(:)
+    call mix_rows(max(a%places(i)%whole, b%places(j)%whole), b%rows(j), a%places(i), a%rows(i), b%places(j))
+  end subroutine merge_rows
+
+
+  !> One row in place of those of two slave nodes that go along the surface together, as across a pre-tension section: that of the sum of
+  !! their functions. What comes on the second node is on the first by the equation that binds them. The second row is gone.
+  subroutine merge_twins(mortar, i, j)
+    type(mortar_type), intent(inout) :: mortar
+    integer, intent(in) :: i, j                    !< rows of the node that is free, and of the one that is bound to it
+    real(DP) :: before, after                      ! what the head of the row takes of its force
+    type(place_type) :: place
+    place = mortar%places(i)
+    if (mortar%places(j)%vertex == 0) return
+    if (place%vertex == 0) then
+      place = mortar%places(j)
+      place%area = 0.0_DP
+      place%whole = 0.0_DP
+    end if
+    if (dot_product(place%normal, mortar%places(j)%normal) <= 0.0_DP) return
+    before = merge(1 / (1 - 2 * ALPHA), 1.0_DP, mortar%corners(1, i) > 0)
+    call mix_rows(place%whole + mortar%places(j)%whole, mortar%rows(j), place, mortar%rows(i), mortar%places(j))
+    if (mortar%places(j)%is_merged) mortar%places(i) = place
+    associate (row => mortar%rows(i))
+      after = row%weights(1) + row%weights(findloc(row%nodes, mortar%nodes(j), dim=1))
+      row%shares = mortar%bases(i)%shares * (before / after)
+    end associate
+  end subroutine merge_twins
+
+
+  !> The means of two rows by their areas, of which one may be negative (the transformed functions of corners are so in places).
+  pure subroutine mix_rows(whole, other_row, place, row, other)
+    real(DP), intent(in) :: whole                  !< area of both if all were covered [length^2]
+    type(contact_row_type), intent(in) :: other_row
+    type(place_type), intent(inout) :: place
+    type(contact_row_type), intent(inout) :: row
+    type(place_type), intent(inout) :: other       !< is_merged, unless the areas cancel
     real(DP) :: share
-    integer :: k, at, n
-    n = n_own_nodes(a, i)
-    if (abs(a%places(i)%area + b%places(j)%area) <= NOTHING * a%places(i)%whole) return
-    share = b%places(j)%area / (a%places(i)%area + b%places(j)%area)
-    nodes = a%rows(i)%nodes
-    weights = [a%rows(i)%weights(:n), (1 - share) * a%rows(i)%weights(n + 1:)]
-    do k = n + 1, size(b%rows(j)%nodes)
-      at = findloc(nodes, b%rows(j)%nodes(k), dim=1)
+    integer :: k, at
+    if (abs(place%area + other%area) <= NOTHING * whole) return
+    share = other%area / (place%area + other%area)
+    row%weights = (1 - share) * row%weights
+    do k = 1, size(other_row%nodes)
+      at = findloc(row%nodes, other_row%nodes(k), dim=1)
       if (at > 0) then
-        weights(at) = weights(at) + share * b%rows(j)%weights(k)
+        row%weights(at) = row%weights(at) + share * other_row%weights(k)
       else
-        nodes = [nodes, b%rows(j)%nodes(k)]
-        weights = [weights, share * b%rows(j)%weights(k)]
+        row%nodes = [row%nodes, other_row%nodes(k)]
+        row%weights = [row%weights, share * other_row%weights(k)]
       end if
     end do
-    a%rows(i)%nodes = nodes
-    a%rows(i)%weights = weights
-    associate (place => a%places(i), other => b%places(j))
-      place%normal = (1 - share) * place%normal + share * other%normal
-      place%normal = place%normal / norm2(place%normal)
-      place%area = place%area + other%area
-      place%whole = max(place%whole, other%whole)
-      place%is_thin = place%area <= COVERED * place%whole
-      other = place_type(is_merged=.true.)
-    end associate
-  end subroutine merge_rows
+    place%normal = (1 - share) * place%normal + share * other%normal
+    place%normal = place%normal / norm2(place%normal)
+    place%area = place%area + other%area
+    place%whole = whole
+    place%is_thin = place%area <= COVERED * whole
+    other = place_type(is_merged=.true.)
+  end subroutine mix_rows
 
 
   !> Places and rows of all slave nodes in a configuration. Cost: linear in the segments.
@@ -283,6 +327,9 @@ contains
     cuts%first(mortar%slave%n + 1) = cuts%n + 1
     call keep_islands(mortar, cuts)
     call fill_rows(mortar, master, x, cuts)
+    do f = 1, size(mortar%twins, 2)
+      call merge_twins(mortar, mortar%twins(1, f), mortar%twins(2, f))
+    end do
     mortar%is_made = .true.
   end subroutine integrate_mortar
 

@@ -294,6 +294,31 @@ def test_pretension_as_calculix_has_it(run_deck: Run, tmp_path: Path) -> None:
     assert 1.0 < -sum(row[2] for row in read_rows(tmp_path, "forces").values()) < 4.0
 
 
+@pytest.mark.parametrize("form", [", TYPE=SURFACE TO SURFACE", ""])
+@pytest.mark.parametrize("slaves", ["all", "above", "below"])
+@pytest.mark.parametrize("kind", ["C3D4", "C3D8", "C3D10", "C3D20"])
+def test_contact_pushes_across_a_cut(run_deck: Run, tmp_path: Path, kind: str, slaves: str, form: str) -> None:
+    """The slave surface crosses the cut, or ends at it on either side, against a wall with other nodes: both nodes of a place at the cut
+    go along the wall together and are pushed as one. The pressure passes evenly, so the overlap is L (F / A + nu p) / E, and the
+    wall carries all of it; a surface that ends at the cut is pressed half as high up, and the bar bends."""
+    text = cut_deck(kind, has_wall=True).replace("FRONT, SIDE", "SIDE, FRONT").replace(", TYPE=SURFACE TO SURFACE", form)
+    if slaves != "all":
+        body = as_kind(join([block([0, 1, 2], [0, 1, 2], range(5), "COLUMN"), block([2, 3], [0, 1, 2], [0, 1, 3, 4], "WALL")]), kind)
+        side = re.search(r"NAME=SIDE\n((?:\d.*\n)+)", text)
+        assert side
+        is_above = (body.nodes[body.elements, 2].mean(axis=1) > 2.0) == (slaves == "above")
+        kept = [row for row in side[1].splitlines(keepends=True) if is_above[int(row.split(",")[0]) - 1]]
+        text = text.replace(side[0], "NAME=SIDE\n" + "".join(kept))
+    done = run_deck(text.replace("*NODE PRINT, NSET=LOW\nRF\n", "*NODE PRINT, NSET=LOW\nRF\n*NODE PRINT, NSET=FAR\nRF\n"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "Swap slave and master" not in done.stdout + done.stderr
+    assert iterations(tmp_path) == 1
+    ((overlap, *_),) = read_rows(tmp_path, "displacements").values()
+    if slaves == "all":
+        assert overlap == pytest.approx(-4.0 * (5.0 / 4.0 + NU * 2.0) / YOUNG, rel=1e-6)
+    assert sum(row[0] for row in read_rows(tmp_path, "forces").values()) == pytest.approx(-16.0, rel=1e-6)
+
+
 def test_pretension_in_part_of_a_body(run_deck: Run) -> None:
     """A cut that ends inside the body is told: elements on its two sides hang together around its edge."""
     text = cut_deck("C3D8", has_wall=False).replace("*NSET, NSET=FAR\n\n", "")
