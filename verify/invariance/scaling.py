@@ -127,7 +127,8 @@ def row(line: str, letters: str, units: Units) -> str:
 
 
 def shuffled(deck: str, seed: int) -> str:
-    """The cards of the model in another order; those that belong to the card before them stay behind it."""
+    """The cards of the model in another order; those that belong to the card before them stay behind it, and contact pairs keep their
+    order among themselves: of pairs that share nodes the first has rights."""
     model, steps = deck[: deck.index(MODEL_END)], deck[deck.index(MODEL_END) :]
     groups: list[list[str]] = []
     for card in cards(model):
@@ -135,7 +136,10 @@ def shuffled(deck: str, seed: int) -> str:
             groups[-1] += card
         else:
             groups.append(list(card))
+    pairs = [group for group in groups if keyword(group) == "CONTACT PAIR"]
     random.Random(seed).shuffle(groups)
+    first_of = iter(pairs)
+    groups = [next(first_of) if keyword(group) == "CONTACT PAIR" else group for group in groups]
     return "\n".join(line for group in groups for line in group) + "\n" + steps
 
 
