@@ -24,6 +24,7 @@ module amontons_contact_forces
   public :: evaluate_contact, elastic_trial, is_cornered
 
   real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
+  real(DP), parameter :: CLING = 1.0e-12_DP       !< a closed node opens when it is pulled off by more than this times the edge [-]
   real(DP), parameter :: STILL = 1.0e-11_DP        !< a slip below this times the edge is rounding [-]
   real(DP), parameter :: SUPPORTED = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
   real(DP), parameter :: LED = 1.0e-9_DP          !< a node that supports lead farther than this times the edge slides [-]
@@ -173,12 +174,13 @@ contains
 
   contains
 
-    !> Trial traction and status. An open node that grazes its master stays open: it would only chatter.
+    !> Trial traction and status. An open node that grazes its master stays open: it would only chatter. One that touches without
+    !! any force stays closed: rounding would choose.
     subroutine ask_status()
       real(DP) :: gap
       associate (slave => fields%slaves(s))
         gap = slave%gap
-        if (before == STATUS_OPEN) gap = gap + GRAZE * contact%edge(slave%pair)
+        gap = gap + merge(GRAZE, -CLING, before == STATUS_OPEN) * contact%edge(slave%pair)
         call trial_traction(Rhat, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
         slave%status = merge(before, trial%status, is_frozen)
       end associate
