@@ -17,7 +17,7 @@ module amontons_newton
   use amontons_line_search, only: search_type, search_line
   use amontons_settle, only: settle_contact
   use amontons_carry, only: is_carried_off, find_carried_direction, find_snap_direction
-  use amontons_system, only: system_type, begin_increment, evaluate, TROUBLE_NONE, TROUBLE_ELEMENT
+  use amontons_system, only: system_type, begin_increment, evaluate, residual_beyond, TROUBLE_NONE, TROUBLE_ELEMENT
   use amontons_direction, only: find_direction, carry_bodies
   implicit none
   private
@@ -87,7 +87,7 @@ contains
     end if
     call note_slaves(newton%forensics, state%new%slaves, system%merit)
     newton%force_scale = max(newton%force_scale, system%largest_force)
-    call note_residual(newton, system, step%controls%r_n)
+    call note_residual(newton, system, system%largest_residual, step%controls%r_n)   ! K may not be there yet
   end subroutine begin_newton
 
 
@@ -167,7 +167,7 @@ contains
     call note_slaves(newton%forensics, state%new%slaves, system%merit)
     call watch_bodies(newton, model, state)
     if (newton%trouble /= TROUBLE_NONE) return
-    call note_residual(newton, system, step%controls%r_n)
+    call note_residual(newton, system, residual_beyond(system, state%new%u), step%controls%r_n)
     call note_step(newton, system, state, search)
   end subroutine go_along
 
@@ -226,7 +226,7 @@ contains
     end if
     if (.not. is_changed) return
     call evaluate(system, model, step, state, newton%trouble, is_frozen=.false.)
-    call note_residual(newton, system, step%controls%r_n)
+    call note_residual(newton, system, residual_beyond(system, state%new%u), step%controls%r_n)
     if (newton%trouble /= TROUBLE_NONE) then
       verdict = VERDICT_DIVERGES
     else if (verdict == VERDICT_CONVERGED .and. system%contact%n_changed > 0) then
@@ -280,16 +280,17 @@ contains
   end subroutine watch_bodies
 
 
-  !> The residual over the largest force, and the two before it. What rounding makes of gaps counts as no residual: bodies that
-  !! only touch have no larger force.
-  subroutine note_residual(newton, system, tolerance)
+  !> The residual over the largest force, and the two before it. What rounding makes of gaps and of displacements counts as no
+  !! residual: bodies that only touch, or move without any force, have no larger force.
+  subroutine note_residual(newton, system, residual, tolerance)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(in) :: system
+    real(DP), intent(in) :: residual               !< the largest [force]
     real(DP), intent(in) :: tolerance              !< of the residual [-]
     real(DP) :: scale
     newton%largest_seen = max(newton%largest_seen, system%largest_force)
     scale = max(system%largest_force, FORCE_MEMORY * newton%force_scale, ROUNDING / tolerance * newton%largest_seen, tiny(1.0_DP))
-    newton%progress%residual = [max(system%largest_residual - system%rounding, 0.0_DP) / scale, newton%progress%residual(0:1)]
+    newton%progress%residual = [max(residual - system%rounding, 0.0_DP) / scale, newton%progress%residual(0:1)]
     newton%progress%gap = max(system%contact%worst_gap, system%violation)
   end subroutine note_residual
 

@@ -33,7 +33,7 @@ module amontons_system
   use amontons_contact_tangent, only: link_type
   implicit none
   private
-  public :: system_type, create_system, begin_step, plan_solver, begin_increment, evaluate, residual_pair
+  public :: system_type, create_system, begin_step, plan_solver, begin_increment, evaluate, residual_pair, residual_beyond
   public :: place_type, place_of, foresee, return_to
   public :: prescribe, forget_bulk, interface_unknowns, start_clock, stop_clock
   public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
@@ -60,6 +60,8 @@ module amontons_system
     logical :: is_settled = .false.                !< contact has settled ahead along the present direction
     logical :: is_dense_wanted = .true.            !< the interface has not been found too large yet
     real(DP), allocatable :: bulk_u(:, :)          !< (3, n_nodes) where the bulk's factor was made [length]; not there: no factor
+    logical :: is_bulk_new = .false.               !< that factor is one of K as it is
+    logical :: is_unheld = .false.                 !< along the present direction nothing holds a body: the interface is singular
     logical, allocatable :: is_contact(:)          !< (n_unknowns) on the interface
     logical, allocatable :: is_held(:)             !< (n_unknowns) by the base constraints, where the bulk was analysed
     real(DP) :: carry = 0                          !< part of its own diagonal that K has more, for bodies that nothing holds [-]
@@ -285,6 +287,25 @@ contains
     real(DP), intent(in) :: direction(:, :)        !< (3, n_nodes) [length]
     product = sum(direction * system%residual)
   end function residual_pair
+
+
+  !> The largest residual beyond what rounding of the displacements makes of it: of what the stiffness of an unknown makes of the
+  !! largest displacement, the last digit. A body that moves without any force has nothing but that.
+  pure real(DP) function residual_beyond(system, u) result(largest)
+    type(system_type), intent(in) :: system        !< K was assembled
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    real(DP) :: last_digit                         ! [length]
+    integer :: i, j
+    last_digit = ROUNDINGS * epsilon(1.0_DP) * maxval(abs(u))
+    largest = 0.0_DP
+    associate (K => system%assembly%stiffness)
+      do i = 1, size(u, 2)
+        do j = 1, 3
+          largest = max(largest, abs(system%residual(j, i)) - last_digit * abs(K%value(K%first(3 * i - 3 + j))))
+        end do
+      end do
+    end associate
+  end function residual_beyond
 
 
   !> Where the last evaluation was.
