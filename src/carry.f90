@@ -35,7 +35,8 @@ module amontons_carry
 
 contains
 
-  !> Whether a direction says that nothing holds a body: there is none, or it goes farther than the whole model.
+  !> Whether a direction says that nothing holds a body: there is none, there was none when contact had settled along it, or it goes
+  !! farther than the whole model.
   logical function is_carried_off(system, model, du, trouble)
     type(system_type), intent(in) :: system
     type(model_type), intent(in) :: model
@@ -44,6 +45,7 @@ contains
     is_carried_off = trouble == TROUBLE_SOLVER .and. size(system%contact%view%status) > 0
     if (trouble /= TROUBLE_NONE .or. size(system%contact%view%status) == 0) return
     is_carried_off = .not. maxval(norm2(du, dim=1)) <= mesh_extent(model%mesh) + 2.0_DP * maxval(abs(system%base%offset))
+    is_carried_off = is_carried_off .or. system%is_unheld
   end function is_carried_off
 
 

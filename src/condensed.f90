@@ -18,7 +18,7 @@ module amontons_condensed
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, reduction_type, from_triplets, transpose_of, analyse_reduction, reduce_matrix, &
     is_same_pattern
-  use amontons_dense, only: factorise_dense, solve_dense, triangle_times, square_of_triangle, DENSE_OK
+  use amontons_dense, only: factorise_dense, solve_dense, is_rank_lost, triangle_times, square_of_triangle, DENSE_OK
   use amontons_sprung, only: sprung_type, springs_type, invert_stiffness, couple_springs, solve_springs
   use amontons_partition, only: order_unknowns
   use amontons_factor, only: factor_type, analyse, factorise, elimination_order, trailing_block, solve_forward, &
@@ -50,6 +50,7 @@ module amontons_condensed
     real(DP), allocatable, private :: shift(:)     !< (n_contact) D [force/length]
     real(DP), allocatable, private :: stiffness(:, :)  !< S; not there: not wanted yet
     logical :: is_invertible = .true.              !< S has an inverse in single precision
+    logical :: is_singular = .false.               !< J_c is: nothing holds a body
     logical, private :: is_by_springs = .false.    !< factorise_springs came last
     type(sprung_type), private :: sprung           !< what that made
     real(DP) :: allowed = 0                        !< what apply_condensed may leave of a right-hand side [-]
@@ -230,7 +231,8 @@ contains
 
   !> J_c for the present statuses, weights and friction, factorised.
   !!
-  !! After: is_complete is .false. if contact reaches unknowns that are not on the interface; then nothing else is made.
+  !! After: is_complete is .false. if contact reaches unknowns that are not on the interface; then nothing else is made. is_singular
+  !! tells whether J_c has no inverse, to rounding: what it makes of a force is not to be used then.
   subroutine factorise_interface(self, base, whole, by_imbalance, by_displacement, is_complete, error)
     type(condensed_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base     !< without contact rows
@@ -240,6 +242,7 @@ contains
     logical, intent(out) :: is_complete
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: d_u
+    real(DP), allocatable :: column(:)             ! (n_reduced) largest entry of each column of J_c [force/length]
     integer :: status
     call relate(self, base, whole, is_complete, error)
     if (allocated(error) .or. .not. is_complete) return
@@ -254,8 +257,10 @@ contains
     if (allocated(error)) return
     if (allocated(self%pivots)) deallocate (self%pivots)
     allocate (self%pivots(self%n_reduced))
+    column = maxval(abs(self%lu), dim=1)
     call factorise_dense(self%lu, self%pivots, status)
-    is_complete = status == DENSE_OK
+    self%is_singular = status /= DENSE_OK
+    if (.not. self%is_singular) self%is_singular = is_rank_lost(self%lu, column)
   end subroutine factorise_interface
 
 
@@ -277,6 +282,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(springs_type) :: taken
     is_fit = .false.
+    self%is_singular = .false.
     call relate(self, base, whole, is_complete, error)
     if (allocated(error) .or. .not. is_complete) return
     if (self%n_reduced < self%n_contact) return

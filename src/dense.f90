@@ -12,7 +12,8 @@ module amontons_dense
   implicit none
   private
   public :: solve_small, symmetric_eigen, singular_values, rank_of, least_squares
-  public :: factorise_dense, solve_dense, triangle_times, square_of_triangle, invert_positive, symmetric_times, transposed_times
+  public :: factorise_dense, solve_dense, is_rank_lost, triangle_times, square_of_triangle, invert_positive, symmetric_times, &
+    transposed_times
   public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED, WORTH_THREADS, BLOCK
 
   integer, parameter :: DENSE_OK = 0
@@ -21,6 +22,8 @@ module amontons_dense
   integer, parameter :: BLOCK = 96             !< columns of a task
 
   integer, parameter :: DENSE_FAILED = 2       !< NaN or infinity in the matrix, or the iteration did not converge
+
+  real(DP), parameter :: LOST = 32 * epsilon(1.0_DP)   !< a pivot beside its column, of a matrix of one unknown [-]
 
   !> A x = b for one or several right-hand sides.
   interface solve_small
@@ -174,6 +177,21 @@ contains
     call ieee_get_status(environment)
     call ieee_set_halting_mode(ieee_all, .false.)
   end subroutine mask_traps
+
+
+  !> Whether what factorise_dense made was of a singular matrix: a pivot is nothing beside the column that it stands in. What
+  !! rounding leaves of such a pivot grows with the square root of the number of sums.
+  pure logical function is_rank_lost(lu, column) result(is_lost)
+    real(DP), intent(in) :: lu(:, :)           !< (n, n) L and U
+    real(DP), intent(in) :: column(:)          !< (n) largest entry of each column before
+    real(DP) :: least
+    integer :: k
+    least = LOST * sqrt(real(size(column), DP))
+    is_lost = .false.
+    do k = 1, size(column)
+      if (.not. abs(lu(k, k)) > least * column(k)) is_lost = .true.
+    end do
+  end function is_rank_lost
 
 
   !> Neither NaN nor infinities.

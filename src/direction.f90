@@ -76,7 +76,8 @@ contains
     call start_clock(system, clock)
     call factorise_condensed(system, model, step, state, error)
     if (allocated(error)) return
-    if (.not. system%is_condensed) call factorise_whole(system, model, trouble, error)
+    if (system%is_unheld) trouble = TROUBLE_SOLVER
+    if (.not. (system%is_condensed .or. system%is_unheld)) call factorise_whole(system, model, trouble, error)
     if (allocated(error) .or. trouble /= TROUBLE_NONE) return
     call stop_clock(system, clock, PHASE_FACTOR)
     system%n_before = system%n_factorisations
@@ -148,6 +149,7 @@ contains
       if (allocated(error)) return
       if (state%new%damping(DAMPING_NOW) > 0.0_DP) call stiffen(system%share, state, system%assembly%stiffness)
       system%is_assembled = system%is_constant .or. step%direction == DIRECTION_LAGGED
+      system%is_bulk_new = system%is_constant .and. system%condensed%is_ready
       call add_carry(system)
       if (step%is_nlgeom .and. n_bonds(model) > 0) call add_curvatures(system%base, system%assembly, model, state%new)
     end if
@@ -227,7 +229,7 @@ contains
 
 
   !> Contact by the condensed interface: the bulk is factorised if its factor is gone, the interface always.
-  !! After: is_condensed is .false. where the interface is too large or the bulk is not stable.
+  !! After: is_condensed is .false. where the interface is too large or the bulk is not stable, and where is_unheld.
   subroutine factorise_condensed(system, model, step, state, error)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -237,13 +239,15 @@ contains
     logical :: is_complete
     integer :: attempt
     system%is_condensed = .false.
+    system%is_unheld = .false.
     if (size(state%new%slaves) == 0 .or. .not. system%is_dense_wanted .or. system%reduced%is_iterative) return
     do attempt = 1, 2
       call provide_bulk(system, model, step, state, error)
       if (allocated(error) .or. .not. system%condensed%is_ready) return
       call factorise_contact(system, is_complete, error)
       if (allocated(error)) return
-      system%is_condensed = is_complete
+      system%is_unheld = is_complete .and. system%condensed%is_singular
+      system%is_condensed = is_complete .and. .not. system%is_unheld
       if (is_complete) return
       system%is_contact = system%is_contact .or. interface_unknowns(system, model, state%new, .false.)
       system%condensed%is_analysed = .false.
@@ -285,8 +289,10 @@ contains
     if (.not. allocated(system%bulk_u)) then
       call renew_bulk(system, error)
       if (system%condensed%is_ready) system%bulk_u = state%new%u
+      system%is_bulk_new = .true.
       return
     end if
+    system%is_bulk_new = system%is_constant        ! as in the job that ran on
     u = state%new%u
     state%new%u = system%bulk_u
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
@@ -397,7 +403,7 @@ contains
       if (allocated(error)) return
     end if
     system%n_krylov = system%n_krylov + report%n_iterations
-    if (system%is_condensed .and. report%n_iterations > MOST_OLD) call forget_bulk(system)
+    if (system%is_condensed .and. report%n_iterations > MOST_OLD .and. .not. system%is_bulk_new) call forget_bulk(system)
     if (report%status == KRYLOV_CONVERGED) return
     if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! to rounding: a slender body allows no more
     if (is_iterative) trouble = TROUBLE_SOLVER

@@ -4,7 +4,7 @@ program test_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
   use amontons_dense, only: solve_small, symmetric_eigen, singular_values, rank_of, least_squares, invert_positive, &
-    symmetric_times, transposed_times, triangle_times, factorise_dense, solve_dense, &
+    symmetric_times, transposed_times, triangle_times, factorise_dense, solve_dense, is_rank_lost, &
     DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
   use check, only: suite_type
   implicit none
@@ -20,6 +20,7 @@ program test_dense
   end do
   call test_known()
   call test_singular()
+  call test_rank_lost()
   call test_not_finite()
   call test_rank()
   call test_least_squares()
@@ -138,6 +139,40 @@ contains
     call solve_small(hilbert(:6, :6), [(sum(hilbert(i, :6)), i=1, 6)], x(:6), status)
     call suite%near('Hilbert matrix of 6', maxval(abs(x(:6) - 1)), 0.0_DP, 1.0e-8_DP)
   end subroutine test_singular
+
+
+  !> Points joined two by two by springs of very different stiffness, free as a whole: singular whatever their number; held at one
+  !! point by a spring that is 1e-9 as stiff: not.
+  subroutine test_rank_lost()
+    integer, parameter :: N(3) = [3, 60, 700]
+    real(DP), allocatable :: a(:, :), lu(:, :), column(:)
+    real(DP) :: draw
+    integer, allocatable :: pivots(:)
+    integer :: status, i, j, m, held
+    do m = 1, size(N)
+      allocate (a(N(m), N(m)), source=0.0_DP)
+      allocate (pivots(N(m)))
+      do i = 1, N(m)
+        do j = 1, i - 1
+          call random_number(draw)
+          draw = 10.0_DP**(4.0_DP * draw - 2.0_DP)
+          a(i, j) = -draw
+          a(j, i) = -draw
+          a(i, i) = a(i, i) + draw
+          a(j, j) = a(j, j) + draw
+        end do
+      end do
+      do held = 0, 1
+        lu = a
+        lu(1, 1) = lu(1, 1) * (1.0_DP + 1.0e-9_DP * real(held, DP))
+        column = maxval(abs(lu), dim=1)
+        call factorise_dense(lu, pivots, status)
+        if (held == 0) call suite%that('rank: springs that nothing holds', status /= DENSE_OK .or. is_rank_lost(lu, column))
+        if (held == 1) call suite%that('rank: springs that are held', status == DENSE_OK .and. .not. is_rank_lost(lu, column))
+      end do
+      deallocate (a, pivots)
+    end do
+  end subroutine test_rank_lost
 
 
   subroutine test_not_finite()
