@@ -34,6 +34,7 @@ module amontons_frd
   private
   public :: frd_type, open_frd, resume_frd, write_frd, measure_frd, sync_frd, close_frd
 
+  real(DP), parameter :: EQUAL = 1.0e-6_DP         !< two pressures are one within this [-]
   integer, parameter :: IN_A_LINE = 6              !< values
   integer, parameter :: KIND_SCALAR = 1, KIND_VECTOR = 2, KIND_TENSOR = 4   !< of CGX
 
@@ -432,7 +433,7 @@ contains
 
 
   !> Gap, slip, pressure and shear stress of the closed slave nodes in the axes of the .dat file; 0 elsewhere. Of two
-  !! pairs at a node the one with the larger pressure is shown.
+  !! pairs at a node the one with the larger pressure is shown, of two equal ones the later.
   function contact_values(model, slaves) result(values)
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)
@@ -444,7 +445,7 @@ contains
     do i = 1, size(slaves)
       if (slaves(i)%status == STATUS_OPEN) cycle
       row = table_row(model, slaves(i))
-      if (abs(row(4)) >= abs(values(4, slaves(i)%node))) values(:, slaves(i)%node) = row
+      if (abs(row(4)) >= (1 - EQUAL) * abs(values(4, slaves(i)%node))) values(:, slaves(i)%node) = row
     end do
     call show_sides(model, slaves, 4, 6, values)
     call list_followers(model, slaves, followers)

@@ -72,6 +72,7 @@ module amontons_results
     type(table_type), allocatable :: iterations(:)
   end type results_type
 
+  real(DP), parameter :: EQUAL = 1.0e-6_DP             !< two contact forces or gaps are one within this [-]
   real(DP), parameter :: UNTOLD = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
 
   ! The constant tables of /VTKHDF/Steps: all frames show the same mesh, as one part.
@@ -550,16 +551,17 @@ contains
   end subroutine pack_contact
 
 
-  !> Closed before open; of two closed the one with the larger force; of two open the nearer.
+  !> Closed before open; of two closed the one with the larger force; of two open the nearer; of two equal ones, which rounding makes
+  !! differ, the pair that comes first in the deck.
   pure function counts_more(a, b) result(is_more)
     type(slave_type), intent(in) :: a, b
     logical :: is_more
     if ((a%status == STATUS_OPEN) .neqv. (b%status == STATUS_OPEN)) then
       is_more = b%status == STATUS_OPEN
     else if (a%status /= STATUS_OPEN) then
-      is_more = norm2(a%force) > norm2(b%force)
+      is_more = norm2(a%force) > (1 + EQUAL) * norm2(b%force)
     else
-      is_more = a%facet > 0 .and. (b%facet == 0 .or. a%gap < b%gap)
+      is_more = a%facet > 0 .and. (b%facet == 0 .or. a%gap < b%gap - EQUAL * abs(b%gap))
     end if
   end function counts_more
 
