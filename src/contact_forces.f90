@@ -70,13 +70,15 @@ contains
   end subroutine evaluate_contact
 
 
-  !> The imbalance that the contact force of a slave node has to answer.
+  !> The imbalance that the contact force of a slave node has to answer: by the row by which it sticks, where it sticks.
   pure function row_imbalance(contact, slave, imbalance) result(own)
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slave
     real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat, condensed [force]
     real(DP) :: own(3)
-    if (slave%row > 0) then
+    if (is_stuck(contact, slave)) then
+      own = imbalance_of(contact%mortar(slave%pair)%origins(slave%row), imbalance)
+    else if (slave%row > 0) then
       own = imbalance_of(contact%mortar(slave%pair)%rows(slave%row), imbalance)
     else
       own = imbalance(:, slave%node)
