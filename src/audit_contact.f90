@@ -71,7 +71,7 @@ contains
     logical, allocatable :: is_free(:, :)          ! (3, n_nodes)
     integer :: s
     allocate (tallies(size(model%pairs)))
-    call find_free_unknowns(model, 1, slaves, is_free)
+    call find_free_unknowns(model, 1, is_free)
     do s = 1, size(slaves)
       associate (tally => tallies(slaves(s)%pair))
         call tally_slave(contact, slaves(s), contact%slave_normal(:, s), s, tally)
@@ -339,7 +339,7 @@ contains
     integer :: i, s, p
     allocate (was_told(size(model%pairs)), source=.false.)
     do i = 1, size(model%steps)
-      call find_free_unknowns(model, i, slaves, is_free)
+      call find_free_unknowns(model, i, is_free)
       if (allocated(found)) deallocate (found)
       allocate (found(size(model%pairs)))
       do s = 1, size(slaves)
@@ -368,15 +368,12 @@ contains
   end function is_held_along
 
 
-  !> The unknowns that neither a support of the step nor the first term of an equation takes. What is bound to a slave node of its own
-  !! pair across a pre-tension section is as free as that, which contact pushes for both.
-  subroutine find_free_unknowns(model, step, slaves, is_free)
+  !> The unknowns that neither a support of the step nor the first term of an equation takes.
+  subroutine find_free_unknowns(model, step, is_free)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step
-    type(slave_type), intent(in) :: slaves(:)
     logical, allocatable, intent(out) :: is_free(:, :)   !< (3, n_nodes)
-    integer :: i, p
-    logical :: is_slave(size(model%pairs))
+    integer :: i
     allocate (is_free(3, model%mesh%n_nodes), source=.true.)
     do i = 1, size(model%steps(step)%prescribed)
       associate (load => model%steps(step)%prescribed(i))
@@ -385,14 +382,6 @@ contains
     end do
     do i = 1, size(model%equations)
       is_free(model%equations(i)%dof(1), model%equations(i)%node(1)) = .false.
-    end do
-    if (.not. allocated(model%twins)) return
-    do i = 1, size(model%twins, 2)
-      associate (node => model%twins(1, i), twin => model%twins(2, i))
-        is_slave = [(any(slaves%pair == p .and. slaves%node == node) .and. any(slaves%pair == p .and. slaves%node == twin), &
-          p=1, size(model%pairs))]
-        if (any(is_slave)) is_free(:, twin) = is_free(:, node)
-      end associate
     end do
   end subroutine find_free_unknowns
 

@@ -43,6 +43,7 @@ module amontons_contact
     logical, allocatable :: is_small(:)           !< (n_pairs) weights and normals kept in this step
     type(interaction_type), allocatable :: laws(:)   !< (n_pairs) as they are in this step
     logical, allocatable :: is_removed(:)         !< (n_pairs) taken out in this step
+    logical, allocatable :: is_bound(:)           !< (n_slaves) a pre-tension section binds it to a slave node of its pair, pushed for both
     real(DP), allocatable :: interference(:)      !< (n_pairs) overclosure allowed at the start of this step [length]
     logical, allocatable :: is_shrink(:)          !< (n_pairs) what each node has of it at the start is allowed
     logical, allocatable :: is_ramped(:)          !< (n_pairs) overlaps at the start go as in CalculiX
@@ -114,10 +115,8 @@ contains
     end do
     n = size(slaves)
     call unite_exact(contact, model)
-    do p = 1, size(model%pairs)
-      if (model%pairs(p)%is_mortar .and. .not. is_compliant(contact%laws(p)) .and. allocated(model%twins)) &
-        call unite_twins(contact%mortar(p), model%twins)
-    end do
+    allocate (contact%is_bound(n), source=.false.)
+    if (allocated(model%twins)) call bind_twins(contact, model, slaves)
     call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
     do p = 1, size(model%pairs)
       if (model%pairs(p)%is_mortar) contact%mortar(p)%is_alone = all(contact%overlaps%first(contact%mortar(p)%nodes + 1) &
@@ -133,6 +132,27 @@ contains
     allocate (contact%view%normal_force(n), source=0.0_DP)
     allocate (contact%view%status(n), source=STATUS_OPEN)
   end subroutine create_contact
+
+
+  !> Slave nodes across pre-tension sections: of two that stand at one place only the first has unknowns of its own.
+  subroutine bind_twins(contact, model, slaves)
+    type(contact_type), intent(inout) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)
+    logical :: is_pushed(model%mesh%n_nodes)
+    integer :: p, i
+    do p = 1, size(model%pairs)
+      if (is_compliant(contact%laws(p))) cycle
+      if (model%pairs(p)%is_mortar) call unite_twins(contact%mortar(p), model%twins)
+      is_pushed = .false.
+      is_pushed(pack(slaves%node, slaves%pair == p)) = .true.
+      associate (twins => model%twins)
+        do i = 1, size(twins, 2)
+          if (is_pushed(twins(1, i))) where (slaves%pair == p .and. slaves%node == twins(2, i)) contact%is_bound = .true.
+        end do
+      end associate
+    end do
+  end subroutine bind_twins
 
 
   !> The transformed bases of exact mortar pairs that share slave nodes are made one.
@@ -170,6 +190,7 @@ contains
     contact%free = reshape([0.0_DP], [3, 3, n], pad=[0.0_DP])
     contact%friction = spread(0.0_DP, 1, n)
     contact%hold = spread(HOLD_NEVER, 1, n)
+    contact%is_bound = [contact%is_bound(:min(n, size(contact%is_bound))), spread(.false., 1, n - min(n, size(contact%is_bound)))]
     deallocate (contact%answers)
     allocate (contact%answers(n))
     contact%Rhat = reshape([0.0_DP], [3, n], pad=[0.0_DP])

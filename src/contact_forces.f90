@@ -171,6 +171,7 @@ contains
       if (slave%status == STATUS_OPEN) slave%slip_increment = 0.0_DP
       call set_forces(-dot_product(free_normal, Rhat))
       contact%view%position(:, s) = d
+      if (is_cornered(contact, s)) contact%view%position(:, s) = slave%slip_increment + slave%gap * free_normal
       call count_changes(contact, before, s, slave)
     end associate
 

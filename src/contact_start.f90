@@ -83,6 +83,7 @@ contains
     end do
     if (contact%overlaps%has_chains) call list_reach(contact, model, fields%slaves, nodes_in_reach)
     call order_slaves(fields%slaves, mirrored_pairs(contact, model), nodes_in_reach, contact%overlaps)
+    where (contact%is_bound) contact%overlaps%is_kept = .false.
     do s = 1, size(fields%slaves)
       if (contact%overlaps%is_kept(s)) cycle
       call lose_master(fields%slaves(s))

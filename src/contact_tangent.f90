@@ -459,6 +459,7 @@ contains
         call stick_directions(contact, slave, link%slave, n, direction)
         do k = 1, n
           call tie_row(link, direction(:, k), d, row)
+          if (k == 1 .and. is_cornered(contact, link%slave)) row%rhs = -slave%gap   ! it goes along the other pair's normal
           call add_row(constraints, row, count(abs(direction(:, k)) > 0.0_DP), tolerance, verdict)
           if (verdict == ROW_CONFLICT) n_conflicts = n_conflicts + 1
         end do
