@@ -21,14 +21,14 @@ module amontons_contact
   use amontons_facets, only: facets_type, build_facets
   use amontons_analytic, only: build_profile_facets
   use amontons_search, only: search_type
-  use amontons_mortar, only: mortar_type, create_mortar, unite_shares, unite_twins, integrate_mortar, &
-    merge_rows, turned_with
+  use amontons_mortar, only: mortar_type, create_mortar, unite_shares, unite_twins, integrate_mortar, merge_rows, turned_with, &
+    turned_rate
   use amontons_gap, only: projection_type, project_point, find_projection, PROJECT_ON
   implicit none
   private
   public :: contact_type, create_contact, begin_contact_step, set_supports, fit_contact
-  public :: renew_rows, touching_row, origin_row, contact_slip_vector, find_again, refresh_facet, renew_place, locate_slave, &
-    set_origin, close_slave, is_stuck, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
+  public :: renew_rows, touching_row, origin_row, contact_slip_vector, origin_offset_rate, find_again, refresh_facet, &
+    renew_place, locate_slave, set_origin, close_slave, is_stuck, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
 
   integer, parameter :: HOLD_NEVER = 0            !< the node's status was not held in this increment
   integer, parameter :: HOLD_NOW = 1              !< it is held, whatever its trial traction says
@@ -328,6 +328,7 @@ contains
       if (slaves(s)%row > 0 .and. slaves(s)%side == 0) contact%mortar(slaves(s)%pair)%has_touched(slaves(s)%row) = &
         slaves(s)%status /= STATUS_OPEN .and. .not. contact%is_small(slaves(s)%pair)
     end do
+    contact%mortar%is_soft = is_compliant(contact%laws)
     do p = 1, size(is_wanted)
       if (is_wanted(p)) call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), x, &
         SEARCH_REACH * contact%edge(p))
@@ -452,6 +453,17 @@ contains
     if (slave%row == 0 .or. contact%is_small(slave%pair)) return
     offset = turned_with(offset, contact%mortar(slave%pair)%origin_normal(:, slave%row), slave%normal)
   end function origin_offset_of
+
+
+  !> How that changes with the normal.
+  pure function origin_offset_rate(contact, slave) result(rate)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    real(DP) :: rate(3, 3)                         !< [length]
+    rate = 0.0_DP
+    if (slave%row == 0 .or. contact%is_small(slave%pair)) return
+    rate = turned_rate(slave%origin_offset, contact%mortar(slave%pair)%origin_normal(:, slave%row), slave%normal)
+  end function origin_offset_rate
 
 
   !> d = x_s - x_m(origin) - offset: how far the node is from where it touched, normal part included [length].

@@ -18,7 +18,8 @@ module amontons_contact_tangent
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER
   use amontons_compliance, only: law_pressure, shear_most
   use amontons_rows, only: contact_row_type, relative_position
-  use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector
+  use amontons_cut_rates, only: facet_rates_type, row_rates_type, differentiate_row
+  use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector, origin_offset_rate, SEARCH_REACH
   use amontons_contact_forces, only: elastic_trial, is_cornered
   implicit none
   private
@@ -40,17 +41,22 @@ module amontons_contact_tangent
     integer :: n_weights = 0                       !< nodes of the row: the first of nodes(:), the slave before all others
     integer, allocatable :: nodes(:)               !< nodes on which lambda and xi depend
     real(DP), allocatable :: weights(:)            !< (n_weights) w_k [-]
-    real(DP), allocatable :: d_weights(:, :)       !< (2, n_weights) dw_k/dxi [-]
+    real(DP), allocatable :: d_weights(:, :)       !< (2, n_weights) dw_k/dxi [-]; none if xi are the weights themselves
     integer, allocatable :: own(:)                 !< slave nodes whose imbalance is the row's
     real(DP), allocatable :: shares(:)             !< b_k [-]
     real(DP) :: force(3) = 0                       !< lambda [force]
     real(DP) :: force_imbalance(3, 3) = 0          !< d lambda / d Rhat [-]
     real(DP), allocatable :: force_nodes(:, :, :)  !< (3, 3, :) d lambda / d u_j [force/length]
-    real(DP), allocatable :: xi_nodes(:, :, :)     !< (2, 3, :) d xi / d u_j [1/length]
+    real(DP), allocatable :: xi_nodes(:, :, :)     !< (2 or n_weights, 3, :) d xi / d u_j [1/length]
     real(DP), allocatable :: gap_nodes(:, :)       !< (3, :) d g / d u_j [-]
     logical :: is_spring = .false.                 !< a compliant law: the node keeps its unknowns and has no row
     real(DP) :: spring(3, 3) = 0                 !< its stiffness without the turning of normals: symmetric, positive [force/length]
   end type link_type
+
+  !> What the facets of a mortar pair's slave have been asked for.
+  type :: pair_rates_type
+    type(facet_rates_type), allocatable :: facets(:)
+  end type pair_rates_type
 
 contains
 
@@ -61,6 +67,7 @@ contains
     type(fields_type), intent(in) :: old           !< committed
     type(fields_type), intent(in) :: fields
     type(link_type), allocatable, intent(out) :: links(:)   !< one for each closed slave node, in their order
+    type(pair_rates_type) :: rates(size(contact%facets))
     real(DP), allocatable :: x(:, :)
     integer :: s, n
     allocate (links(count(fields%slaves(:)%status /= STATUS_OPEN)))
@@ -75,11 +82,11 @@ contains
       links(n)%level = contact%overlaps%level(s)
       links(n)%force = fields%slaves(s)%force + fields%slaves(s)%shear
       if (is_compliant(contact%laws(fields%slaves(s)%pair))) then
-        call link_spring(contact, model, x, old%slaves(s), fields, links(n))
+        call link_spring(contact, model, x, old%slaves(s), fields, rates, links(n))
       else if (fields%slaves(s)%status == STATUS_STICK) then
         call link_stick(contact, fields%slaves(s), s, links(n))
       else
-        call link_slip(contact, model, x, contact%Rhat(:, s), fields, links(n))
+        call link_slip(contact, model, x, fields, rates, links(n))
       end if
     end do
   end subroutine linearise_contact
@@ -120,26 +127,28 @@ contains
 
 
   !> Slip: lambda = N (n/|n_f| + mu_f q), n_f the free part of n, mu_f = mu/|n_f|, q = tau/|tau| the direction of friction.
-  subroutine link_slip(contact, model, x, imbalance, fields, link)
+  subroutine link_slip(contact, model, x, fields, rates, link)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    real(DP), intent(in) :: imbalance(3)           !< Rhat_s [force]
     type(fields_type), intent(in) :: fields
+    type(pair_rates_type), intent(inout) :: rates(:)   !< (n_pairs)
     type(link_type), intent(inout) :: link
     real(DP) :: force_normal(3, 3), force_slip(3, 3)
-    call differentiate_force(contact, model, imbalance, fields, link, force_normal, force_slip)
-    call link_weights(contact, x, fields%slaves(link%slave), force_normal, link)
+    call differentiate_force(contact, model, contact%Rhat(:, link%slave), fields, link, force_normal, force_slip)
+    force_normal = force_normal - matmul(force_slip, origin_offset_rate(contact, fields%slaves(link%slave)))
+    call link_weights(contact, x, fields%slaves(link%slave), force_normal, rates, link)
     call link_origin(contact, fields%slaves(link%slave), force_slip, link)
   end subroutine link_slip
 
 
   !> Nodes, weights, gap and normal of a link, as they are kept or move.
-  subroutine link_weights(contact, x, slave, force_normal, link)
+  subroutine link_weights(contact, x, slave, force_normal, rates, link)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     type(slave_type), intent(in) :: slave
     real(DP), intent(in) :: force_normal(3, 3)     !< d lambda / d n [force]
+    type(pair_rates_type), intent(inout) :: rates(:)   !< (n_pairs)
     type(link_type), intent(inout) :: link
     type(gap_derivative_type) :: derivative
     type(contact_row_type) :: row
@@ -147,7 +156,10 @@ contains
       call touching_row(contact, slave, row)
       call fill_weights(row, link)
       call link_kept_weights(slave, link)
-      if (.not. contact%is_small(slave%pair)) call link_vertex(contact, x, slave, force_normal, link)
+      if (contact%is_small(slave%pair)) return
+      if (slave%side == 0 .and. .not. contact%mortar(slave%pair)%places(slave%row)%is_shared) call link_cuts(contact, x, slave, &
+        rates(slave%pair), link)
+      call link_vertex(contact, x, slave, force_normal, link)
     else
       call gap_derivative(contact%facets(slave%pair), x, slave%facet, slave%xi, slave%gap - slave%offset, derivative)
       call link_moving_weights(derivative, force_normal, link)
@@ -155,8 +167,40 @@ contains
   end subroutine link_weights
 
 
-  !> Finite sliding of a mortar pair: the normal turns with the facets around the slave's vertex. How the weights change is left
-  !! out.
+  !> Finite sliding of a mortar pair: the weights and the area change with the cuts. (Of nodes that two pairs share this is left out.)
+  subroutine link_cuts(contact, x, slave, rates, link)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    type(slave_type), intent(in) :: slave
+    type(pair_rates_type), intent(inout) :: rates
+    type(link_type), intent(inout) :: link
+    type(row_rates_type) :: row
+    real(DP) :: by_area(3), height(link%n_weights)
+    integer :: j, n
+    associate (mortar => contact%mortar(slave%pair))
+      if (.not. allocated(rates%facets)) allocate (rates%facets(mortar%slave%n))
+      call differentiate_row(mortar, contact%facets(slave%pair), contact%search(slave%pair), x, &
+        SEARCH_REACH * contact%edge(slave%pair), slave%row, rates%facets, row)
+    end associate
+    n = link%n_weights
+    call append_nodes(row%nodes(n + 1:), link)
+    deallocate (link%d_weights)
+    call move_alloc(row%d_weights, link%xi_nodes)
+    height = matmul(slave%normal, x(:, link%nodes(:n)) - spread(x(:, link%node), 2, n))
+    by_area = link%force / slave%area
+    if (.not. link%is_spring) by_area = 0.0_DP
+    do j = 1, size(link%nodes)
+      link%force_nodes(:, :, j) = outer(by_area, row%d_area(:, j))
+      if (link%is_spring) then
+        link%gap_nodes(:, j) = link%gap_nodes(:, j) + matmul(height, link%xi_nodes(:, :, j))
+      else
+        link%force_nodes(:, :, j) = outer(matmul(link%force_imbalance, contact%Rhat(:, link%slave)), row%d_factor(:, j))
+      end if
+    end do
+  end subroutine link_cuts
+
+
+  !> Finite sliding of a mortar pair: the normal turns with the facets around the slave's vertex.
   subroutine link_vertex(contact, x, slave, force_normal, link)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
@@ -166,16 +210,16 @@ contains
     integer, allocatable :: nodes(:)
     real(DP), allocatable :: d_n(:, :, :)
     real(DP) :: d(3)
-    integer :: before, j
+    integer :: at, j
     associate (mortar => contact%mortar(slave%pair))
       call vertex_derivative(mortar%slave, x, mortar%places(slave%row)%vertex, nodes, d_n)
       d = relative_position(mortar%rows(slave%row), x)
     end associate
-    before = size(link%nodes)
-    call append_nodes(nodes, link)
+    call append_nodes(pack(nodes, [(all(link%nodes /= nodes(j)), j=1, size(nodes))]), link)
     do j = 1, size(nodes)                          ! the normal is that of the vertex turned round
-      link%force_nodes(:, :, before + j) = -matmul(force_normal, d_n(:, :, j))
-      link%gap_nodes(:, before + j) = -matmul(d, d_n(:, :, j))
+      at = findloc(link%nodes, nodes(j), dim=1)
+      link%force_nodes(:, :, at) = link%force_nodes(:, :, at) - matmul(force_normal, d_n(:, :, j))
+      if (at > link%n_weights .or. link%is_spring) link%gap_nodes(:, at) = link%gap_nodes(:, at) - matmul(d, d_n(:, :, j))
     end do
   end subroutine link_vertex
 
@@ -189,7 +233,7 @@ contains
     n = size(link%nodes) + size(nodes)
     link%nodes = [link%nodes, nodes]
     link%force_nodes = reshape(link%force_nodes, [3, 3, n], pad=[0.0_DP])
-    link%xi_nodes = reshape(link%xi_nodes, [2, 3, n], pad=[0.0_DP])
+    link%xi_nodes = reshape(link%xi_nodes, [size(link%xi_nodes, 1), 3, n], pad=[0.0_DP])
     link%gap_nodes = reshape(link%gap_nodes, [3, n], pad=[0.0_DP])
   end subroutine append_nodes
 
@@ -214,12 +258,13 @@ contains
   !> A compliant law: lambda = A p n + S, a function of gap, normal and slip alone.
   !!
   !! S = -k e where it sticks, L e/|e| times -1 where it slips, with e = P (e_old + d), L = min(mu A p, A taumax).
-  subroutine link_spring(contact, model, x, old, fields, link)
+  subroutine link_spring(contact, model, x, old, fields, rates, link)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     type(slave_type), intent(in) :: old            !< committed
     type(fields_type), intent(in) :: fields
+    type(pair_rates_type), intent(inout) :: rates(:)   !< (n_pairs)
     type(link_type), intent(inout) :: link
     real(DP) :: p, slope, energy, w(3), e(3), n(3), b(3, 3), force_gap(3), force_normal(3, 3), force_slip(3, 3)
     integer :: j
@@ -227,7 +272,7 @@ contains
       n = slave%normal
       link%is_spring = .true.
       if (law%behavior == BEHAVIOR_USER) then
-        call link_user(contact, x, old, model, fields, link)
+        call link_user(contact, x, old, model, fields, rates, link)
         return
       end if
       call law_pressure(law, -slave%gap, p, slope, energy)
@@ -241,8 +286,9 @@ contains
         call shear_derivatives(law, slave, p, slope, e, b, force_gap)
       end if
       force_slip = matmul(b, unit_matrix() - outer(n, n))
-      force_normal = slave%area * p * unit_matrix() - matmul(b, dot_product(n, w) * unit_matrix() + outer(n, w))
-      call link_weights(contact, x, slave, force_normal, link)
+      force_normal = slave%area * p * unit_matrix() - matmul(b, dot_product(n, w) * unit_matrix() + outer(n, w)) &
+        - matmul(force_slip, origin_offset_rate(contact, slave))
+      call link_weights(contact, x, slave, force_normal, rates, link)
       do j = 1, size(link%nodes)
         link%force_nodes(:, :, j) = link%force_nodes(:, :, j) + outer(force_gap, link%gap_nodes(:, j))
       end do
@@ -253,20 +299,22 @@ contains
 
 
   !> A law by UINTER: lambda = A (s_1 n - s_2 t_1 - s_3 t_2), and S its part along the surface, which turns with n.
-  subroutine link_user(contact, x, old, model, fields, link)
+  subroutine link_user(contact, x, old, model, fields, rates, link)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     type(slave_type), intent(in) :: old            !< committed
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
+    type(pair_rates_type), intent(inout) :: rates(:)   !< (n_pairs)
     type(link_type), intent(inout) :: link
     real(DP) :: w(3), n(3), force_normal(3, 3)
     integer :: j
     associate (slave => fields%slaves(link%slave), answer => contact%answers(link%slave))
       n = slave%normal
       w = old%elastic + contact_slip_vector(contact, model, fields%u, slave)
-      force_normal = dot_product(n, slave%force) * unit_matrix() - outer(n, slave%shear) - dot_product(n, w) * answer%by_slip
-      call link_weights(contact, x, slave, force_normal, link)
+      force_normal = dot_product(n, slave%force) * unit_matrix() - outer(n, slave%shear) - dot_product(n, w) * answer%by_slip &
+        - matmul(answer%by_slip, origin_offset_rate(contact, slave))
+      call link_weights(contact, x, slave, force_normal, rates, link)
       do j = 1, size(link%nodes)
         link%force_nodes(:, :, j) = link%force_nodes(:, :, j) + outer(answer%by_gap, link%gap_nodes(:, j))
       end do
@@ -556,7 +604,7 @@ contains
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     real(DP), intent(in) :: d_imbalance(:, :)      !< (3, n_nodes) [force]
     real(DP), intent(inout) :: d_force(:, :)       !< (3, n_nodes) [force]
-    real(DP) :: d_lambda(3), d_xi(2)
+    real(DP) :: d_lambda(3), d_xi(size(link%xi_nodes, 1)), d_weight
     integer :: j
     d_lambda = 0.0_DP
     do j = 1, size(link%own)
@@ -568,8 +616,9 @@ contains
       d_xi = d_xi + matmul(link%xi_nodes(:, :, j), du(:, link%nodes(j)))
     end do
     do j = 1, link%n_weights
-      d_force(:, link%nodes(j)) = d_force(:, link%nodes(j)) + link%weights(j) * d_lambda &
-        + dot_product(link%d_weights(:, j), d_xi) * link%force
+      if (allocated(link%d_weights)) d_weight = dot_product(link%d_weights(:, j), d_xi)
+      if (.not. allocated(link%d_weights)) d_weight = d_xi(j)
+      d_force(:, link%nodes(j)) = d_force(:, link%nodes(j)) + link%weights(j) * d_lambda + d_weight * link%force
     end do
   end subroutine add_change
 
@@ -723,7 +772,8 @@ contains
           p = place(link%own(j))
         else
           p = place(link%nodes(j))
-          turn = link%d_weights(1, i) * link%xi_nodes(1, :, j) + link%d_weights(2, i) * link%xi_nodes(2, :, j)
+          if (allocated(link%d_weights)) turn = matmul(link%d_weights(:, i), link%xi_nodes(:, :, j))
+          if (.not. allocated(link%d_weights)) turn = link%xi_nodes(i, :, j)
         end if
         do a = 1, 3
           at = matrix%first(3 * row - 3 + a) + 3 * (p - 1)
@@ -747,31 +797,39 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(triplets_type) :: b, a, m, x
     logical :: is_moving
-    integer :: i, j, n_spread, n_follow
+    integer :: i, j, n_spread, n_follow, moving
     n_spread = sum([(links(i)%n_weights, i=1, size(links))])
     n_follow = sum([(size(links(i)%nodes), i=1, size(links))])
     call reserve(b, 9 * n_spread)
     call reserve(a, 9 * n_follow)
-    call reserve(m, 6 * n_spread)
-    call reserve(x, 6 * n_follow)
+    call reserve(m, 3 * sum([(links(i)%n_weights * merge(2, 1, allocated(links(i)%d_weights)), i=1, size(links))]))
+    call reserve(x, sum([(size(links(i)%xi_nodes), i=1, size(links))]))
+    moving = 0                                     ! columns of M before those of a link
     do i = 1, size(links)
-      associate (link => links(i))
-        is_moving = any(abs(link%d_weights) > 0.0_DP)
+      associate (link => links(i), n_xi => size(links(i)%xi_nodes, 1))
+        is_moving = .not. allocated(link%d_weights)
+        if (.not. is_moving) is_moving = any(abs(link%d_weights) > 0.0_DP)
         do j = 1, link%n_weights
           call put_block(3 * (link%nodes(j) - 1), 3 * (i - 1), link%weights(j) * unit_matrix(), b)
-          if (is_moving) call put_block(3 * (link%nodes(j) - 1), 2 * (i - 1), &
-            reshape([link%d_weights(1, j) * link%force, link%d_weights(2, j) * link%force], [3, 2]), m)
+          if (.not. is_moving) cycle
+          if (allocated(link%d_weights)) then
+            call put_block(3 * (link%nodes(j) - 1), moving, &
+              reshape([link%d_weights(1, j) * link%force, link%d_weights(2, j) * link%force], [3, 2]), m)
+          else
+            call put_block(3 * (link%nodes(j) - 1), moving + j - 1, reshape(link%force, [3, 1]), m)
+          end if
         end do
         do j = 1, size(link%nodes)
           call put_block(3 * (i - 1), 3 * (link%nodes(j) - 1), link%force_nodes(:, :, j), a)
-          if (is_moving) call put_block(2 * (i - 1), 3 * (link%nodes(j) - 1), link%xi_nodes(:, :, j), x)
+          if (is_moving) call put_block(moving, 3 * (link%nodes(j) - 1), link%xi_nodes(:, :, j), x)
         end do
+        moving = moving + n_xi
       end associate
     end do
     call matrix_of(b, n_unknowns, 3 * size(links), springs%spread, error)
     if (.not. allocated(error)) call matrix_of(a, 3 * size(links), n_unknowns, springs%follow, error)
-    if (.not. allocated(error)) call matrix_of(m, n_unknowns, 2 * size(links), springs%moved, error)
-    if (.not. allocated(error)) call matrix_of(x, 2 * size(links), n_unknowns, springs%moving, error)
+    if (.not. allocated(error)) call matrix_of(m, n_unknowns, moving, springs%moved, error)
+    if (.not. allocated(error)) call matrix_of(x, moving, n_unknowns, springs%moving, error)
   end subroutine spring_factors
 
 

@@ -16,7 +16,7 @@ module amontons_dual
   use amontons_dense, only: solve_small, DENSE_OK
   implicit none
   private
-  public :: is_transformed, transform_shapes, transform_nodes, whole_share, dual_functions
+  public :: is_transformed, carries_all, transform_shapes, transform_nodes, whole_share, dual_functions
   public :: ALPHA
 
   real(DP), parameter :: ALPHA = 0.2_DP            !< of the transformation of quadratic faces [-]
@@ -30,6 +30,14 @@ contains
     integer, intent(in) :: kind                    !< FACET_...
     is_transformed = kind == FACET_TRI6 .or. kind == FACET_QUAD8
   end function is_transformed
+
+
+  !> Whether what is covered of a facet is enough for all its dual functions.
+  elemental logical function carries_all(kind, covered, area)
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP), intent(in) :: covered, area          !< [length^2]
+    carries_all = covered >= ENOUGH(kind) * area
+  end function carries_all
 
 
   !> The transformed functions from those of the facet.
@@ -115,7 +123,7 @@ contains
       end do
     end do
     d = matmul(shapes, weight)
-    if (sum(weight) >= ENOUGH(kind) * area) then
+    if (carries_all(kind, sum(weight), area)) then
       call solve_small(mass, unit, inverse, status)
       if (status == DENSE_OK) then
         phi = spread(d, 2, size(weight)) * matmul(inverse, shapes)

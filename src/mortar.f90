@@ -12,21 +12,22 @@ module amontons_mortar
   use amontons_mesh, only: mesh_type
   use amontons_facets, only: facets_type, build_facets, facet_nodes, is_line
   use amontons_areas, only: depth_of
-  use amontons_search, only: search_type, near_facets
+  use amontons_search, only: search_type
   use amontons_gap, only: vertex_normal
   use amontons_polygons, only: polygon_area, beyond_polygon
   use amontons_dual, only: is_transformed, whole_share, ALPHA
-  use amontons_segments, only: plane_type, segment_type, points_type, lay_plane, in_plane, corners_in, depth_at, cut_with, &
-    drop_behind, integrate_segments
+  use amontons_segments, only: plane_type, segment_type, points_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
+    integrate_segments
   use amontons_rows, only: contact_row_type, relative_position
   implicit none
   private
   public :: mortar_type, place_type, create_mortar, unite_shares, unite_twins, integrate_mortar, merge_rows, n_own_nodes, &
-    search_margin, turned_with
+    search_margin, turned_with, turned_rate, start_row, take_parts, fading
 
   real(DP), parameter :: COVERED = 1.0e-3_DP       !< a slave node with less of its area in front of the master has no row [-]
   real(DP), parameter :: NOTHING = 1.0e-9_DP       !< with less than this it does not count at all [-]
   real(DP), parameter :: BEYOND = 0.1_DP           !< a slave node is over a master facet up to this part of an edge beyond it [-]
+  real(DP), parameter :: FADED = 0.2_DP            !< under a compliant law its part goes over to others up to this one [-]
 
   !> Where a slave node is against its master.
   type :: place_type
@@ -34,6 +35,7 @@ module amontons_mortar
     integer :: vertex = 0                          !< vertex of the slave surface whose facets touch
     logical :: is_thin = .false.                   !< so little is in front that the node has no row; it counts where rows merge
     logical :: is_merged = .false.                 !< the row went into that of another pair
+    logical :: is_shared = .false.                 !< the row has that of another pair in it
     real(DP) :: whole = 0                          !< area of the node if all of it were covered [length^2]
     real(DP) :: xi(2) = 0                          !< middle of what the node has on that facet, natural coordinates [-]
     real(DP) :: area = 0                           !< D_j [length^2]
@@ -57,7 +59,11 @@ module amontons_mortar
     logical :: is_alone = .true.                   !< its nodes are slaves of no other exact pair
     integer, allocatable :: twins(:, :)            !< (2, n) rows of nodes, and of those that are bound to them by an equation
     logical, allocatable :: has_touched(:)         !< (n) closed when the increment began
-    integer, allocatable, private :: place_of(:)   !< (size(slave%nodes)) place in nodes(:) of each entry of the slave's facets
+    logical :: is_soft = .false.                   !< its law is compliant
+    real(DP), allocatable :: beyond(:)             !< (n) what a node gives to others: 0 over the master, 1 beyond its edge [-]
+    integer, allocatable :: edges(:, :)            !< (4, n) where that is so in part: slave facet, node of it, master facet, the corner
+                                                   !< before its edge
+    integer, allocatable :: place_of(:)            !< (size(slave%nodes)) place in nodes(:) of each entry of the slave's facets
     type(contact_row_type), allocatable, private :: bases(:)   !< (n) own nodes and shares where no node beside is beyond the master
   end type mortar_type
 
@@ -66,7 +72,7 @@ module amontons_mortar
     integer :: n = 0
     type(segment_type), allocatable :: segments(:) !< those of a slave facet side by side, facet after facet
     integer, allocatable :: first(:)               !< (n_facets + 1) start of a slave facet's segments
-    logical, allocatable :: is_over(:)             !< (n) slave nodes that are over the master, or were when they touched it
+    real(DP), allocatable :: beyond(:)             !< (n) as mortar%beyond
     real(DP), allocatable :: area(:)               !< (n_vertices) what is covered of a vertex [length^2]
     real(DP), allocatable :: whole(:)              !< (n_vertices) all of it [length^2]
   end type cuts_type
@@ -99,6 +105,7 @@ contains
     call collect_shares(mortar, of_node)
     mortar%origins = mortar%rows
     allocate (mortar%origin_normal(3, n), source=0.0_DP)
+    allocate (mortar%edges(4, n), source=0)
   end subroutine create_mortar
 
 
@@ -112,6 +119,23 @@ contains
     if (c <= -0.999_DP) return
     turned = v - dot_product(from + to, v) / (1 + c) * (from + to) + 2 * dot_product(from, v) * to
   end function turned_with
+
+
+  !> How a vector that turns with a normal changes with it: d (R v)/d n.
+  pure function turned_rate(v, from, to) result(rate)
+    real(DP), intent(in) :: v(3)
+    real(DP), intent(in) :: from(3), to(3)         !< as `turned_with`
+    real(DP) :: rate(3, 3), c, along
+    integer :: k
+    c = dot_product(from, to)
+    rate = 0.0_DP
+    if (c <= -0.999_DP) return
+    along = dot_product(from + to, v) / (1 + c)
+    do k = 1, 3
+      rate(:, k) = (from + to) / (1 + c) * (along * from(k) - v(k))
+      rate(k, k) = rate(k, k) + 2 * dot_product(from, v) - along
+    end do
+  end function turned_rate
 
 
   !> How far from the middle of a slave facet its master facets may be.
@@ -302,6 +326,7 @@ contains
     place%area = place%area + other%area
     place%whole = whole
     place%is_thin = place%area <= COVERED * whole
+    place%is_shared = .true.
     other = place_type(is_merged=.true.)
   end subroutine mix_rows
 
@@ -317,7 +342,7 @@ contains
     integer :: f
     if (.not. mortar%is_made) mortar%bases = mortar%rows
     allocate (cuts%segments(64), cuts%first(mortar%slave%n + 1))
-    cuts%is_over = mortar%has_touched .or. .not. mortar%is_alone
+    cuts%beyond = merge(0.0_DP, 1.0_DP, (mortar%has_touched .and. .not. mortar%is_soft) .or. .not. mortar%is_alone)
     allocate (cuts%area(mortar%slave%n_vertices), cuts%whole(mortar%slave%n_vertices), source=0.0_DP)
     do f = 1, mortar%slave%n
       cuts%first(f) = cuts%n + 1
@@ -325,11 +350,12 @@ contains
       call mark_over(mortar, f, master, x, cuts)
     end do
     cuts%first(mortar%slave%n + 1) = cuts%n + 1
-    call keep_islands(mortar, cuts)
+    if (.not. mortar%is_soft) call keep_islands(mortar, cuts)
     call fill_rows(mortar, master, x, cuts)
     do f = 1, size(mortar%twins, 2)
       call merge_twins(mortar, mortar%twins(1, f), mortar%twins(2, f))
     end do
+    mortar%beyond = cuts%beyond
     mortar%is_made = .true.
   end subroutine integrate_mortar
 
@@ -344,45 +370,46 @@ contains
     type(cuts_type), intent(inout) :: cuts
     type(plane_type) :: plane
     type(points_type) :: points
-    type(segment_type) :: segment
+    type(segment_type), allocatable :: segments(:)
     real(DP) :: corners(2, 4), size_of
-    integer, allocatable :: list(:)
-    integer :: k, k_own, n_list, n_own, nodes(MAX_FACE_NODES), v(MAX_FACE_NODES), before
+    integer :: k, k_own, n, n_own, v(MAX_FACE_NODES), nodes(MAX_FACE_NODES)
     call facet_nodes(slave, f, n_own, nodes)
     v(:n_own) = slave%vertex(slave%first(f):slave%first(f + 1) - 1)
-    call lay_plane(slave, f, x, plane)
-    plane%depth = depth
+    call find_segments(slave, f, depth, master, search, x, reach, plane, points, segments, n)
     call corners_in(plane, slave, f, x, corners, k_own)
     size_of = polygon_area(corners(:, :k_own)) * depth_at(plane, plane%origin)
     cuts%whole(v(:n_own)) = cuts%whole(v(:n_own)) + size_of * share_of(slave%kind(f), n_own)
-    call near_facets(search, plane%origin, list, n_list)
-    before = cuts%n
-    do k = 1, n_list
-      call cut_with(slave, f, master, list(k), x, reach, plane, points, segment)
-      if (segment%master == 0) cycle
+    if (n == 0) return
+    call integrate_segments(slave, f, x, plane, size_of, points, segments(:n))
+    do k = 1, n
       if (cuts%n == size(cuts%segments)) cuts%segments = [cuts%segments, cuts%segments]
       cuts%n = cuts%n + 1
-      cuts%segments(cuts%n) = segment
-    end do
-    if (cuts%n == before) return
-    call drop_behind(cuts%segments(before + 1:cuts%n), polygon_area(corners(:, :k_own)), points)
-    call integrate_segments(slave, f, x, plane, size_of, points, cuts%segments(before + 1:cuts%n))
-    do k = before + 1, cuts%n
-      cuts%area(v(:n_own)) = cuts%area(v(:n_own)) + cuts%segments(k)%share(:n_own)
+      cuts%segments(cuts%n) = segments(k)
+      cuts%area(v(:n_own)) = cuts%area(v(:n_own)) + segments(k)%share(:n_own)
     end do
   end subroutine cut_facet
 
 
-  !> Which nodes of a slave facet are over the masters that it was cut with.
+  !> How fast the part that a node gives goes with its distance beyond the edge, for the part 0 to 1 that it gives.
+  elemental real(DP) function fading(beyond) result(slope)
+    real(DP), intent(in) :: beyond                 !< s^2 (3 - 2 s), s = distance/(FADED edge) [-]
+    real(DP) :: s
+    s = 0.5_DP - sin(asin(1 - 2 * min(max(beyond, 0.0_DP), 1.0_DP)) / 3)
+    slope = 6 * s * (1 - s) / FADED
+  end function fading
+
+
+  !> Which nodes of a slave facet are over the masters that it was cut with: under exact contact it is or it is not, under a
+  !! compliant law it fades, so that forces are continuous.
   subroutine mark_over(mortar, f, master, x, cuts)
-    type(mortar_type), intent(in) :: mortar
+    type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: f                       !< slave facet
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)
     type(cuts_type), intent(inout) :: cuts
     type(plane_type) :: plane
-    real(DP) :: corners(2, 4)
-    integer :: i, k, j, m, n, nodes(MAX_FACE_NODES)
+    real(DP) :: corners(2, 4), distance, part
+    integer :: i, k, j, m, n, edge, nodes(MAX_FACE_NODES)
     call facet_nodes(mortar%slave, f, n, nodes)
     call lay_plane(mortar%slave, f, x, plane)
     do k = cuts%first(f), cuts%n
@@ -390,9 +417,17 @@ contains
       call corners_in(plane, master, cuts%segments(k)%master, x, corners, m)
       do i = 1, n
         j = mortar%place_of(mortar%slave%first(f) + i - 1)
-        if (cuts%is_over(j)) cycle
-        cuts%is_over(j) = beyond_polygon(corners(:, m:1:-1), in_plane(plane, x(:, nodes(i)))) &
-          <= BEYOND * mortar%slave%edge_length(f)
+        if (cuts%beyond(j) <= 0.0_DP) cycle
+        call beyond_polygon(corners(:, m:1:-1), in_plane(plane, x(:, nodes(i))), distance, edge)
+        distance = distance / mortar%slave%edge_length(f)
+        if (mortar%is_soft) then
+          part = min(max(distance / FADED, 0.0_DP), 1.0_DP)
+          if (part**2 * (3 - 2 * part) >= cuts%beyond(j)) cycle
+          cuts%beyond(j) = part**2 * (3 - 2 * part)
+          mortar%edges(:, j) = [f, i, cuts%segments(k)%master, edge]
+        else if (distance <= BEYOND) then
+          cuts%beyond(j) = 0.0_DP
+        end if
       end do
     end do
   end subroutine mark_over
@@ -402,13 +437,13 @@ contains
   pure subroutine keep_islands(mortar, cuts)
     type(mortar_type), intent(in) :: mortar
     type(cuts_type), intent(inout) :: cuts
-    logical :: is_over(size(cuts%is_over))
+    logical :: is_over(size(cuts%beyond))
     integer :: f
-    is_over = cuts%is_over
+    is_over = cuts%beyond <= 0.0_DP
     do f = 1, mortar%slave%n
       if (cuts%first(f + 1) == cuts%first(f)) cycle
       associate (nodes => mortar%place_of(mortar%slave%first(f):mortar%slave%first(f + 1) - 1))
-        if (.not. any(is_over(nodes))) cuts%is_over(nodes) = .true.
+        if (.not. any(is_over(nodes))) cuts%beyond(nodes) = 0.0_DP
       end associate
     end do
   end subroutine keep_islands
@@ -442,13 +477,14 @@ contains
         v = vertices(maxloc(cuts%area(vertices), dim=1))
         if (abs(cuts%area(v)) <= NOTHING * cuts%whole(v)) cycle
         m = vertex_normal(mortar%slave, x, v)
-        if (norm2(m) <= 0.0_DP .or. .not. cuts%is_over(j)) cycle
+        if (norm2(m) <= 0.0_DP .or. (.not. mortar%is_soft .and. cuts%beyond(j) >= 1.0_DP)) cycle
         place%vertex = v
         place%area = cuts%area(v)
         place%whole = cuts%whole(v)
         place%is_thin = place%area <= COVERED * place%whole
         place%normal = -m / norm2(m)
         call add_masters(mortar, master, x, cuts, at, place, mortar%rows(j))
+        if (mortar%is_soft) place%is_thin = place%area <= COVERED * place%whole
       end associate
     end do
   end subroutine fill_rows
@@ -480,7 +516,7 @@ contains
     type(contact_row_type), intent(inout) :: row
     real(DP), allocatable :: weights(:)
     integer, allocatable :: nodes(:)
-    real(DP) :: largest, taken(MAX_FACE_NODES), beside, first_moment(3)
+    real(DP) :: largest, taken(MAX_FACE_NODES), own_area, beside, first_moment(3), d_taken(MAX_FACE_NODES, MAX_FACE_NODES)
     integer :: i, s, k, n, f, own, n_head
     n = 0
     associate (slave => mortar%slave)
@@ -493,13 +529,15 @@ contains
       allocate (weights(n), source=0.0_DP)
       n = 0
       largest = -huge(1.0_DP)
+      own_area = merge(0.0_DP, place%area, mortar%is_soft)
       beside = 0.0_DP
-      first_moment = place%area * relative_position(row, x)
+      first_moment = 0.0_DP
       do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
         f = slave%star_facet(s)
         own = slave%star_local(s)
         if (cuts%first(f + 1) == cuts%first(f)) cycle
-        taken = taken_by(slave%kind(f), own, cuts%is_over(mortar%place_of(slave%first(f):slave%first(f + 1) - 1)))
+        call take_parts(slave%kind(f), own, cuts%beyond(mortar%place_of(slave%first(f):slave%first(f + 1) - 1)), taken, d_taken)
+        if (mortar%is_soft) own_area = own_area + taken(own) * sum(cuts%segments(cuts%first(f):cuts%first(f + 1) - 1)%share(own))
         do k = cuts%first(f), cuts%first(f + 1) - 1
           call add_segment(master, cuts%segments(k), taken, at, n, nodes, weights)
           if (cuts%segments(k)%share(own) <= largest) cycle
@@ -511,10 +549,15 @@ contains
       end do
       at(nodes(:n)) = 0
     end associate
+    place%area = own_area + beside
+    if (abs(place%area) <= NOTHING * place%whole) then
+      place = place_type()
+      return
+    end if
     if (beside > 0.0_DP) then
-      row%weights = row%weights * (place%area / (place%area + beside))
-      row%shares = row%shares * ((place%area + beside) / place%area)
-      place%area = place%area + beside
+      first_moment = first_moment + own_area * relative_position(row, x)
+      row%weights = row%weights * (own_area / place%area)
+      if (own_area > 0.0_DP) row%shares = row%shares * (place%area / own_area)
       place%arm = first_moment / place%area - x(:, row%nodes(1))
     end if
     do k = 1, n_head                               ! each node once
@@ -555,26 +598,52 @@ contains
   end subroutine add_masters
 
 
-  !> Which parts of the functions of a facet a node of it takes: its own, and those of nodes beyond the master that are nearest
-  !! to it.
-  pure function taken_by(kind, own, is_over) result(taken)
+  !> Which parts of the functions of a facet a node of it takes: what it keeps of its own, and what those beyond the master give to
+  !! the nearest that are over it. What all that are near cannot take, since they are beyond, too, those farther take; what nobody
+  !! takes is kept.
+  pure subroutine take_parts(kind, own, beyond, taken, d_taken)
     integer, intent(in) :: kind                    !< FACET_...
-    integer, intent(in) :: own                     !< local number of a node that is over the master
-    logical, intent(in) :: is_over(:)              !< (n)
-    real(DP) :: taken(MAX_FACE_NODES)              !< [-]
-    real(DP) :: at(2, MAX_FACE_NODES), distance(size(is_over))
-    integer :: i, k
+    integer, intent(in) :: own                     !< local number of the node
+    real(DP), intent(in) :: beyond(:)              !< (n) what each node gives [-]
+    real(DP), intent(out) :: taken(MAX_FACE_NODES) !< [-]
+    real(DP), intent(out) :: d_taken(MAX_FACE_NODES, MAX_FACE_NODES)   !< (i, k) of taken(i) by beyond(k) [-]
+    real(DP) :: at(2, MAX_FACE_NODES), distance(size(beyond)), rest, none, sum_of, d_rest(size(beyond)), d_none(size(beyond))
+    logical :: is_near(size(beyond))
+    integer :: i, j, k, n
+    n = size(beyond)
     taken = 0.0_DP
-    taken(own) = 1.0_DP
-    if (all(is_over) .or. .not. any(is_over)) return
+    d_taken = 0.0_DP
+    taken(own) = 1 - beyond(own)
+    d_taken(own, own) = -1.0_DP
+    if (all(beyond <= 0.0_DP)) return
     at = regular_places(kind)
-    do i = 1, size(is_over)
-      if (is_over(i)) cycle
-      distance = [(norm2(at(:, k) - at(:, i)), k=1, size(is_over))]
-      where (.not. is_over) distance = huge(1.0_DP)
-      if (distance(own) < minval(distance) + 0.01_DP) taken(i) = 1 / real(count(distance < minval(distance) + 0.01_DP), DP)
+    do i = 1, n
+      if (beyond(i) <= 0.0_DP) cycle
+      distance = [(norm2(at(:, k) - at(:, i)), k=1, n)]
+      distance(i) = huge(1.0_DP)
+      rest = beyond(i)
+      d_rest = [(merge(1.0_DP, 0.0_DP, k == i), k=1, n)]
+      do while (any(distance < huge(1.0_DP)))
+        is_near = distance < minval(distance) + 0.01_DP
+        none = product(beyond, mask=is_near)
+        d_none = [(product(beyond, mask=is_near .and. [(k /= j, j=1, n)]), k=1, n)]
+        where (.not. is_near) d_none = 0.0_DP
+        sum_of = sum(1 - beyond, mask=is_near)
+        if (is_near(own) .and. none < 1.0_DP) then
+          taken(i) = rest * (1 - none) * (1 - beyond(own)) / sum_of
+          d_taken(i, :n) = (d_rest * (1 - none) - rest * d_none) * (1 - beyond(own)) / sum_of
+          where (is_near) d_taken(i, :n) = d_taken(i, :n) + taken(i) / sum_of
+          d_taken(i, own) = d_taken(i, own) - rest * (1 - none) / sum_of
+        end if
+        d_rest = d_rest * none + rest * d_none
+        rest = rest * none
+        if (is_near(own)) exit
+        where (is_near) distance = huge(1.0_DP)
+      end do
+      if (i == own) taken(own) = taken(own) + rest
+      if (i == own) d_taken(own, :n) = d_taken(own, :n) + d_rest
     end do
-  end function taken_by
+  end subroutine take_parts
 
 
   !> Where the nodes of a facet are if all its edges are alike.

@@ -16,14 +16,17 @@ module amontons_polygons
 contains
 
   !> The part of a polygon that is inside a convex one, edge by edge (Sutherland and Hodgman, Comm. ACM 17 (1974) 32-42).
-  pure subroutine clip_polygon(subject, window, cut, n)
+  pure subroutine clip_polygon(subject, window, cut, n, lines)
     real(DP), intent(in) :: subject(:, :)          !< (2, :) corners, counter-clockwise [length]
     real(DP), intent(in) :: window(:, :)           !< (2, :) corners of a convex polygon, counter-clockwise [length]
     real(DP), intent(out) :: cut(2, MAX_CORNERS)   !< corners of the cut, the first n are set [length]
     integer, intent(out) :: n                      !< less than 3: nothing in common
+    integer, intent(out), optional :: lines(MAX_CORNERS)   !< the line on which the edge before each corner lies: j: before corner j of
+                                                   !< the subject; size(subject, 2) + k: after corner k of the window
     real(DP) :: before(2, MAX_CORNERS), side(MAX_CORNERS), a(2), edge(2)
-    integer :: k, i, j, m
+    integer :: line(MAX_CORNERS), line_before(MAX_CORNERS), k, i, j, m, window_line
     n = size(subject, 2)
+    line = [(k, k=1, MAX_CORNERS)]
     cut(:, :n) = subject
     cut(:, n + 1:) = 0.0_DP
     do k = 1, size(window, 2)
@@ -31,6 +34,8 @@ contains
       edge = window(:, modulo(k, size(window, 2)) + 1) - a
       m = n
       before = cut
+      line_before = line
+      window_line = size(subject, 2) + k
       do i = 1, m
         side(i) = edge(1) * (before(2, i) - a(2)) - edge(2) * (before(1, i) - a(1))   ! positive: inside
       end do
@@ -38,22 +43,28 @@ contains
       do j = 1, m                                  ! each corner after what comes between the last one and it
         i = modulo(j - 2, m) + 1
         if ((side(i) > 0.0_DP .and. side(j) < 0.0_DP) .or. (side(i) < 0.0_DP .and. side(j) > 0.0_DP)) &
-          call append_corner(before(:, i) + side(i) / (side(i) - side(j)) * (before(:, j) - before(:, i)), cut, n)
-        if (side(j) >= 0.0_DP) call append_corner(before(:, j), cut, n)
+          call append_corner(before(:, i) + side(i) / (side(i) - side(j)) * (before(:, j) - before(:, i)), &
+            merge(window_line, line_before(j), side(i) < 0.0_DP), cut, line, n)
+        if (side(j) >= 0.0_DP) call append_corner(before(:, j), merge(window_line, line_before(j), side(j) <= 0.0_DP .and. &
+          side(i) < 0.0_DP), cut, line, n)
       end do
-      if (n < 3) return
+      if (n < 3) exit
     end do
+    if (present(lines)) lines = line
   end subroutine clip_polygon
 
 
   !> One more corner; a polygon that is not convex could have too many.
-  pure subroutine append_corner(corner, cut, n)
+  pure subroutine append_corner(corner, line_of_edge, cut, line, n)
     real(DP), intent(in) :: corner(2)              !< [length]
+    integer, intent(in) :: line_of_edge            !< before the corner
     real(DP), intent(inout) :: cut(2, MAX_CORNERS)
+    integer, intent(inout) :: line(MAX_CORNERS)
     integer, intent(inout) :: n
     if (n == MAX_CORNERS) return
     n = n + 1
     cut(:, n) = corner
+    line(n) = line_of_edge
   end subroutine append_corner
 
 
@@ -72,30 +83,39 @@ contains
 
 
   !> How far a point is beyond the edge of a convex polygon that it is beyond most; negative inside.
-  pure real(DP) function beyond_polygon(corners, point) result(beyond)
+  pure subroutine beyond_polygon(corners, point, beyond, edge)
     real(DP), intent(in) :: corners(:, :)          !< (2, :) counter-clockwise [length]
     real(DP), intent(in) :: point(2)               !< [length]
-    real(DP) :: edge(2), r(2)
+    real(DP), intent(out) :: beyond                !< [length]
+    integer, intent(out) :: edge                   !< the corner at which that edge begins
+    real(DP) :: along(2), r(2), distance
     integer :: k
     beyond = -huge(1.0_DP)
+    edge = 1
     do k = 1, size(corners, 2)
-      edge = corners(:, modulo(k, size(corners, 2)) + 1) - corners(:, k)
+      along = corners(:, modulo(k, size(corners, 2)) + 1) - corners(:, k)
       r = point - corners(:, k)
-      if (norm2(edge) > 0.0_DP) beyond = max(beyond, (edge(2) * r(1) - edge(1) * r(2)) / norm2(edge))
+      if (norm2(along) <= 0.0_DP) cycle
+      distance = (along(2) * r(1) - along(1) * r(2)) / norm2(along)
+      if (distance <= beyond) cycle
+      beyond = distance
+      edge = k
     end do
-  end function beyond_polygon
+  end subroutine beyond_polygon
 
 
   !> Points and weights of an integral over a convex polygon, triangle by triangle from its first corner.
   !!
   !! Exact for polynomials of degree 4 with order 3 or less (6 points in a triangle, G. R. Cowper, Int. J. Numer. Methods Engrg.
   !! 7 (1973) 405-408); with a higher order n for those of degree 2n - 2 (n x n points: the square collapsed to the triangle).
-  pure subroutine polygon_points(corners, order, n, point, weight)
+  pure subroutine polygon_points(corners, order, n, point, weight, corner, place)
     real(DP), intent(in) :: corners(:, :)          !< (2, :) counter-clockwise [length]
     integer, intent(in) :: order                   !< at most 6
     integer, intent(out) :: n
     real(DP), intent(out) :: point(2, MAX_CUT_POINTS)   !< the first n are set [length]
     real(DP), intent(out) :: weight(MAX_CUT_POINTS)     !< the first n are set [length^2]
+    integer, intent(out), optional :: corner(MAX_CUT_POINTS)     !< k of the triangle 1, k, k + 1 in which a point is
+    real(DP), intent(out), optional :: place(2, MAX_CUT_POINTS)  !< the parts that k and k + 1 have of a point [-]
     real(DP) :: xi(2, MOST_RULE), w(MOST_RULE), a(2), b(2), twice
     integer :: k, q, n_rule
     if (order > 3) then
@@ -113,6 +133,8 @@ contains
         n = n + 1
         point(:, n) = corners(:, 1) + xi(1, q) * a + xi(2, q) * b
         weight(n) = w(q) * twice
+        if (present(corner)) corner(n) = k
+        if (present(place)) place(:, n) = xi(:, q)
       end do
     end do
   end subroutine polygon_points

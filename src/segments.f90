@@ -10,12 +10,13 @@ module amontons_segments
     MAX_FACE_NODES
   use amontons_shapes, only: facet_shapes
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line
+  use amontons_search, only: search_type, near_facets
   use amontons_polygons, only: clip_polygon, polygon_area, polygon_points, MAX_CORNERS, MAX_CUT_POINTS
   use amontons_dual, only: transform_shapes, transform_nodes, dual_functions
   implicit none
   private
-  public :: plane_type, segment_type, points_type, lay_plane, in_plane, corners_in, depth_at, cut_with, drop_behind, &
-    integrate_segments
+  public :: plane_type, segment_type, points_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
+    integrate_segments, order_for, natural_place
 
   real(DP), parameter :: FACING = 0.2_DP           !< a master facet is in front if its normal is this much against the slave's [-]
   real(DP), parameter :: OVERLAP = 1.0e-6_DP       !< segments that overlap by more of the facet lie one behind the other [-]
@@ -54,6 +55,41 @@ module amontons_segments
   end type points_type
 
 contains
+
+  !> All that a slave facet has in common with the masters in front of it; where masters lie one behind the other, the nearest.
+  subroutine find_segments(slave, f, depth, master, search, x, reach, plane, points, segments, n)
+    type(facets_type), intent(in) :: slave, master
+    integer, intent(in) :: f                       !< slave facet
+    real(DP), intent(in) :: depth                  !< of a line: as plane%depth
+    type(search_type), intent(in) :: search        !< of the master's facets
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
+    real(DP), intent(in) :: reach                  !< facets farther apart do not see each other [length]
+    type(plane_type), intent(out) :: plane
+    type(points_type), intent(inout) :: points
+    type(segment_type), allocatable, intent(inout) :: segments(:)   !< the first n are set
+    integer, intent(out) :: n
+    type(segment_type) :: segment
+    integer, allocatable :: list(:)
+    real(DP) :: corners(2, 4)
+    integer :: k, n_list, n_corners
+    call lay_plane(slave, f, x, plane)
+    plane%depth = depth
+    call near_facets(search, plane%origin, list, n_list)
+    if (.not. allocated(segments)) allocate (segments(8))
+    points%n = 0
+    n = 0
+    do k = 1, n_list
+      call cut_with(slave, f, master, list(k), x, reach, plane, points, segment)
+      if (segment%master == 0) cycle
+      if (n == size(segments)) segments = [segments, segments]
+      n = n + 1
+      segments(n) = segment
+    end do
+    if (n == 0) return
+    call corners_in(plane, slave, f, x, corners, n_corners)
+    call drop_behind(segments(:n), polygon_area(corners(:, :n_corners)), points)
+  end subroutine find_segments
+
 
   !> Where masters lie one behind the other (a fold), the nearest takes the place: what overlaps with a nearer one is dropped.
   subroutine drop_behind(segments, area, points)

@@ -84,7 +84,7 @@ contains
   end subroutine check_shared
 
 
-  !> Surface to surface with rows that are kept: the tangent is exact. (With finite sliding it leaves out how the weights change.)
+  !> Surface to surface, with rows that are kept and with rows that are integrated anew.
   subroutine check_mortar()
     type(interaction_type) :: law
     call check_tangent('mortar, small sliding', 0.15_DP, 0.3_DP, .true., .true., shared=3)
@@ -92,6 +92,12 @@ contains
     law = interaction_type(behavior=BEHAVIOR_EXPONENTIAL, reach=0.3_DP, pressure=15.0_DP, stick_slope=120.0_DP)
     call check_tangent('mortar, exponential', 0.15_DP, 0.3_DP, .true., .true., law, shared=3)
     call check_tangent('mortar, quadratic lines, small sliding', 0.15_DP, 0.3_DP, .true., .true., plane=KIND_CAX8, shared=3)
+    call check_tangent('mortar, finite sliding', 0.15_DP, 0.3_DP, .true., .false., shared=3)
+    call check_tangent('mortar, finite sliding, frictionless', 0.15_DP, 0.0_DP, .true., .false., shared=3)
+    call check_tangent('mortar, finite sliding, exponential', 0.15_DP, 0.3_DP, .true., .false., law, shared=3)
+    call check_tangent('mortar, finite sliding, lines', 0.15_DP, 0.3_DP, .true., .false., plane=KIND_CPE4_FULL, shared=3)
+    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=300.0_DP, tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP)
+    call check_tangent('mortar, finite sliding, quadratic lines', 0.15_DP, 0.3_DP, .true., .false., law, KIND_CAX8, shared=3)
   end subroutine check_mortar
 
 

@@ -38,7 +38,7 @@ contains
 
   !> Areas of cuts that can be told without a computer.
   subroutine check_cuts()
-    real(DP) :: cut(2, MAX_CORNERS), other(2, 4), triangle(2, 3)
+    real(DP) :: cut(2, MAX_CORNERS), other(2, 4), triangle(2, 3), distance
     integer :: n
     other = SQUARE + 0.25_DP
     call clip_polygon(SQUARE, other, cut, n)
@@ -56,8 +56,11 @@ contains
     call clip_polygon(SQUARE, other, cut, n)
     if (n >= 3) call suite%near('a common edge has no area', polygon_area(cut(:, :n)), 0.0_DP, 1.0e-14_DP)
     if (n < 3) call suite%that('a common edge has no area', .true.)
-    call suite%near('beyond the edge of a square', beyond_polygon(SQUARE, [1.5_DP, 0.2_DP]), 0.5_DP, 1.0e-14_DP)
-    call suite%near('within a square', beyond_polygon(SQUARE, [0.9_DP, 0.2_DP]), -0.1_DP, 1.0e-14_DP)
+    call beyond_polygon(SQUARE, [1.5_DP, 0.2_DP], distance, n)
+    call suite%near('beyond the edge of a square', distance, 0.5_DP, 1.0e-14_DP)
+    call suite%that('beyond its second edge', n == 2)
+    call beyond_polygon(SQUARE, [0.9_DP, 0.2_DP], distance, n)
+    call suite%near('within a square', distance, -0.1_DP, 1.0e-14_DP)
   end subroutine check_cuts
 
 
