@@ -16,7 +16,7 @@ module amontons_cut_rates
   use amontons_polygons, only: clip_polygon, polygon_area, polygon_points, MAX_CORNERS, MAX_CUT_POINTS
   use amontons_dense, only: solve_small, DENSE_OK
   use amontons_dual, only: carries_all, transform_shapes, transform_nodes
-  use amontons_segments, only: plane_type, segment_type, points_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
+  use amontons_segments, only: plane_type, segment_type, cover_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
     order_for, natural_place
   use amontons_rows, only: contact_row_type
   use amontons_mortar, only: mortar_type, start_row, take_parts, fading
@@ -97,31 +97,29 @@ contains
     type(search_type), intent(in) :: search        !< of the master's facets
     real(DP), intent(in) :: x(:, :), reach         !< as `find_segments`
     type(facet_rates_type), intent(out) :: rates
-    type(plane_type) :: plane
-    type(points_type) :: points
-    type(segment_type), allocatable :: segments(:)
+    type(cover_type) :: cover
     type(sums_type) :: sums
     real(DP) :: turn(2, MOST), area, corners(2, 4)
-    integer :: k, n, n_corners
+    integer :: k, n_corners
     rates%is_made = .true.
-    call find_segments(slave, f, depth, master, search, x, reach, plane, points, segments, n)
-    call gather_nodes(slave, f, master, segments(:n), rates)
-    if (n == 0) return
-    call corners_in(plane, slave, f, x, corners, n_corners)
-    area = polygon_area(corners(:, :n_corners)) * depth_at(plane, plane%origin)
-    associate (w => points%weight(:points%n))
+    call find_segments(slave, f, depth, master, search, x, reach, cover)
+    call gather_nodes(slave, f, master, cover%segments(:cover%n), rates)
+    if (cover%n == 0) return
+    call corners_in(cover%plane, slave, f, x, corners, n_corners)
+    area = polygon_area(corners(:, :n_corners)) * depth_at(cover%plane, cover%plane%origin)
+    associate (w => cover%points%weight(:cover%points%n))
       if (sum(w) <= 0.0_DP) return
-      sums%middle = matmul(points%at(:, :points%n), w) / sum(w)
+      sums%middle = matmul(cover%points%at(:, :cover%points%n), w) / sum(w)
       sums%unit = sqrt(area)
       sums%is_full = carries_all(slave%kind(f), sum(w), area)
     end associate
     call begin_sums(merge(rates%n_slave, 3, sums%is_full), size(rates%nodes), sums)
-    turn = turn_of(slave, f, x, plane)
-    do k = 1, n
-      if (all(points%weight(segments(k)%first:segments(k)%last) <= 0.0_DP)) cycle
-      call add_cut(slave, f, master, segments(k)%master, x, plane, turn, rates, sums)
+    turn = turn_of(slave, f, x, cover%plane)
+    do k = 1, cover%n
+      if (all(cover%points%weight(cover%segments(k)%first:cover%segments(k)%last) <= 0.0_DP)) cycle
+      call add_cut(slave, f, master, cover%segments(k)%master, x, cover%plane, turn, rates, sums)
     end do
-    call finish_blocks(slave, f, x, plane, turn, rates, sums)
+    call finish_blocks(slave, f, x, cover%plane, turn, rates, sums)
   end subroutine differentiate_cuts
 
 
@@ -350,21 +348,17 @@ contains
     real(DP), intent(in) :: turn(2, MOST)
     integer, intent(in) :: nd
     type(point_rates_type), intent(inout) :: point
-    real(DP) :: xi(2), N(MAX_FACE_NODES), d_xi(2, MOST), d_N(MAX_FACE_NODES, MOST), scale, d_scale(MOST)
+    real(DP) :: xi(2), d_xi(2, MOST)
     integer :: i
     call natural_place(front%kind, plane, front%x(:, :front%n), point%at, xi, point%on_master)
     call differentiate_place(front, plane, nd, xi, point%d_at, d_xi, point%d_on_master)
-    call natural_place(own%kind, plane, own%x(:, :own%n), point%at, xi, N)
-    call differentiate_place(own, plane, nd, xi, point%d_at, d_xi, d_N)
-    call differentiate_scale(own, plane, turn, nd, xi, d_xi, N, d_N, scale, d_scale)
-    point%d_weight(:nd) = point%d_weight(:nd) * scale + point%weight * d_scale(:nd)
-    point%weight = point%weight * scale
-    call transform_shapes(own%kind, N)
-    point%on_slave = N
+    call natural_place(own%kind, plane, own%x(:, :own%n), point%at, xi, point%on_slave)
+    call differentiate_place(own, plane, nd, xi, point%d_at, d_xi, point%d_on_slave)
+    call scale_weight(own, plane, turn, nd, xi, d_xi, point)
+    call transform_shapes(own%kind, point%on_slave)
     do i = 1, nd
-      call transform_shapes(own%kind, d_N(:, i))
+      call transform_shapes(own%kind, point%d_on_slave(:, i))
     end do
-    point%d_on_slave(:, :nd) = d_N(:, :nd)
   end subroutine differentiate_point
 
 
@@ -401,14 +395,15 @@ contains
   end subroutine differentiate_place
 
 
-  !> The area of the slave's face over that in the plane, times the depth of a line: as in `segments`.
-  pure subroutine differentiate_scale(own, plane, turn, nd, xi, d_xi, N, d_N, scale, d_scale)
+  !> The weight times the area of the slave's face over that in the plane, and times the depth of a line: as in `segments`.
+  pure subroutine scale_weight(own, plane, turn, nd, xi, d_xi, point)
     type(outline_type), intent(in) :: own
     type(plane_type), intent(in) :: plane
     real(DP), intent(in) :: turn(2, MOST)
     integer, intent(in) :: nd
-    real(DP), intent(in) :: xi(2), d_xi(2, MOST), N(MAX_FACE_NODES), d_N(MAX_FACE_NODES, MOST)
-    real(DP), intent(out) :: scale, d_scale(MOST)
+    real(DP), intent(in) :: xi(2), d_xi(2, MOST)
+    type(point_rates_type), intent(inout) :: point !< with N_j on the slave
+    real(DP) :: scale, d_scale
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), t(3, 2), second(3, 3), d_t(3, 2)
     real(DP) :: normal(3), d_normal(3), along, length, depth, d_along
     integer :: i, k, a
@@ -420,7 +415,7 @@ contains
       normal = cross_product(t(:, 1), t(:, 2))
       length = norm2(normal)
       along = max(dot_product(normal, plane%normal), 0.1_DP * length)
-      depth = depth_at(plane, matmul(own%x(:, :m), N(:m)))
+      depth = depth_at(plane, matmul(own%x(:, :m), point%on_slave(:m)))
     end associate
     scale = length / along * depth
     do i = 1, nd
@@ -433,12 +428,15 @@ contains
       d_normal = cross_product(d_t(:, 1), t(:, 2)) + cross_product(t(:, 1), d_t(:, 2))
       d_along = dot_product(d_normal, plane%normal) + dot_product(matmul(plane%axes, turn(:, i)), normal)
       if (along <= 0.1_DP * length) d_along = 0.1_DP * dot_product(normal, d_normal) / length
-      d_scale(i) = depth * (dot_product(normal, d_normal) / (length * along) - length * d_along / along**2)
-      if (plane%depth >= 0.0_DP) cycle
-      d_scale(i) = d_scale(i) + 2 * PI * length / along * dot_product(own%x(1, :own%n), d_N(:own%n, i))
-      if (k >= 1 .and. k <= own%n .and. a == 1) d_scale(i) = d_scale(i) + 2 * PI * length / along * N(k)
+      d_scale = depth * (dot_product(normal, d_normal) / (length * along) - length * d_along / along**2)
+      if (plane%depth < 0.0_DP) then
+        d_scale = d_scale + 2 * PI * length / along * dot_product(own%x(1, :own%n), point%d_on_slave(:own%n, i))
+        if (k >= 1 .and. k <= own%n .and. a == 1) d_scale = d_scale + 2 * PI * length / along * point%on_slave(k)
+      end if
+      point%d_weight(i) = point%d_weight(i) * scale + point%weight * d_scale
     end do
-  end subroutine differentiate_scale
+    point%weight = point%weight * scale
+  end subroutine scale_weight
 
 
   !> One point's part of all sums.
@@ -689,29 +687,26 @@ contains
     type(contact_row_type), intent(in) :: row
     real(DP), intent(inout) :: sum_of(:, :, :), d_area(:, :)
     type(contact_row_type) :: part
-    real(DP) :: values(size(row%nodes))
+    real(DP) :: values(size(row%nodes)), rate(3)
     integer :: i, j, k, q, local, node
-    do q = 1, size(fades)
-      local = findloc(facet%nodes(:facet%n_slave), fades(q)%node, dim=1)
-      if (local == 0) cycle
-      do i = 1, facet%n_slave
-        if (abs(d_taken(i, local)) <= 0.0_DP) cycle
-        node = findloc(mortar%nodes, facet%nodes(i), dim=1)
-        call start_row(mortar%nodes(node), mortar%corners(:, node), part)
-        values = 0.0_DP
-        do k = 1, size(part%nodes)
-          where (row%nodes == part%nodes(k)) values = values + facet%share(i) * part%weights(k)
-        end do
-        do k = facet%n_slave + 1, size(facet%nodes)
-          if (at(k) <= size(values)) values(at(k)) = values(at(k)) - facet%block(i, k)
-        end do
+    do i = 1, facet%n_slave
+      if (all(abs(d_taken(i, :)) <= 0.0_DP)) cycle
+      node = findloc(mortar%nodes, facet%nodes(i), dim=1)
+      call start_row(mortar%nodes(node), mortar%corners(:, node), part)
+      values = 0.0_DP                              ! what the row has of it
+      do k = 1, size(part%nodes)
+        where (row%nodes == part%nodes(k)) values = values + facet%share(i) * part%weights(k)
+      end do
+      do k = facet%n_slave + 1, size(facet%nodes)
+        if (at(k) <= size(values)) values(at(k)) = values(at(k)) - facet%block(i, k)
+      end do
+      do q = 1, size(fades)
+        local = findloc(facet%nodes(:facet%n_slave), fades(q)%node, dim=1)
+        if (local == 0) cycle
         do j = 1, size(fades(q)%at)
-          associate (rate => d_taken(i, local) * fades(q)%rate(:, j), place => fades(q)%at(j))
-            d_area(:, place) = d_area(:, place) + facet%share(i) * rate
-            do k = 1, size(values)
-              sum_of(k, :, place) = sum_of(k, :, place) + values(k) * rate
-            end do
-          end associate
+          rate = d_taken(i, local) * fades(q)%rate(:, j)
+          d_area(:, fades(q)%at(j)) = d_area(:, fades(q)%at(j)) + facet%share(i) * rate
+          sum_of(:, :, fades(q)%at(j)) = sum_of(:, :, fades(q)%at(j)) + spread(values, 2, 3) * spread(rate, 1, size(values))
         end do
       end do
     end do

@@ -16,7 +16,7 @@ module amontons_mortar
   use amontons_gap, only: vertex_normal
   use amontons_polygons, only: polygon_area, beyond_polygon
   use amontons_dual, only: is_transformed, whole_share, ALPHA
-  use amontons_segments, only: plane_type, segment_type, points_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
+  use amontons_segments, only: plane_type, segment_type, cover_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
     integrate_segments
   use amontons_rows, only: contact_row_type, relative_position
   implicit none
@@ -368,24 +368,22 @@ contains
     type(search_type), intent(in) :: search
     real(DP), intent(in) :: x(:, :), reach
     type(cuts_type), intent(inout) :: cuts
-    type(plane_type) :: plane
-    type(points_type) :: points
-    type(segment_type), allocatable :: segments(:)
+    type(cover_type) :: cover
     real(DP) :: corners(2, 4), size_of
-    integer :: k, k_own, n, n_own, v(MAX_FACE_NODES), nodes(MAX_FACE_NODES)
+    integer :: k, k_own, n_own, v(MAX_FACE_NODES), nodes(MAX_FACE_NODES)
     call facet_nodes(slave, f, n_own, nodes)
     v(:n_own) = slave%vertex(slave%first(f):slave%first(f + 1) - 1)
-    call find_segments(slave, f, depth, master, search, x, reach, plane, points, segments, n)
-    call corners_in(plane, slave, f, x, corners, k_own)
-    size_of = polygon_area(corners(:, :k_own)) * depth_at(plane, plane%origin)
+    call find_segments(slave, f, depth, master, search, x, reach, cover)
+    call corners_in(cover%plane, slave, f, x, corners, k_own)
+    size_of = polygon_area(corners(:, :k_own)) * depth_at(cover%plane, cover%plane%origin)
     cuts%whole(v(:n_own)) = cuts%whole(v(:n_own)) + size_of * share_of(slave%kind(f), n_own)
-    if (n == 0) return
-    call integrate_segments(slave, f, x, plane, size_of, points, segments(:n))
-    do k = 1, n
+    if (cover%n == 0) return
+    call integrate_segments(slave, f, x, cover%plane, size_of, cover%points, cover%segments(:cover%n))
+    do k = 1, cover%n
       if (cuts%n == size(cuts%segments)) cuts%segments = [cuts%segments, cuts%segments]
       cuts%n = cuts%n + 1
-      cuts%segments(cuts%n) = segments(k)
-      cuts%area(v(:n_own)) = cuts%area(v(:n_own)) + segments(k)%share(:n_own)
+      cuts%segments(cuts%n) = cover%segments(k)
+      cuts%area(v(:n_own)) = cuts%area(v(:n_own)) + cover%segments(k)%share(:n_own)
     end do
   end subroutine cut_facet
 

@@ -15,7 +15,7 @@ module amontons_segments
   use amontons_dual, only: transform_shapes, transform_nodes, dual_functions
   implicit none
   private
-  public :: plane_type, segment_type, points_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
+  public :: plane_type, segment_type, points_type, cover_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
     integrate_segments, order_for, natural_place
 
   real(DP), parameter :: FACING = 0.2_DP           !< a master facet is in front if its normal is this much against the slave's [-]
@@ -54,40 +54,43 @@ module amontons_segments
     real(DP), allocatable :: on_master(:, :)       !< (MAX_FACE_NODES, :) N_i [-]
   end type points_type
 
+  !> All that a slave facet has in common with its masters.
+  type :: cover_type
+    type(plane_type) :: plane
+    type(points_type) :: points
+    integer :: n = 0
+    type(segment_type), allocatable :: segments(:) !< the first n are set
+  end type cover_type
+
 contains
 
   !> All that a slave facet has in common with the masters in front of it; where masters lie one behind the other, the nearest.
-  subroutine find_segments(slave, f, depth, master, search, x, reach, plane, points, segments, n)
+  subroutine find_segments(slave, f, depth, master, search, x, reach, cover)
     type(facets_type), intent(in) :: slave, master
     integer, intent(in) :: f                       !< slave facet
     real(DP), intent(in) :: depth                  !< of a line: as plane%depth
     type(search_type), intent(in) :: search        !< of the master's facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
     real(DP), intent(in) :: reach                  !< facets farther apart do not see each other [length]
-    type(plane_type), intent(out) :: plane
-    type(points_type), intent(inout) :: points
-    type(segment_type), allocatable, intent(inout) :: segments(:)   !< the first n are set
-    integer, intent(out) :: n
+    type(cover_type), intent(out) :: cover
     type(segment_type) :: segment
     integer, allocatable :: list(:)
     real(DP) :: corners(2, 4)
     integer :: k, n_list, n_corners
-    call lay_plane(slave, f, x, plane)
-    plane%depth = depth
-    call near_facets(search, plane%origin, list, n_list)
-    if (.not. allocated(segments)) allocate (segments(8))
-    points%n = 0
-    n = 0
+    call lay_plane(slave, f, x, cover%plane)
+    cover%plane%depth = depth
+    call near_facets(search, cover%plane%origin, list, n_list)
+    allocate (cover%segments(8))
     do k = 1, n_list
-      call cut_with(slave, f, master, list(k), x, reach, plane, points, segment)
+      call cut_with(slave, f, master, list(k), x, reach, cover%plane, cover%points, segment)
       if (segment%master == 0) cycle
-      if (n == size(segments)) segments = [segments, segments]
-      n = n + 1
-      segments(n) = segment
+      if (cover%n == size(cover%segments)) cover%segments = [cover%segments, cover%segments]
+      cover%n = cover%n + 1
+      cover%segments(cover%n) = segment
     end do
-    if (n == 0) return
-    call corners_in(plane, slave, f, x, corners, n_corners)
-    call drop_behind(segments(:n), polygon_area(corners(:, :n_corners)), points)
+    if (cover%n == 0) return
+    call corners_in(cover%plane, slave, f, x, corners, n_corners)
+    call drop_behind(cover%segments(:cover%n), polygon_area(corners(:, :n_corners)), cover%points)
   end subroutine find_segments
 
 
