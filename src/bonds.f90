@@ -19,6 +19,7 @@ module amontons_bonds
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_tensor, only: cross_product
+  use amontons_mesh, only: mesh_extent
   use amontons_loads, only: equation_type
   use amontons_ties, only: bond_type, BOND_BODY, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
   use amontons_model, only: model_type, n_bonds
@@ -29,7 +30,7 @@ module amontons_bonds
   implicit none
   private
   public :: add_bonds, add_curvatures, hold_lone, keep_supports, linear_equations
-  public :: bond_rows, curvature_of, curved_nodes, rotation_matrix, TAG_SUPPORT
+  public :: bond_rows, curvature_of, curved_nodes, rotation_matrix, levers, TAG_SUPPORT
 
   integer, parameter :: TAG_SUPPORT = 1            !< rows of prescribed displacements of transformed nodes
   integer, parameter :: TAG_BOND = 1000000000      !< rows of bonds have this tag and more
@@ -70,6 +71,27 @@ contains
       end associate
     end do
   end subroutine add_bonds
+
+
+  !> What makes a displacement of what is an angle, and a force of a moment: half the size of the model at nodes that bear rotations, 1 at
+  !! all others. Without rotations it is empty.
+  function levers(model) result(lever)
+    type(model_type), intent(in) :: model
+    real(DP), allocatable :: lever(:)              !< (n_nodes) or (0) [length] or [-]
+    logical, allocatable :: is_angle(:)
+    integer :: i
+    allocate (is_angle(model%mesh%n_nodes), source=.false.)
+    do i = 1, n_bonds(model)
+      if (model%bonds(i)%kind == BOND_TURN) is_angle(model%bonds(i)%reference) = .true.
+    end do
+    if (allocated(model%rotation_of)) then
+      do i = 1, size(model%rotation_of)
+        if (model%rotation_of(i) > 0) is_angle(model%rotation_of(i)) = .true.
+      end do
+    end if
+    allocate (lever(0))
+    if (any(is_angle)) lever = merge(0.5_DP * mesh_extent(model%mesh), 1.0_DP, is_angle)
+  end function levers
 
 
   !> Displacements of nodes without elements that no row speaks of stay as they are: nothing else holds them.

@@ -18,7 +18,7 @@ module amontons_carry
   use amontons_rows, only: contact_row_type, relative_position
   use amontons_contact, only: touching_row
   use amontons_settle, only: settle_contact
-  use amontons_system, only: system_type, evaluate, TROUBLE_NONE, TROUBLE_SOLVER
+  use amontons_system, only: system_type, evaluate, components_of, sizes_of, TROUBLE_NONE, TROUBLE_SOLVER
   use amontons_direction, only: find_direction, carry_bodies
   implicit none
   private
@@ -42,9 +42,11 @@ contains
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction; read if trouble is none [length]
     integer, intent(in) :: trouble                 !< TROUBLE_... of the direction
+    real(DP) :: missing(size(du, 2))               ! prescribed displacements that are [length]
     is_carried_off = trouble == TROUBLE_SOLVER .and. size(system%contact%view%status) > 0
     if (trouble /= TROUBLE_NONE .or. size(system%contact%view%status) == 0) return
-    is_carried_off = .not. maxval(norm2(du, dim=1)) <= mesh_extent(model%mesh) + 2.0_DP * maxval(abs(system%base%offset))
+    missing = components_of(system, reshape(system%base%offset, shape(du)), 1)
+    is_carried_off = .not. maxval(sizes_of(system, du, 1)) <= mesh_extent(model%mesh) + 2.0_DP * maxval(missing)
     is_carried_off = is_carried_off .or. system%is_unheld
   end function is_carried_off
 
@@ -76,11 +78,11 @@ contains
         cycle
       end if
       if (trouble /= TROUBLE_NONE) return
-      excess = maxval(norm2(du, dim=1)) / free_way(system, model, state, du)
+      excess = maxval(sizes_of(system, du, 1)) / free_way(system, model, state, du)
       if (excess <= ENOUGH .or. attempt == MOST_TRIES) then
         call settle_contact(system, model, step, state, du, ahead, n_rounds, error)
         if (allocated(error)) return
-        excess = maxval(norm2(du, dim=1)) / free_way(system, model, state, du)
+        excess = maxval(sizes_of(system, du, 1)) / free_way(system, model, state, du)
       end if
       if (excess <= ENOUGH .or. part >= MOST) exit
       part = min(MOST, part * excess)
@@ -137,7 +139,7 @@ contains
         if (closing > 0.0_DP) share = min(share, max(slave%gap, 1.0e-3_DP * system%contact%edge(slave%pair)) / closing)
       end associate
     end do
-    way = min(way, merge(BEYOND, 1.0_DP, system%is_condensed) * share * maxval(norm2(du, dim=1)))
+    way = min(way, merge(BEYOND, 1.0_DP, system%is_condensed) * share * maxval(sizes_of(system, du, 1)))
     way = max(way, 1.0e-6_DP * mesh_extent(model%mesh))
   end function free_way
 

@@ -18,7 +18,8 @@ module amontons_line_search
   use amontons_sparse, only: multiply, multiply_transpose
   use amontons_condensed, only: apply_condensed
   use amontons_reduced, only: apply_reduced
-  use amontons_system, only: system_type, place_type, place_of, evaluate, residual_pair, TROUBLE_NONE
+  use amontons_system, only: system_type, place_type, place_of, evaluate, residual_pair, components_of, &
+    sizes_of, TROUBLE_NONE
   implicit none
   private
   public :: search_type, search_line
@@ -80,7 +81,7 @@ contains
     end select
     search%n_opened = count(start%slaves%status /= STATUS_OPEN .and. state%new%slaves%status == STATUS_OPEN)
     search%n_closed = count(start%slaves%status == STATUS_OPEN .and. state%new%slaves%status /= STATUS_OPEN)
-    search%correction = maxval(abs(state%new%u - start%u))
+    search%correction = maxval(components_of(system, state%new%u - start%u, 1))
     search%is_arrived = start%is_comparable .or. search%is_whole_step
     search%is_uphill = start%is_comparable .and. start%pair < 0.0_DP
 
@@ -249,7 +250,7 @@ contains
     if (all(start%slaves%status == STATUS_OPEN) .and. all(state%new%slaves%status == STATUS_OPEN)) return   ! as without contact
     if (.not. start%is_comparable .or. system%merit <= MERIT_GROWTH * start%merit) return
     if (system%is_settled) then
-      if (next_correction(system) <= NEARER * norm2(du)) return
+      if (next_correction(system) <= NEARER * length_of(system, du)) return
     end if
     best = search%step_length
     best_merit = system%merit
@@ -286,7 +287,15 @@ contains
       end if
       call multiply(whole%map, v, flat)
     end associate
-    length = norm2(flat)
+    length = length_of(system, reshape(flat, [3, size(flat) / 3]))
   end function next_correction
+
+
+  !> The length of a direction over all nodes.
+  pure real(DP) function length_of(system, du) result(length)
+    type(system_type), intent(in) :: system
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
+    length = norm2(sizes_of(system, du, 1))
+  end function length_of
 
 end module amontons_line_search

@@ -17,7 +17,7 @@ module amontons_newton
   use amontons_line_search, only: search_type, search_line
   use amontons_settle, only: settle_contact
   use amontons_carry, only: is_carried_off, find_carried_direction, find_snap_direction
-  use amontons_system, only: system_type, begin_increment, evaluate, residual_beyond, TROUBLE_NONE, TROUBLE_ELEMENT
+  use amontons_system, only: system_type, begin_increment, evaluate, residual_beyond, components_of, TROUBLE_NONE, TROUBLE_ELEMENT
   use amontons_direction, only: find_direction, carry_bodies
   implicit none
   private
@@ -165,7 +165,7 @@ contains
     if (newton%is_carried) call put_down(newton, system, model, state, u, residual)
     if (newton%trouble /= TROUBLE_NONE) return
     call note_slaves(newton%forensics, state%new%slaves, system%merit)
-    call watch_bodies(newton, model, state)
+    call watch_bodies(newton, system, model, state)
     if (newton%trouble /= TROUBLE_NONE) return
     call note_residual(newton, system, residual_beyond(system, state%new%u), step%controls%r_n)
     call note_step(newton, system, state, search)
@@ -267,16 +267,18 @@ contains
 
 
   !> A body that moves by many times the size of the model in one increment is held by nothing.
-  subroutine watch_bodies(newton, model, state)
+  subroutine watch_bodies(newton, system, model, state)
     type(newton_type), intent(inout) :: newton
+    type(system_type), intent(in) :: system
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
-    real(DP) :: most
-    if (newton%is_carried) newton%farthest = maxloc(maxval(abs(state%new%u - state%old%u), dim=1), dim=1)
+    real(DP) :: most, moves(size(state%new%u, 2))  ! [length]
+    moves = components_of(system, state%new%u - state%old%u, 1)
+    if (newton%is_carried) newton%farthest = maxloc(moves, dim=1)
     most = merge(CARRIED_OFF, FAR_OFF, newton%is_carried) * mesh_extent(model%mesh)
-    if (maxval(abs(state%new%u - state%old%u)) <= most) return
+    if (maxval(moves) <= most) return
     newton%trouble = TROUBLE_FREE
-    newton%farthest = maxloc(maxval(abs(state%new%u - state%old%u), dim=1), dim=1)
+    newton%farthest = maxloc(moves, dim=1)
   end subroutine watch_bodies
 
 
@@ -303,7 +305,7 @@ contains
     type(search_type), intent(in) :: search
     real(DP) :: largest
     integer :: status
-    largest = max(maxval(abs(state%new%u - state%old%u)), tiny(1.0_DP))
+    largest = max(maxval(components_of(system, state%new%u - state%old%u, 1)), tiny(1.0_DP))
     newton%progress%iteration = newton%progress%iteration + 1
     newton%progress%correction = search%correction / largest
     newton%progress%is_whole_step = search%is_whole_step

@@ -5,6 +5,7 @@ module amontons_supports
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_loads, only: load_value
   use amontons_steps, only: step_type
+  use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type, direction_of
   use amontons_state, only: fields_type
   use amontons_user_state, only: ask_displacement
@@ -14,6 +15,9 @@ module amontons_supports
   implicit none
   private
   public :: support_model
+
+  real(DP), parameter :: ROUNDING = 1.0e-9_DP      !< of displacements, by which rows may miss each other [-]
+  real(DP), parameter :: SMALL = 0.1_DP            !< displacements are taken for no less than this part of the model [-]
 
 contains
 
@@ -71,7 +75,7 @@ contains
           row%coefficient = direction
           row%rhs = lack
           row%tag = TAG_SUPPORT
-          call add_row(base, row, 3, 1.0e-9_DP * (1.0_DP + maxval(abs(fields%u))), verdict)
+          call add_row(base, row, 3, rounding_of(model, fields%u), verdict)
           if (verdict == ROW_CONFLICT) call set_error(error, EXIT_SETUP, &
             'Boundary conditions of one node in different directions contradict each other.')
         end associate
@@ -79,6 +83,14 @@ contains
       end do
     end do
   end subroutine add_supports
+
+
+  !> What rows may miss each other by without a contradiction.
+  pure real(DP) function rounding_of(model, u) result(length)
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    length = ROUNDING * (SMALL * mesh_extent(model%mesh) + maxval(abs(u)))
+  end function rounding_of
 
 
   !> Displacements that no element resists (the third of plane models) stay at zero, unless a support moves them.
@@ -132,7 +144,7 @@ contains
         row%unknown = 3 * (equation%node - 1) + equation%dof
         row%coefficient = equation%coefficient
         row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])
-        call add_row(base, row, equation%n_candidates, 1.0e-9_DP * (1.0_DP + maxval(abs(u))), verdict)
+        call add_row(base, row, equation%n_candidates, rounding_of(model, u), verdict)
         if (verdict == ROW_CONFLICT) then
           write (line, '(i0)') equation%line
           call set_error(error, EXIT_SETUP, 'The *' // trim(equation%card) // ' of line ' // trim(line) // &

@@ -18,7 +18,7 @@ module amontons_system
   use amontons_reduced, only: reduced_type, plan_reduced, is_small
   use amontons_condensed, only: condensed_type
   use amontons_constraints, only: constraints_type, condense_forces
-  use amontons_bonds, only: keep_supports, curved_nodes
+  use amontons_bonds, only: keep_supports, curved_nodes, levers
   use amontons_supports, only: support_model
   use amontons_damping, only: is_damped, begin_damping, share_volumes, brake
   use amontons_assembly, only: assembly_type, create_assembly, assemble_forces
@@ -34,6 +34,7 @@ module amontons_system
   implicit none
   private
   public :: system_type, create_system, begin_step, plan_solver, begin_increment, evaluate, residual_pair, residual_beyond
+  public :: components_of, sizes_of
   public :: place_type, place_of, foresee, return_to
   public :: prescribe, forget_bulk, interface_unknowns, start_clock, stop_clock
   public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
@@ -69,6 +70,7 @@ module amontons_system
     logical, allocatable :: is_lone(:)             !< (3 n_nodes) of a node without elements
     real(DP), allocatable :: share(:)              !< (n_nodes) of volume, for damping; not there: no step has had any [length^3]
     real(DP) :: violation = 0                      !< largest of the bonds at the last evaluation, over their size [-]
+    real(DP), allocatable :: lever(:)              !< (n_nodes) what makes a length of an angle; empty: the model has no angles [length]
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
     real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
@@ -135,6 +137,7 @@ contains
     call create_assembly(system%assembly, model%mesh, error, first, nodes)
     if (allocated(error)) return
     system%is_lone = lone_unknowns(model)
+    system%lever = levers(model)
   end subroutine prepare_bonds
 
 
@@ -266,9 +269,9 @@ contains
     fields%reaction_force = fields%internal_force - fields%applied_force - fields%contact_force
     call condense_forces(system%base, -fields%reaction_force, system%residual)
     call keep_supports(system%base, fields%reaction_force)
-    system%largest_residual = maxval(abs(system%residual))
-    system%largest_force = max(maxval(abs(fields%internal_force)), maxval(abs(fields%applied_force)), &
-      maxval(abs(fields%contact_force)))
+    system%largest_residual = maxval(components_of(system, system%residual, -1))
+    system%largest_force = max(maxval(components_of(system, fields%internal_force, -1)), &
+      maxval(components_of(system, fields%applied_force, -1)), maxval(components_of(system, fields%contact_force, -1)))
     violation = 0.0_DP
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
@@ -277,7 +280,11 @@ contains
         if (slave%status == STATUS_STICK) violation = violation + (slave%stiffness * norm2(slave%slip_increment))**2
       end associate
     end do
-    system%merit = sqrt(sum(system%residual**2) + violation)
+    if (size(system%lever) > 0) then
+      system%merit = sqrt(sum(sizes_of(system, system%residual, -1)**2) + violation)
+    else
+      system%merit = sqrt(sum(system%residual**2) + violation)
+    end if
   end subroutine measure
 
 
@@ -289,22 +296,45 @@ contains
   end function residual_pair
 
 
+  !> The largest component at each node of displacements (power 1) or forces (power -1); angles as lengths, moments as forces.
+  pure function components_of(system, field, power) result(largest)
+    type(system_type), intent(in) :: system
+    real(DP), intent(in) :: field(:, :)            !< (3, n_nodes) [length] or [force]
+    integer, intent(in) :: power
+    real(DP) :: largest(size(field, 2))
+    largest = maxval(abs(field), dim=1)
+    if (size(system%lever) > 0) largest = largest * system%lever**power
+  end function components_of
+
+
+  !> The same of vectors.
+  pure function sizes_of(system, field, power) result(length)
+    type(system_type), intent(in) :: system
+    real(DP), intent(in) :: field(:, :)            !< (3, n_nodes) [length] or [force]
+    integer, intent(in) :: power
+    real(DP) :: length(size(field, 2))
+    length = norm2(field, dim=1)
+    if (size(system%lever) > 0) length = length * system%lever**power
+  end function sizes_of
+
+
   !> The largest residual beyond what rounding of the displacements makes of it: of what the stiffness of an unknown makes of the
   !! largest displacement, the last digit. A body that moves without any force has nothing but that.
   pure real(DP) function residual_beyond(system, u) result(largest)
     type(system_type), intent(in) :: system        !< K was assembled
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     real(DP) :: last_digit                         ! [length]
-    integer :: i, j
-    last_digit = ROUNDINGS * epsilon(1.0_DP) * maxval(abs(u))
-    largest = 0.0_DP
-    associate (K => system%assembly%stiffness)
+    real(DP), allocatable :: of_node(:)            ! (n_nodes) [force]
+    integer :: i
+    last_digit = ROUNDINGS * epsilon(1.0_DP) * maxval(components_of(system, u, 1))
+    associate (K => system%assembly%stiffness, residual => abs(system%residual))
+      allocate (of_node(size(u, 2)))
       do i = 1, size(u, 2)
-        do j = 1, 3
-          largest = max(largest, abs(system%residual(j, i)) - last_digit * abs(K%value(K%first(3 * i - 3 + j))))
-        end do
+        of_node(i) = maxval(residual(:, i) - last_digit * abs(K%value(K%first(3 * i - 2:3 * i))))
       end do
     end associate
+    if (size(system%lever) > 0) of_node = of_node / system%lever
+    largest = max(0.0_DP, maxval(of_node))
   end function residual_beyond
 
 
