@@ -24,6 +24,7 @@ module amontons_inventory
 
   integer, parameter :: LONGEST_NAME = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
   real(DP), parameter :: STEP = PI / 36.0_DP   !< largest angle of a cell on an arc [rad]
+  real(DP), parameter :: ROUNDING = 1.0e-9_DP        !< of an angle: a whole number of steps is that [-]
   real(DP), parameter :: MARGIN = 0.1_DP       !< a surface that is drawn out goes this far beyond the mesh, over its size [-]
 
   !> Points and cells.
@@ -331,7 +332,7 @@ contains
     real(DP) :: X(3), p(2), normal(2), at(2)
     integer :: n_along, n_across, i, j, first, corner
     n_along = 1
-    if (abs(profile%bend(k)) > 0.0_DP) n_along = ceiling(profile%extent(k) / (abs(profile%bend(k)) * STEP))
+    if (abs(profile%bend(k)) > 0.0_DP) n_along = ceiling((1.0_DP - ROUNDING) * profile%extent(k) / (abs(profile%bend(k)) * STEP))
     n_across = merge(0, 1, profile%kind == PROFILE_FLAT)
     if (profile%kind == PROFILE_TURNED) n_across = nint(2.0_DP * PI / STEP)
     at = reach_across(model, profile)
