@@ -18,15 +18,27 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 #: Cards without numbers that have a unit.
-PLAIN = {"HEADING", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SURFACE INTERACTION", "FRICTION",
-         "CONTACT PAIR", "STEP", "STATIC", "END STEP", "CONTROLS", "NODE PRINT", "EL PRINT", "CONTACT PRINT", "NODE FILE", "EL FILE",
+PLAIN = {"HEADING", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SURFACE INTERACTION", "CONTACT PAIR", "STEP", "STATIC", "END STEP", "CONTROLS", "NODE PRINT", "EL PRINT", "CONTACT PRINT", "NODE FILE", "EL FILE",
          "CONTACT FILE", "NODE OUTPUT", "ELEMENT OUTPUT", "CONTACT OUTPUT", "OUTPUT", "LINE SEARCH", "AMPLITUDE", "CHANGE FRICTION",
-         "CHANGE SURFACE BEHAVIOR", "MODEL CHANGE", "EQUATION", "INCLUDE", "RIGID BODY", "TRANSFORM", "EXPANSION", "INITIAL CONDITIONS",
-         "TEMPERATURE", "PLASTIC DATA", "RESTART", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING", "PRE-TENSION SECTION"}  # fmt: skip
-#: Card to the units of the numbers of a data line; the last one repeats. L length, F force, S stress, K stress per length, Z one over
-#: stress, 1 none.
-UNITS = {"NODE": "1L", "ELASTIC": "S1", "CLOAD": "11F", "DSLOAD": "11S", "SURFACE BEHAVIOR": "K", "CONTACT INTERFERENCE": "11L",
-         "DENSITY": "R", "PLASTIC": "S1", "TRACTION": "S", "SOLID SECTION": "L", "HYPERELASTIC": "SZ1"}  # fmt: skip
+         "CHANGE SURFACE BEHAVIOR", "MODEL CHANGE", "EQUATION", "INCLUDE", "RIGID BODY", "EXPANSION", "INITIAL CONDITIONS",
+         "TEMPERATURE", "PLASTIC DATA", "RESTART", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING", "PRE-TENSION SECTION", "SECTION PRINT",
+         "TIME POINTS", "MPC", "DISTRIBUTING COUPLING", "KINEMATIC COUPLING", "CHANGE SOLID SECTION", "CHANGE MATERIAL", "PREPRINT", "PART",
+         "END PART", "ASSEMBLY", "END ASSEMBLY", "END INSTANCE", "NO ANALYSIS"}  # fmt: skip
+#: Card to the units of the numbers of a data line; the last one repeats. L length, F force, S stress, K stress per length, M moment,
+#: Q force per length, R density, D damping of a volume, Z one over stress, 1 none.
+UNITS = {"NODE": "1L", "DSLOAD": "11S", "CONTACT INTERFERENCE": "11L", "FRICTION": "1K", "DENSITY": "R", "PLASTIC": "S1", "CHANGE PLASTIC": "S1",
+         "TRACTION": "S", "SOLID SECTION": "L", "MASS": "Q", "GAP": "L1", "CYCLIC SYMMETRY MODEL": "L"}  # fmt: skip
+#: The same by a word of the card; the first that it holds counts.
+BY_WORD = {
+    "SURFACE BEHAVIOR": {"EXPONENTIAL": "LS", "TABULAR": "SL", "LINEAR": "KSL", "": "K"},
+    "ELASTIC": {"ORTHO": "S", "ANISO": "S", "ENGINEERING": "SSS111SSS1", "": "S1"},
+    "HYPERELASTIC": {"NEO": "SZ1", "MOONEY": "SSZ1", "YEOH": "SSSZZZ1", "ARRUDA": "S1Z1", "POLYNOMIAL,N=1": "SSZ1"},
+    "TRANSFORM": {"TYPE=C": "L", "": "1"},
+    "ORIENTATION": {"SYSTEM=C": "L", "": "1"},
+}
+#: Parameters that have a unit.
+PARAMETERS = {"CLEARANCE": {"VALUE": "L"}, "CONTACT PAIR": {"ADJUST": "L", "CLEARANCE": "L"}, "TIE": {"POSITION TOLERANCE": "L"}, "FRICTION": {"TAUMAX": "S"},
+              "STATIC": {"FACTOR": "D"}}  # fmt: skip
 #: Cards that belong to the card before them.
 FOLLOWERS = {"ELASTIC", "HYPERELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING"}
 #: Cards whose data lines begin with a node, all of whose numbers are nodes, or which hold them behind a label.
@@ -44,7 +56,7 @@ class Units:
     def of(self, letter: str) -> float:
         """The factor of a unit."""
         stress = self.force / self.length**2
-        rest = {"K": stress / self.length, "Z": 1 / stress, "Q": self.force / self.length, "R": stress / self.length**2}  # one unit of time: density times length^2 is a stress
+        rest = {"K": stress / self.length, "Z": 1 / stress, "Q": self.force / self.length, "M": self.force * self.length, "D": self.force / self.length**4, "R": stress / self.length**2}  # one unit of time: density times length^2 is a stress
         return {"1": 1.0, "L": self.length, "F": self.force, "S": stress, **rest}[letter]
 
 
@@ -68,38 +80,59 @@ def keyword(card: list[str]) -> str:
 
 def scaled(deck: str, units: Units, tight: float = 1e-10) -> str:
     """The deck in other units, with controls so tight that what is left is below what is compared."""
-    return "\n".join(line for card in cards(deck) for line in scaled_card(card, units, tight)) + "\n"
+    turning = angles(deck)
+    dialect = [line for line in deck.splitlines() if re.match(r"\*\*\s*dialect", line, flags=re.I)]
+    return "\n".join([*dialect, *(line for card in cards(deck) for line in scaled_card(card, units, tight, turning))]) + "\n"
 
 
-def scaled_card(card: list[str], units: Units, tight: float) -> list[str]:
-    """One card. tight: what Newton's method may leave of forces and of corrections."""
+def angles(deck: str) -> set[str]:
+    """The labels of nodes whose displacement is an angle: of ROT NODE and of *MPC, MEANROT."""
+    found = set(re.findall(r"ROT NODE\s*=\s*(\d+)", deck, flags=re.I))
+    for card in cards(deck):
+        words = [word.strip() for line in card[1:] for word in line.split(",") if word.strip()]
+        if keyword(card) == "MPC" and words[0].upper() == "MEANROT":
+            found.add(words[-1])
+    return found
+
+
+def scaled_card(card: list[str], units: Units, tight: float, turning: set[str]) -> list[str]:
+    """One card. tight: what Newton's method may leave of forces and of corrections. turning: nodes that bear angles."""
     name = keyword(card)
+    head = card[0]
+    for word, letter in PARAMETERS.get(name, {}).items():
+        head = re.sub(rf"({word}\s*=\s*)([^,]+)", lambda m, letter=letter: m.group(1) + times(m.group(2).strip(), units.of(letter)), head, flags=re.I)
+    card = [head, *card[1:]]
     if name == "STATIC":
         return [*card, "*CONTROLS, PARAMETERS=FIELD", f"{tight:g}, {tight:g}, , , {tight:g}"]
     if name == "CONTROLS" and "FIELD" in card[0].upper():
         return []
     if name == "CLEARANCE":
-        return [re.sub(r"(VALUE=)([^,]+)", lambda m: m.group(1) + times(m.group(2), units.of("L")), card[0])]
+        return card
     if name == "SURFACE" and is_analytic(card):
         head = re.sub(r"(FILLET RADIUS=)([^,]+)", lambda m: m.group(1) + times(m.group(2), units.of("L")), card[0])
         return [head, *(row(line, "L", units) for line in card[1:])]
     if name == "SPRING":
         return [card[0], card[1], *(row(line, "Q", units) for line in card[2:])]
-    if name == "HYPERELASTIC" and "NEO" not in card[0].upper():
-        return [refuse(name)]
+    if name in BY_WORD:
+        letters = next((letters for word, letters in BY_WORD[name].items() if word in card[0].upper().replace(" ", "")), None)
+        return [card[0], *(row(line, letters, units) for line in card[1:])] if letters else [refuse(name)]
+    if name == "CLOAD":
+        return [card[0], *(row(line, "11M" if is_rotation(line, turning) else "11F", units) for line in card[1:])]
+    if name == "INSTANCE":
+        return [card[0], *(row(line, "LLLLLL1", units) for line in card[1:])]
     if name == "BOUNDARY":
-        return [card[0], *(row(line, "1111" if is_rotation(line) else "111L", units) for line in card[1:])]
+        return [card[0], *(row(line, "1111" if is_rotation(line, turning) else "111L", units) for line in card[1:])]
     if name == "DLOAD":
-        return [card[0], *(row(line, "11L111" if "GRAV" in line.upper() else "11S", units) for line in card[1:])]
+        return [card[0], *(row(line, "11L111" if "GRAV" in line.upper() else "111LLL1" if "CENTRIF" in line.upper() else "11S", units) for line in card[1:])]
     if name in UNITS:
         return [card[0], *(row(line, UNITS[name], units) for line in card[1:])]
     return card if name in PLAIN else [refuse(name)]
 
 
-def is_rotation(line: str) -> bool:
-    """Whether a line of *BOUNDARY is about the degrees of freedom 4 to 6."""
-    fields = line.split(",")
-    return len(fields) > 1 and fields[1].strip() in {"4", "5", "6"}
+def is_rotation(line: str, turning: set[str]) -> bool:
+    """Whether a line of *BOUNDARY or *CLOAD is about the degrees of freedom 4 to 6, or about a node that bears an angle."""
+    fields = [field.strip() for field in line.split(",")]
+    return len(fields) > 1 and (fields[1] in {"4", "5", "6"} or fields[0] in turning)
 
 
 def is_analytic(card: list[str]) -> bool:

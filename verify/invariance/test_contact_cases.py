@@ -16,6 +16,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
+from inspect import signature
 from pathlib import Path
 
 import h5py
@@ -30,7 +31,7 @@ sys.path[:0] = [str(HERE.parent / "decks"), str(HERE.parent / "verification"), s
 import common  # noqa: E402  (finds the library and its Python package)
 import amontons  # noqa: E402
 from proof import Job  # noqa: E402
-from scaling import Units, cards, keyword, renumbered, rotation, scaled, shuffled, turned  # noqa: E402
+from scaling import Units, angles, cards, keyword, renumbered, rotation, scaled, shuffled, turned  # noqa: E402
 from test_invariance import stress_back  # noqa: E402
 
 SYSTEMS = {"SI": Units(1e-3, 1.0), "m-kN": Units(1e-3, 1e-3), "inch-pound": Units(1 / 25.4, 0.22480894387096)}
@@ -56,10 +57,13 @@ def deck_of_case(module: str, function: str, changes: dict[str, object] | None =
             return lambda *_, **__: None
 
     home = importlib.import_module(module)
+    case = getattr(home, function)
+    fixtures = {"proof": lambda *_, **__: Thief(), "run_deck": Thief().run, "tmp_path": None, "run": None}
+    values |= {name: fixture for name, fixture in fixtures.items() if name in signature(case).parameters}
     with pytest.MonkeyPatch.context() as patch, pytest.raises(TakenError):
         for name, value in (changes or {}).items():
             patch.setattr(home, name, value)
-        getattr(home, function)(proof=lambda *_, **__: Thief(), **values)
+        case(**values)
     return taken[0]
 
 
@@ -94,7 +98,6 @@ def softened(deck: str) -> str:
     return deck.replace("1e+09", "1e+06")
 
 
-ALONE = {"run": None, "tmp_path": None}  #: what a case takes besides `proof`, and does not need for its first deck
 CASES: dict[str, Callable[[], str]] = {
     "three cubes": lambda: deck_of_file("input/three_cubes.inp"),
     "example contact": lambda: deck_of_file("doc/manual/examples/contact.inp"),
@@ -104,7 +107,7 @@ CASES: dict[str, Callable[[], str]] = {
     "patch by mortar": lambda: deck_of_case("test_mortar", "test_plane_patch", kinds=("CPE8", "CPE8")),
     "patch of rings": lambda: deck_of_case("test_plane_contact", "test_patch", kind="CAX4", inner=1.0),
     "slope": lambda: softened(importlib.import_module("test_sliding").slope_deck(0.29, True)),
-    "slope in the plane": lambda: softened(deck_of_case("test_plane_friction", "test_block_on_a_slope", **ALONE)),
+    "slope in the plane": lambda: softened(deck_of_case("test_plane_friction", "test_block_on_a_slope")),
     "drawn slab": lambda: deck_of_case("test_plane_friction", "test_drawn_slab", kind="CPE4"),
     "pull-out of rings": lambda: deck_of_case("test_plane_friction", "test_pull_out"),
     "quarter of a fit": lambda: deck_of_case("test_sliding", "test_shrink_fit_quarter"),
@@ -160,6 +163,8 @@ OTHERS: dict[str, Callable[[], str]] = {
     "thick cylinder": lambda: deck_of_case("test_bodies", "test_thick_cylinder", kind="C3D20R", tolerance=1.0, order=1.0),
     "LE10": lambda: deck_of_case("test_bodies", "test_le10", kind="C3D10", tolerance=1.0),
     "LE11": lambda: deck_of_case("test_thermal", "test_le11", kind="CAX8", cells=(2, 4), tolerance=1.0),
+    "rigid end under a moment": lambda: deck_of_case("test_bonds", "test_rigid_body_in_equilibrium"),
+    "mean rotation": lambda: deck_of_case("test_bonds", "test_mean_rotation"),
     "Cook": lambda: deck_of_case("test_bodies", "test_cook"),
 }
 
@@ -203,7 +208,8 @@ class View:
         """A field in the plain job's axes and units, node by node as `plain_field` has it."""
         values = job.field(name) / self.units.of(FIELDS[name])
         if name == "U":
-            values[:, rotations(job)] *= self.units.length   # angles have no unit
+            turning = [int(label) for label in angles(deck_text(job))]
+            values[:, places(job, turning)] *= self.units.length   # angles have no unit
         values = values[:, places(job, [(self.label or {}).get(label, label) for label in deck_labels(plain)])]
         if name == "S":
             return stress_back(values, self.turn)
