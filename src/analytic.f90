@@ -14,7 +14,7 @@
 !! What is found of a point, projection_type and gap_derivative_type, is said alike by profiles and by facets (`gap`).
 module amontons_analytic
   use amontons_kinds, only: DP
-  use amontons_tensor, only: invert, IDENTITY
+  use amontons_tensor, only: outer, invert, IDENTITY
   use amontons_topology, only: FACET_LINE2, FACET_QUAD4, MAX_FACE_NODES
   use amontons_facets, only: facets_type
   use amontons_profiles, only: profile_type, place_type, find_place, place_at, point_of, PROFILE_FLAT
@@ -227,13 +227,5 @@ contains
     place = place_at(facets%profile, f, xi, 0.0_DP)
     bending = 2.0_DP * maxval(abs(place%q))
   end function bending_at
-
-
-  !> a b'.
-  pure function outer(a, b) result(c)
-    real(DP), intent(in) :: a(3), b(3)
-    real(DP) :: c(3, 3)
-    c = spread(a, 2, 3) * spread(b, 1, 3)
-  end function outer
 
 end module amontons_analytic

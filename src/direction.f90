@@ -29,8 +29,8 @@ module amontons_direction
   use amontons_skew, only: finish_skew, subtract_skew, with_skew
   use amontons_assembly, only: assemble_tangent
   use amontons_applied, only: assemble_loads
-  use amontons_contact_tangent, only: linearise_contact, keep_symmetric, add_contact_rows, apply_contact_tangent, &
-    contact_matrices, contact_springs, spring_factors
+  use amontons_contact_tangent, only: linearise_contact, keep_symmetric, add_contact_rows
+  use amontons_contact_matrices, only: apply_contact_tangent, contact_matrices, contact_springs, spring_factors
   use amontons_system, only: system_type, prescribe, forget_bulk, interface_unknowns, start_clock, stop_clock, TROUBLE_NONE, &
     TROUBLE_ELEMENT, TROUBLE_SOLVER
   implicit none

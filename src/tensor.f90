@@ -7,7 +7,7 @@ module amontons_tensor
   implicit none
   private
   public :: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX
-  public :: cross_product, determinant, determinant_minus_one, invert, trace
+  public :: cross_product, outer, determinant, determinant_minus_one, invert, trace
   public :: pack_voigt, unpack_voigt, double_dot, von_mises, symmetric_eigen
 
   real(DP), parameter :: IDENTITY(3, 3) = reshape([real(DP) :: 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
@@ -228,5 +228,16 @@ contains
     t = 0
     if (root > 0) t = 2 * b / ((c - a) + sign(root, c - a))
   end function jacobi_tangent
+
+
+  !> a b'.
+  pure function outer(a, b) result(c)
+    real(DP), intent(in) :: a(3), b(3)
+    real(DP) :: c(3, 3)
+    integer :: k
+    do k = 1, 3
+      c(:, k) = a * b(k)
+    end do
+  end function outer
 
 end module amontons_tensor

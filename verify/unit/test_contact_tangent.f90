@@ -15,7 +15,8 @@ program test_contact_tangent
     foresee
   use amontons_direction, only: linearise, change_forces, tangent_matrix, find_direction
   use amontons_contact_forces, only: is_cornered
-  use amontons_contact_tangent, only: linearise_contact, contact_matrices, spring_factors
+  use amontons_contact_tangent, only: linearise_contact
+  use amontons_contact_matrices, only: contact_matrices, spring_factors
   use amontons_sprung, only: springs_type
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use check, only: suite_type
