@@ -27,6 +27,7 @@ module amontons_line_search
   integer, parameter :: MOST_HALVINGS = 4
   real(DP), parameter :: MOST_TRAVEL = 1.2_DP      !< facets that a slave node may travel in one iteration while supports move [-]
   real(DP), parameter :: NEARER = 0.75_DP          !< the next correction over this one where the imbalance may rise [-]
+  real(DP), parameter :: REFUSED = 10.0_DP         !< AUTO goes no step if even the best makes the merit grow by more than this [-]
   real(DP), parameter :: MERIT_GROWTH = 1.0_DP     !< AUTO takes the full step if the merit does not grow by more than this [-]
 
   !> What the search did.
@@ -37,6 +38,7 @@ module amontons_line_search
     real(DP) :: correction = 0                     !< largest change of a displacement [length]
     integer :: n_scenario(4) = 0
     integer :: n_balanced = 0                      !< slave nodes that slip in balance
+    logical :: is_refused = .false.                !< all lengths were far worse than none: the iterate is where it was
     logical :: is_uphill = .false.                 !< the direction goes against the imbalance: K is not positive along it
     integer :: n_opened = 0, n_closed = 0          !< slave nodes, from the iterate before to this one
   end type search_type
@@ -233,7 +235,7 @@ contains
 
   !> AUTO: the full step if the merit does not grow, if nothing touches, or if contact has settled ahead and the next correction
   !! is shorter: the imbalance of slender bodies has to rise first, since bending them stretches them. Else (LS) over all unknowns,
-  !! then halves; the best is taken.
+  !! then halves; the best is taken, if it is not far worse than where the search began.
   subroutine back_track(system, model, step, du, start, state, search, trouble)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -264,6 +266,9 @@ contains
       if (best_merit <= MERIT_GROWTH * start%merit) exit
       alpha = 0.5_DP * alpha
     end do
+    search%is_refused = best_merit > REFUSED * start%merit .and. best_merit > step%controls%r_n * system%largest_force .and. &
+      system%is_condensed
+    if (search%is_refused) best = 0.0_DP
     if (best /= alpha .or. halving > MOST_HALVINGS) &
       call go(system, model, step, start, start%u + best * du, best == 1.0_DP, state, trouble)
     search%is_whole_step = best == 1.0_DP

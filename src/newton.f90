@@ -43,6 +43,7 @@ module amontons_newton
     integer :: n_carried = 0                       !< iterations in which bodies had to be carried
     logical :: may_be_cut = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
     logical :: is_carried = .false.                !< bodies were carried in the last iteration
+    logical :: is_refused = .false.                !< no length of the last direction was any good
     integer :: n_uphill = 0                        !< iterations whose direction went against the imbalance
     integer :: n_snapped = 0                       !< iterations in which bodies were carried from one balance to the next
     integer :: n_unsettled = 0                     !< last iterations running along whose direction contact did not settle
@@ -138,7 +139,9 @@ contains
     if (newton%is_carried) call find_carried_direction(system, model, step, state, du, ahead, newton%record%n_rounds, &
       newton%trouble, error)
     if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
-    newton%n_unsettled = merge(newton%n_unsettled + 1, 0, is_unsettled(system, step, newton))
+    newton%n_unsettled = merge(newton%n_unsettled + 1, 0, is_unsettled(system, step, newton) .or. newton%is_refused)
+    if (newton%is_refused .and. newton%snap_after <= SNAP_LATE) newton%n_unsettled = max(newton%n_unsettled, newton%snap_after + 1)
+    newton%is_refused = .false.
     if (newton%n_unsettled <= newton%snap_after) return
     call find_snap_direction(system, model, step, state, newton%snap_part, du, ahead, newton%trouble, error)
     newton%snap_after = merge(SNAP_NOW, SNAP_NEVER, system%is_settled)
@@ -162,6 +165,7 @@ contains
     residual = system%residual
     call search_line(system, model, step, du, ahead, state, search, newton%trouble)
     if (search%is_uphill .and. newton%progress%residual(0) > step%controls%r_n) newton%n_uphill = newton%n_uphill + 1
+    newton%is_refused = search%is_refused
     if (newton%is_carried) call put_down(newton, system, model, state, u, residual)
     if (newton%trouble /= TROUBLE_NONE) return
     call note_slaves(newton%forensics, state%new%slaves, system%merit)
