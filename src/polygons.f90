@@ -10,12 +10,14 @@ module amontons_polygons
   public :: MAX_CORNERS, MAX_CUT_POINTS
 
   integer, parameter :: MAX_CORNERS = 16           !< of a cut of polygons with up to 8 and 4 corners, with room to spare
+  real(DP), parameter :: ON_EDGE = 1.0e-11_DP      !< a corner that is nearer to an edge than this times its polygon is on it [-]
   integer, parameter :: MOST_RULE = 36             !< points of the finest rule on a triangle
   integer, parameter :: MAX_CUT_POINTS = MOST_RULE * (MAX_CORNERS - 2)   !< points of an integral over a cut
 
 contains
 
-  !> The part of a polygon that is inside a convex one, edge by edge (Sutherland and Hodgman, Comm. ACM 17 (1974) 32-42).
+  !> The part of a polygon that is inside a convex one, edge by edge (Sutherland and Hodgman, Comm. ACM 17 (1974) 32-42). Corners that
+  !! rounding alone parts from an edge are on it: faces that lie edge on edge would be cut here and there, as it happens.
   pure subroutine clip_polygon(subject, window, cut, n, lines)
     real(DP), intent(in) :: subject(:, :)          !< (2, :) corners, counter-clockwise [length]
     real(DP), intent(in) :: window(:, :)           !< (2, :) corners of a convex polygon, counter-clockwise [length]
@@ -23,10 +25,11 @@ contains
     integer, intent(out) :: n                      !< less than 3: nothing in common
     integer, intent(out), optional :: lines(MAX_CORNERS)   !< the line on which the edge before each corner lies: j: before corner j of
                                                    !< the subject; size(subject, 2) + k: after corner k of the window
-    real(DP) :: before(2, MAX_CORNERS), side(MAX_CORNERS), a(2), edge(2)
+    real(DP) :: before(2, MAX_CORNERS), side(MAX_CORNERS), a(2), edge(2), extent
     integer :: line(MAX_CORNERS), line_before(MAX_CORNERS), k, i, j, m, window_line
     n = size(subject, 2)
     line = [(k, k=1, MAX_CORNERS)]
+    extent = norm2(maxval(subject, dim=2) - minval(subject, dim=2))
     cut(:, :n) = subject
     cut(:, n + 1:) = 0.0_DP
     do k = 1, size(window, 2)
@@ -38,6 +41,7 @@ contains
       window_line = size(subject, 2) + k
       do i = 1, m
         side(i) = edge(1) * (before(2, i) - a(2)) - edge(2) * (before(1, i) - a(1))   ! positive: inside
+        if (abs(side(i)) <= ON_EDGE * extent * norm2(edge)) side(i) = 0.0_DP
       end do
       n = 0
       do j = 1, m                                  ! each corner after what comes between the last one and it
