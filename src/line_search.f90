@@ -25,10 +25,12 @@ module amontons_line_search
   public :: search_type, search_line
 
   integer, parameter :: MOST_HALVINGS = 4
+  real(DP), parameter :: ARRIVED = 1.0e-13_DP      !< of the largest displacement: a prescribed one that misses less is there [-]
   real(DP), parameter :: MOST_TRAVEL = 1.2_DP      !< facets that a slave node may travel in one iteration while supports move [-]
   real(DP), parameter :: NEARER = 0.75_DP          !< the next correction over this one where the imbalance may rise [-]
   real(DP), parameter :: REFUSED = 10.0_DP         !< AUTO goes no step if even the best makes the merit grow by more than this [-]
-  real(DP), parameter :: MERIT_GROWTH = 1.0_DP     !< AUTO takes the full step if the merit does not grow by more than this [-]
+  real(DP), parameter :: LESS = 1.0_DP - 1.0e-9_DP   !< of a merit: what is not below this is the same but for rounding [-]
+  real(DP), parameter :: MERIT_GROWTH = 1.0_DP / LESS   !< AUTO takes the full step if the merit does not grow by more than this [-]
 
   !> What the search did.
   type :: search_type
@@ -67,7 +69,7 @@ contains
     start%place_type = place_of(system, state)
     start%ahead = ahead
     start%pair = residual_pair(system, du)
-    start%is_comparable = all(system%base%offset == 0.0_DP)
+    start%is_comparable = has_arrived(system, state%new%u)
     call first_step(system, model, step, du, start, state, search, trouble)
     if (trouble /= TROUBLE_NONE) return
     call classify(system, step, start, state, search, verdicts)
@@ -105,6 +107,14 @@ contains
     end subroutine try_length
 
   end subroutine search_line
+
+
+  !> Whether no prescribed displacement is missing, but for rounding.
+  pure logical function has_arrived(system, u)
+    type(system_type), intent(in) :: system
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    has_arrived = maxval(abs(system%base%offset)) <= ARRIVED * maxval(abs(u))
+  end function has_arrived
 
 
   !> The full step, or the longest half, quarter, ... that leaves no element inverted. While supports move, no slave node
@@ -259,7 +269,7 @@ contains
     alpha = min(0.5_DP * best, one_step_length(step, start%pair, residual_pair(system, du) - start%pair))
     do halving = 1, MOST_HALVINGS
       call go(system, model, step, start, start%u + alpha * du, .false., state, trouble)
-      if (trouble == TROUBLE_NONE .and. system%merit < best_merit) then
+      if (trouble == TROUBLE_NONE .and. system%merit < LESS * best_merit) then
         best = alpha
         best_merit = system%merit
       end if

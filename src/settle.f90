@@ -29,6 +29,8 @@ module amontons_settle
   real(DP), parameter :: NEGLIGIBLE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any case [-]
   real(DP), parameter :: ROUNDING = 1.0e-10_DP     !< part of the largest merit of the rounds: no less is left where u had none [-]
 
+  real(DP), parameter :: LESS = 1.0_DP - 1.0e-9_DP   !< of a merit: what is not below this is the same but for rounding [-]
+
   !> The best place found.
   type :: best_type
     real(DP) :: merit = huge(1.0_DP)
@@ -112,20 +114,20 @@ contains
   end function comes_round
 
 
-  !> Keeps the place if its merit is the least so far.
+  !> Keeps the place if its merit is the least so far; of equal ones the first.
   subroutine note_best(system, state, du, best)
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state
     real(DP), intent(in) :: du(:, :)
     type(best_type), intent(inout) :: best
-    if (.not. system%merit < best%merit) return
+    if (.not. system%merit < LESS * best%merit) return
     best%merit = system%merit
     best%du = du
     best%slaves = state%new%slaves
   end subroutine note_best
 
 
-  !> Goes along a correction as far as the merit falls, else to the best of the lengths tried.
+  !> Goes along a correction as far as the merit does not grow, else to the best of the lengths tried; of equal ones to the longest.
   subroutine advance(system, model, start, correction, state, du)
     type(system_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
@@ -145,9 +147,9 @@ contains
       length = 0.5_DP**halving
       state%new%slaves = slaves
       call foresee(system, model, start, du + length * correction, state)
-      if (system%merit < least) chosen = length
+      if (system%merit < LESS * least) chosen = length
       least = min(least, system%merit)
-      if (system%merit <= before) exit
+      if (LESS * system%merit <= before) exit
     end do
     if (chosen < length .or. chosen > length) then
       state%new%slaves = slaves
