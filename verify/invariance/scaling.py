@@ -24,7 +24,7 @@ PLAIN = {"HEADING", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SURFACE 
          "TEMPERATURE", "PLASTIC DATA", "RESTART", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING", "PRE-TENSION SECTION", "SECTION PRINT",
          "TIME POINTS", "MPC", "DISTRIBUTING COUPLING", "KINEMATIC COUPLING", "CHANGE SOLID SECTION", "CHANGE MATERIAL", "PREPRINT", "PART",
          "END PART", "ASSEMBLY", "END ASSEMBLY", "END INSTANCE", "NO ANALYSIS"}  # fmt: skip
-#: Card to the units of the numbers of a data line; the last one repeats. L length, F force, S stress, K stress per length, M moment,
+#: Card to the units of the numbers of a data line; the last one repeats. L length, F force, S stress, K stress per length, M moment, A area,
 #: Q force per length, R density, D damping of a volume, Z one over stress, 1 none.
 UNITS = {"NODE": "1L", "DSLOAD": "11S", "CONTACT INTERFERENCE": "11L", "FRICTION": "1K", "DENSITY": "R", "PLASTIC": "S1", "CHANGE PLASTIC": "S1",
          "TRACTION": "S", "SOLID SECTION": "L", "MASS": "Q", "GAP": "L1", "CYCLIC SYMMETRY MODEL": "L"}  # fmt: skip
@@ -56,7 +56,7 @@ class Units:
     def of(self, letter: str) -> float:
         """The factor of a unit."""
         stress = self.force / self.length**2
-        rest = {"K": stress / self.length, "Z": 1 / stress, "Q": self.force / self.length, "M": self.force * self.length, "D": self.force / self.length**4, "R": stress / self.length**2}  # one unit of time: density times length^2 is a stress
+        rest = {"K": stress / self.length, "Z": 1 / stress, "A": self.length**2, "Q": self.force / self.length, "M": self.force * self.length, "D": self.force / self.length**4, "R": stress / self.length**2}  # one unit of time: density times length^2 is a stress
         return {"1": 1.0, "L": self.length, "F": self.force, "S": stress, **rest}[letter]
 
 
@@ -80,9 +80,9 @@ def keyword(card: list[str]) -> str:
 
 def scaled(deck: str, units: Units, tight: float = 1e-10) -> str:
     """The deck in other units, with controls so tight that what is left is below what is compared."""
-    turning = angles(deck)
+    special = angles(deck) | trusses(deck)
     dialect = [line for line in deck.splitlines() if re.match(r"\*\*\s*dialect", line, flags=re.I)]
-    return "\n".join([*dialect, *(line for card in cards(deck) for line in scaled_card(card, units, tight, turning))]) + "\n"
+    return "\n".join([*dialect, *(line for card in cards(deck) for line in scaled_card(card, units, tight, special))]) + "\n"
 
 
 def angles(deck: str) -> set[str]:
@@ -95,8 +95,14 @@ def angles(deck: str) -> set[str]:
     return found
 
 
-def scaled_card(card: list[str], units: Units, tight: float, turning: set[str]) -> list[str]:
-    """One card. tight: what Newton's method may leave of forces and of corrections. turning: nodes that bear angles."""
+def trusses(deck: str) -> set[str]:
+    """The element sets of trusses, whose section is an area."""
+    heads = [card[0] for card in cards(deck) if keyword(card) == "ELEMENT"]
+    return {match[1].strip().upper() for head in heads if "T3D" in head.upper() and (match := re.search(r"ELSET\s*=\s*([^,]+)", head, flags=re.I))}
+
+
+def scaled_card(card: list[str], units: Units, tight: float, special: set[str]) -> list[str]:
+    """One card. tight: what Newton's method may leave of forces and of corrections. special: nodes that bear angles, sets of trusses."""
     name = keyword(card)
     head = card[0]
     for word, letter in PARAMETERS.get(name, {}).items():
@@ -108,6 +114,8 @@ def scaled_card(card: list[str], units: Units, tight: float, turning: set[str]) 
         return []
     if name == "CLEARANCE":
         return card
+    if name == "AMPLITUDE" and "ABSOLUTE" in card[0].upper():
+        return [refuse(name)]
     if name == "SURFACE" and is_analytic(card):
         head = re.sub(r"(FILLET RADIUS=)([^,]+)", lambda m: m.group(1) + times(m.group(2), units.of("L")), card[0])
         return [head, *(row(line, "L", units) for line in card[1:])]
@@ -117,13 +125,15 @@ def scaled_card(card: list[str], units: Units, tight: float, turning: set[str]) 
         letters = next((letters for word, letters in BY_WORD[name].items() if word in card[0].upper().replace(" ", "")), None)
         return [card[0], *(row(line, letters, units) for line in card[1:])] if letters else [refuse(name)]
     if name == "CLOAD":
-        return [card[0], *(row(line, "11M" if is_rotation(line, turning) else "11F", units) for line in card[1:])]
+        return [card[0], *(row(line, "11M" if is_rotation(line, special) else "11F", units) for line in card[1:])]
+    if name == "SOLID SECTION" and set(re.findall(r"ELSET\s*=\s*([^,]+)", card[0].upper())) & special:
+        return [card[0], *(row(line, "A", units) for line in card[1:])]
     if name == "INSTANCE":
         return [card[0], *(row(line, "LLLLLL1", units) for line in card[1:])]
     if name == "BOUNDARY":
-        return [card[0], *(row(line, "1111" if is_rotation(line, turning) else "111L", units) for line in card[1:])]
+        return [card[0], *(row(line, "1111" if is_rotation(line, special) else "111L", units) for line in card[1:])]
     if name == "DLOAD":
-        return [card[0], *(row(line, "11L111" if "GRAV" in line.upper() else "111LLL1" if "CENTRIF" in line.upper() else "11S", units) for line in card[1:])]
+        return [card[0], *(row(line, "11L111" if "GRAV" in line.upper() else "111LLL1" if "CENTRIF" in line.upper() else "11K" if re.search(r", *B[XYZ] *,", line.upper()) else "11S", units) for line in card[1:])]
     if name in UNITS:
         return [card[0], *(row(line, UNITS[name], units) for line in card[1:])]
     return card if name in PLAIN else [refuse(name)]

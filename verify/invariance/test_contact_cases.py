@@ -242,7 +242,7 @@ def deck_text(job: Job) -> str:
 
 def deck_labels(job: Job) -> list[int]:
     """Of the nodes that the deck has; the program adds others, to turn rigid bodies and to draw analytic surfaces."""
-    return [int(line.split(",")[0]) for card in cards(deck_text(job)) if keyword(card) == "NODE" for line in card[1:]]
+    return [int(line.split(",")[0]) for card in cards(deck_text(job)) if keyword(card) == "NODE" for line in card[1:] if line.strip()]
 
 
 def labels(job: Job) -> Floats:
