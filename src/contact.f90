@@ -34,6 +34,7 @@ module amontons_contact
   integer, parameter :: HOLD_NOW = 1              !< it is held, whatever its trial traction says
   integer, parameter :: HOLD_WAS = 2              !< it was, and is not held again
 
+  real(DP), parameter :: FLUSH = 1.0e-2_DP         !< masters that stand off from each other by more of an edge are not one surface [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
 
   !> The pairs made ready: facets, search, and the free directions of the slave nodes.
@@ -53,6 +54,7 @@ module amontons_contact
     real(DP), allocatable :: slave_normal(:, :)   !< (3, n_slaves) outward from the slave in the reference; 0 if node based
     real(DP), allocatable :: axes(:, :, :)        !< (3, 3, n_slaves) in columns: the global axes, or those of the node's own frame
     real(DP), allocatable :: mask(:, :)           !< (3, n_slaves) along them: 1 free, 0 held by a support or an equation
+    logical, allocatable :: is_flush(:)           !< (n_slaves) goes into the row of an earlier slave of its node if that faces the same way
     type(overlaps_type) :: overlaps               !< pairs that share nodes
     type(sparse_type) :: passing                 !< E: forces on all nodes to those on free ones; only where reactions are passed on
     real(DP), allocatable :: free(:, :, :)        !< (3, 3, n_slaves) projector on what supports and other pairs leave free
@@ -115,7 +117,7 @@ contains
     end do
     n = size(slaves)
     call unite_exact(contact, model)
-    allocate (contact%is_bound(n), source=.false.)
+    allocate (contact%is_bound(n), contact%is_flush(n), source=.false.)
     if (allocated(model%twins)) call bind_twins(contact, model, slaves)
     call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
     do p = 1, size(model%pairs)
@@ -317,11 +319,12 @@ contains
 
 
   !> The rows of mortar pairs with the bodies as they are at x. A node that is slave in several of them with the same normal gets
-  !! one row of all, in the pair that comes first.
-  subroutine renew_rows(contact, slaves, is_wanted, x)
+  !! one row of all, in the pair that comes first, if their masters are flush where an increment begins.
+  subroutine renew_rows(contact, slaves, is_wanted, is_start, x)
     type(contact_type), intent(inout) :: contact
     type(slave_type), intent(in) :: slaves(:)
     logical, intent(in) :: is_wanted(:)            !< (n_pairs)
+    logical, intent(in) :: is_start                !< an increment begins
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     integer :: p, n, i, j, s
     do s = 1, size(slaves)
@@ -338,7 +341,10 @@ contains
       do n = 1, size(first) - 1
         do i = first(n), first(n + 1) - 2
           do j = i + 1, first(n + 1) - 1
-            call merge_slaves(slaves(member(i)), slaves(member(j)))
+            if (.not. (is_wanted(slaves(member(i))%pair) .and. is_wanted(slaves(member(j))%pair))) cycle
+            if (is_start) contact%is_flush(member(j)) = (i == first(n) .or. contact%is_flush(member(j))) .and. &
+              are_flush(slaves(member(i)), slaves(member(j)))
+            if (contact%is_flush(member(j))) call merge_slaves(slaves(member(i)), slaves(member(j)))
           end do
         end do
       end do
@@ -346,10 +352,22 @@ contains
 
   contains
 
+    !> Whether the masters of two slaves at a node are one even surface there: its gaps are the same.
+    pure logical function are_flush(s, t)
+      type(slave_type), intent(in) :: s, t
+      associate (a => contact%mortar(s%pair), b => contact%mortar(t%pair))
+        are_flush = a%places(s%row)%vertex == 0 .or. b%places(t%row)%vertex == 0   ! one of them is not over its master yet
+        if (are_flush) return
+        are_flush = abs(s%offset + dot_product(a%places(s%row)%normal, relative_position(a%rows(s%row), x)) - t%offset &
+          - dot_product(b%places(t%row)%normal, relative_position(b%rows(t%row), x))) &
+          <= FLUSH * min(contact%edge(s%pair), contact%edge(t%pair))
+      end associate
+    end function are_flush
+
     !> One row in place of those of two slaves at a node.
     subroutine merge_slaves(s, t)
       type(slave_type), intent(in) :: s, t
-      if (.not. (is_wanted(s%pair) .and. is_wanted(t%pair)) .or. any(contact%is_removed([s%pair, t%pair]))) return
+      if (any(contact%is_removed([s%pair, t%pair]))) return
       associate (a => contact%mortar(s%pair)%places(s%row), b => contact%mortar(t%pair)%places(t%row))
         if (a%vertex == 0 .or. b%vertex == 0) return
         if (dot_product(a%normal, b%normal) <= PARALLEL) return

@@ -54,12 +54,15 @@ contains
     if (size(fields%slaves) == 0) return
     contact%memory = old%user_memory
     allocate (x, source=model%mesh%coordinates + fields%u)
-    if (any(model%pairs%is_mortar)) call renew_rows(contact, old%slaves, model%pairs%is_mortar .and. .not. contact%is_small, x)
+    if (any(model%pairs%is_mortar)) call renew_rows(contact, old%slaves, model%pairs%is_mortar .and. .not. contact%is_small, &
+      .false., x)
     allocate (total, source=imbalance)
     do level = 1, contact%overlaps%n_levels
       do s = 1, size(fields%slaves)
+        if (contact%overlaps%level(s) == level) contact%Rhat(:, s) = row_imbalance(contact, fields%slaves(s), total)
+      end do
+      do s = 1, size(fields%slaves)
         if (contact%overlaps%level(s) /= level) cycle
-        contact%Rhat(:, s) = row_imbalance(contact, fields%slaves(s), total)
         call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. contact%hold(s) == HOLD_NOW, s, fields)
       end do
       do s = 1, size(fields%slaves)
@@ -140,7 +143,8 @@ contains
       free = free_directions(contact%overlaps, fields%slaves, s, left_free(contact%axes(:, :, s), contact%mask(:, s)))
       contact%free(:, :, s) = free
       contact%friction(s) = law%friction
-      if (is_friction_taken(contact%overlaps, fields%slaves, s, free, contact%laws%friction)) contact%friction(s) = 0.0_DP
+      if (is_friction_taken(contact%overlaps, fields%slaves, s, free, contact%laws%friction, contact%Rhat)) &
+        contact%friction(s) = 0.0_DP
       Rhat = matmul(free, contact%Rhat(:, s))
       free_normal = matmul(free, slave%normal)
       share = norm2(free_normal)

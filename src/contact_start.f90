@@ -52,9 +52,9 @@ contains
       is_stale(p) = .not. contact%is_small(p) .or. is_step_start .or. .not. contact%mortar(p)%is_made
     end do
     is_of_start = is_stale .and. contact%is_small .and. is_nlgeom
-    if (any(is_of_start)) call renew_rows(contact, fields%slaves, is_of_start, model%mesh%coordinates + u_start)
+    if (any(is_of_start)) call renew_rows(contact, fields%slaves, is_of_start, .true., model%mesh%coordinates + u_start)
     is_stale = is_stale .and. .not. is_of_start
-    if (any(is_stale)) call renew_rows(contact, fields%slaves, is_stale, x)
+    if (any(is_stale)) call renew_rows(contact, fields%slaves, is_stale, .true., x)
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
         p = slave%pair

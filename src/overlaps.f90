@@ -15,6 +15,7 @@ module amontons_overlaps
     is_friction_taken, PARALLEL
 
   real(DP), parameter :: PARALLEL = 0.99_DP    !< normals whose product is above this hold the same direction [-]
+  real(DP), parameter :: MORE = 1.001_DP       !< a pair presses more than an earlier one if it does by this factor [-]
   real(DP), parameter :: HELD = 1.0e-6_DP      !< a normal whose free part is smaller than this holds nothing more [-]
 
   !> Which slaves stand at which node, and in which order they are looked at.
@@ -224,22 +225,29 @@ contains
 
 
   !> Whether a slave that other pairs hold too has no friction of its own: no direction is left beside its normal, or the
-  !! friction along the edge that is left is given by a pair before its own.
-  pure logical function is_friction_taken(overlaps, slaves, s, free, friction) result(has)
+  !! friction along the edge that is left is given by the pair that presses more, of two that press alike by the first. (By the first pair, whatever it presses, friction
+  !! would come and go with a pair that hardly touches, and where it does there may be no balance.)
+  pure logical function is_friction_taken(overlaps, slaves, s, free, friction, Rhat) result(has)
     type(overlaps_type), intent(in) :: overlaps
     type(slave_type), intent(in) :: slaves(:)
     integer, intent(in) :: s
     real(DP), intent(in) :: free(3, 3)             !< its free directions
     real(DP), intent(in) :: friction(:)            !< (n_pairs) mu [-]
+    real(DP), intent(in) :: Rhat(:, :)             !< (3, n_slaves) imbalance of their rows [force]
+    real(DP) :: own, other
     integer :: k, t
     has = .false.
     if (.not. overlaps%has_corners .or. .not. overlaps%is_exact(s)) return
     if (overlaps%first(slaves(s)%node + 1) - overlaps%first(slaves(s)%node) < 2) return
     has = free(1, 1) + free(2, 2) + free(3, 3) < 1.5_DP   ! its rank
+    own = 0.0_DP
+    if (slaves(s)%status /= STATUS_OPEN) own = max(-dot_product(slaves(s)%normal, Rhat(:, s)), 0.0_DP)
     do k = overlaps%first(slaves(s)%node), overlaps%first(slaves(s)%node + 1) - 1
       t = overlaps%member(k)
-      if (t >= s) return
-      has = has .or. (slaves(t)%status /= STATUS_OPEN .and. friction(slaves(t)%pair) > 0.0_DP)
+      if (t == s .or. slaves(t)%status == STATUS_OPEN .or. .not. friction(slaves(t)%pair) > 0.0_DP) cycle
+      other = -dot_product(slaves(t)%normal, Rhat(:, t))
+      if (t < s) has = has .or. MORE * other >= own
+      if (t > s) has = has .or. other > MORE * own
     end do
   end function is_friction_taken
 

@@ -267,7 +267,7 @@ def test_groove(proof: Proof, form: str) -> None:
         model="A cube of 3 x 3 x 3 C3D8, E = 1000, nu = 0.3, on a floor and against a wall, a pressure of 10 towards both (1 increment), then drawn along the "
         f"edge by 0.1 at its nodes away from both (5 increments), mu = {mu:g} in both pairs, small displacements.",
         formula="Every node slides: its friction is mu N against the motion. At the nodes of the edge, slaves in both pairs, the friction along the edge is that "
-        "of the pair that comes first, the floor; the wall pushes there only. The pull is the sum.",
+        "of the pair that presses more, of two that press alike the first, the floor; the wall pushes there only. The pull is the sum.",
         source="Coulomb; the rule of corners (theory of contact, section 5)",
         proves="Friction at nodes that touch twice; the normal forces of both pairs there.",
     )
