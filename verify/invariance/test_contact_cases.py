@@ -261,7 +261,7 @@ def has(job: Job, name: str) -> bool:
 def same(job: Job, wanted: Job, tolerance: float, view: View | None = None) -> None:
     """Fields of all frames, and iterations per step within one."""
     view = view or View()
-    assert np.allclose(job.times, wanted.times, rtol=1e-12), "other increments"
+    assert job.times.shape == wanted.times.shape and np.allclose(job.times, wanted.times, rtol=1e-12), "other increments"
     names = [name for name in FIELDS if has(wanted, name)]
     for name in names:
         expected = plain_field(wanted, name)
