@@ -22,7 +22,7 @@ module amontons_direction
   use amontons_condensed, only: is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
     apply_condensed
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
-    conjugate_gradients, KRYLOV_CONVERGED
+    conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_STAGNATED
   use amontons_constraints, only: finish_constraints, condense_forces, condensation
   use amontons_bonds, only: add_curvatures
   use amontons_damping, only: brake, stiffen
@@ -41,6 +41,7 @@ module amontons_direction
   real(DP), parameter :: KRYLOV_SHARE = 1.0e-3_DP        !< of the residual that Newton allows: what a direction may leave [-]
   integer, parameter :: KRYLOV_MOST = 200                !< Krylov iterations of one direction
   real(DP), parameter :: ITERATIVE_TOLERANCE = 1.0e-11_DP   !< of a direction without a factor: its error is seen less well [-]
+  real(DP), parameter :: ROUNDED = 8.0_DP * epsilon(1.0_DP)   !< of stiffness times direction: what rounding leaves of a residual [-]
   integer, parameter :: MOST_OLD = 8                     !< Krylov iterations after which an old factor of the bulk is given up
   integer, parameter :: MOST_UNSTABLE = 3                !< such factorisations after which an attempt goes on without the interface
   integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
@@ -405,10 +406,22 @@ contains
     system%n_krylov = system%n_krylov + report%n_iterations
     if (system%is_condensed .and. report%n_iterations > MOST_OLD .and. .not. system%is_bulk_new) call forget_bulk(system)
     if (report%status == KRYLOV_CONVERGED) return
+    if (report%status == KRYLOV_STAGNATED .and. is_to_rounding(system, report%residual * norm2(b), v)) return
     if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! to rounding: a slender body allows no more
     if (is_iterative) trouble = TROUBLE_SOLVER
     if (.not. is_iterative) call solve_whole(system, b, v, trouble, error)
   end subroutine iterate_direction
+
+
+  !> Whether a direction solves its equations as well as numbers can: what it leaves is rounding of the products of the stiffness with
+  !! it, as when bodies that hardly anything holds go far; no factorisation would give a better one (the backward error; N. J. Higham,
+  !! Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 7.1).
+  pure logical function is_to_rounding(system, residual, v)
+    type(system_type), intent(in) :: system
+    real(DP), intent(in) :: residual               !< norm of what is left [force]
+    real(DP), intent(in) :: v(:)                   !< (n_free) [length]
+    is_to_rounding = residual <= ROUNDED * maxval(abs(system%assembly%stiffness%value)) * norm2(v)
+  end function is_to_rounding
 
 
   !> The fall-back when GMRES does not arrive: J as a matrix, factorised by UMFPACK with pivoting.
