@@ -125,7 +125,8 @@ def run_suite(program: Path, words: list[str]) -> int:
         }  # fmt: skip
         command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", NOT_SANITIZED, *words]
         status = subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode
-        found = [path.read_text(errors="replace") for path in sorted(Path(name).iterdir())]
+        texts = [path.read_text(errors="replace") for path in sorted(Path(name).iterdir())]
+    found = [text for text in texts if "/ccx+" not in text]  # CalculiX runs beside, and reads past an array of its own
     for text in found:
         print("\n".join(FINDING.findall(text)[:12]))
     print(f"{len(found)} processes with findings; pytest ended with {status}")
