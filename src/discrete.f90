@@ -341,6 +341,7 @@ contains
     type(curve_type), intent(in) :: tables(:)    !< ascending temperatures
     real(DP), intent(in) :: elongation, temperature
     real(DP), intent(out) :: force, slope
+    real(DP), parameter :: CORNER = 1.0e-9_DP    ! of an elongation: so near to a corner of a table it is there [-]
     real(DP) :: s, other_force, other_slope
     integer :: i
     call find_interval(tables%temperature, temperature, i, s)
@@ -352,12 +353,15 @@ contains
 
   contains
 
-    !> One table.
+    !> One table. At a corner of it the slope is that of the side where less is elongated: rounding does not choose.
     pure subroutine force_of(table, f, df)
       type(curve_type), intent(in) :: table
       real(DP), intent(out) :: f, df
-      call evaluate_curve(table, elongation, f, df)
-      if (elongation < table%strain(1)) df = 0
+      real(DP) :: within, unused
+      within = (1.0_DP - CORNER) * elongation
+      call evaluate_curve(table, elongation, f, unused)
+      call evaluate_curve(table, within, unused, df)
+      if (within < table%strain(1)) df = 0
     end subroutine force_of
 
   end subroutine force_by_tables

@@ -27,7 +27,7 @@ PLAIN = {"HEADING", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SURFACE 
 #: Card to the units of the numbers of a data line; the last one repeats. L length, F force, S stress, K stress per length, M moment, A area,
 #: Q force per length, R density, D damping of a volume, Z one over stress, 1 none.
 UNITS = {"NODE": "1L", "DSLOAD": "11S", "CONTACT INTERFERENCE": "11L", "FRICTION": "1K", "DENSITY": "R", "PLASTIC": "S1", "CHANGE PLASTIC": "S1",
-         "TRACTION": "S", "SOLID SECTION": "L", "MASS": "Q", "GAP": "L1", "CYCLIC SYMMETRY MODEL": "L"}  # fmt: skip
+         "TRACTION": "S", "SOLID SECTION": "L", "MASS": "Q", "GAP": "L1111QF", "CYCLIC SYMMETRY MODEL": "L"}  # fmt: skip
 #: The same by a word of the card; the first that it holds counts.
 BY_WORD = {
     "SURFACE BEHAVIOR": {"EXPONENTIAL": "LS", "TABULAR": "SL", "LINEAR": "KSL", "": "K"},
@@ -120,7 +120,7 @@ def scaled_card(card: list[str], units: Units, tight: float, special: set[str]) 
         head = re.sub(r"(FILLET RADIUS=)([^,]+)", lambda m: m.group(1) + times(m.group(2), units.of("L")), card[0])
         return [head, *(row(line, "L", units) for line in card[1:])]
     if name == "SPRING":
-        return [card[0], card[1], *(row(line, "Q", units) for line in card[2:])]
+        return [card[0], card[1], *(row(line, "FL1" if "NONLINEAR" in card[0].upper() else "Q1", units) for line in card[2:])]
     if name in BY_WORD:
         letters = next((letters for word, letters in BY_WORD[name].items() if word in card[0].upper().replace(" ", "")), None)
         return [card[0], *(row(line, letters, units) for line in card[1:])] if letters else [refuse(name)]

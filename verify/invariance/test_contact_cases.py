@@ -164,6 +164,7 @@ OTHERS: dict[str, Callable[[], str]] = {
     "LE10": lambda: deck_of_case("test_bodies", "test_le10", kind="C3D10", tolerance=1.0),
     "LE11": lambda: deck_of_case("test_thermal", "test_le11", kind="CAX8", cells=(2, 4), tolerance=1.0),
     "points on faces edge on edge": lambda: deck_of_case("test_points", "test_what_nodes_show", order=20),
+    "spring to the end of its table": lambda: deck_of_case("test_springs", "test_tables", kind="SPRING1", force=20.0, expected=0.15),
     "rigid end under a moment": lambda: deck_of_case("test_bonds", "test_rigid_body_in_equilibrium"),
     "mean rotation": lambda: deck_of_case("test_bonds", "test_mean_rotation"),
     "Cook": lambda: deck_of_case("test_bodies", "test_cook"),
