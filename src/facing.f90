@@ -16,7 +16,7 @@ module amontons_facing
   use amontons_shapes, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line
   use amontons_search, only: search_type, near_facets
-  use amontons_polygons, only: clip_polygon, polygon_area, MAX_CORNERS
+  use amontons_polygons, only: place_on_flat, clip_polygon, polygon_area, MAX_CORNERS
   implicit none
   private
   public :: facing_type, find_facing, face_normal
@@ -394,25 +394,14 @@ contains
   end subroutine seven_points
 
 
-  !> The natural coordinates of the point of a sheet that is over a point of a plane: Newton, two equations.
+  !> The natural coordinates of the point of a sheet that is over a point of a plane.
   pure function natural_place(sheet, plane, q) result(xi)
     type(sheet_type), intent(in) :: sheet
     type(sheet_type), intent(in) :: plane          !< the sheet whose plane it is
     real(DP), intent(in) :: q(2)                   !< in the plane [length]
     real(DP) :: xi(2)                              !< [-]
-    real(DP) :: J(2, 2), r(2), step(2), det
-    integer :: iteration
-    xi = merge(1.0_DP / 3, 0.0_DP, sheet%kind == FACET_TRI3 .or. sheet%kind == FACET_TRI6)
-    do iteration = 1, MOST_ITERATIONS
-      r = q - reshape(in_plane(plane, reshape(point_at(sheet, xi), [3, 1])), [2])
-      J = matmul(transpose(plane%axes), tangents_at(sheet, xi))
-      det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
-      if (abs(det) <= tiny(1.0_DP)) return
-      step = [J(2, 2) * r(1) - J(1, 2) * r(2), J(1, 1) * r(2) - J(2, 1) * r(1)] / det
-      if (maxval(abs(step)) > 1.0_DP) step = step / maxval(abs(step))
-      xi = xi + step
-      if (maxval(abs(step)) < 1.0e-13_DP) exit
-    end do
+    real(DP) :: N(MAX_FACE_NODES)
+    call place_on_flat(sheet%kind, in_plane(plane, sheet%x(:, :sheet%n)), q, xi, N)
   end function natural_place
 
 

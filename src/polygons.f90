@@ -1,16 +1,19 @@
-!> Polygons: two convex polygons in a plane are cut with each other, and points and weights for integrals over the cut.
+!> Polygons: two convex polygons in a plane are cut with each other, points and weights for integrals over the cut, and facets that
+!! lie flat in the plane.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_polygons
   use amontons_kinds, only: DP, PI
-  use amontons_topology, only: FACET_TRI6
-  use amontons_shapes, only: facet_quadrature, MAX_FACET_POINTS
+  use amontons_topology, only: FACET_TRI3, FACET_TRI6, MAX_FACE_NODES
+  use amontons_shapes, only: facet_quadrature, facet_shapes, MAX_FACET_POINTS
+  use amontons_facets, only: is_line
   implicit none
   private
-  public :: clip_polygon, polygon_area, polygon_points, beyond_polygon
+  public :: clip_polygon, polygon_area, polygon_points, beyond_polygon, place_on_flat
   public :: MAX_CORNERS, MAX_CUT_POINTS
 
   integer, parameter :: MAX_CORNERS = 16           !< of a cut of polygons with up to 8 and 4 corners, with room to spare
   real(DP), parameter :: ON_EDGE = 1.0e-11_DP      !< a corner that is nearer to an edge than this times its polygon is on it [-]
+  integer, parameter :: MOST_ITERATIONS = 30       !< of Newton for the natural coordinates of a point
   integer, parameter :: MOST_RULE = 36             !< points of the finest rule on a triangle
   integer, parameter :: MAX_CUT_POINTS = MOST_RULE * (MAX_CORNERS - 2)   !< points of an integral over a cut
 
@@ -186,5 +189,33 @@ contains
       a(i) = 1 / ((1 - z**2) * slope**2)
     end do
   end subroutine gauss_rule
+
+
+  !> The natural coordinates of a point of the plane in a facet whose nodes lie in it: Newton, two equations. A line is drawn out across.
+  pure subroutine place_on_flat(kind, flat, at, xi, N)
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP), intent(in) :: flat(:, :)             !< (2, n) nodes of the facet in the plane [length]
+    real(DP), intent(in) :: at(2)                  !< the point [length]
+    real(DP), intent(out) :: xi(2)                 !< [-]
+    real(DP), intent(out) :: N(MAX_FACE_NODES)     !< shape functions there [-]
+    real(DP) :: x(2, size(flat, 2)), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), J(2, 2), r(2), step(2), det
+    integer :: iteration
+    x = flat
+    if (is_line(kind)) x(2, :) = at(2)
+    xi = merge(1.0_DP / 3, 0.0_DP, kind == FACET_TRI3 .or. kind == FACET_TRI6)
+    do iteration = 1, MOST_ITERATIONS
+      call facet_shapes(kind, xi, N, dN, ddN)
+      r = at - matmul(x, N(:size(x, 2)))
+      J = matmul(x, transpose(dN(:, :size(x, 2))))
+      if (is_line(kind)) J(2, 2) = 1.0_DP
+      det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
+      if (abs(det) <= tiny(1.0_DP)) return
+      step = [J(2, 2) * r(1) - J(1, 2) * r(2), J(1, 1) * r(2) - J(2, 1) * r(1)] / det
+      if (maxval(abs(step)) > 1.0_DP) step = step / maxval(abs(step))
+      xi = xi + step
+      if (maxval(abs(step)) < 1.0e-13_DP) exit
+    end do
+    call facet_shapes(kind, xi, N, dN, ddN)
+  end subroutine place_on_flat
 
 end module amontons_polygons

@@ -15,6 +15,7 @@
 !! | `pair_history`       | sums over each pair: a row per pair of the initial state and each converged increment      |
 !! | `history`            | one row per attempt at an increment, failed ones included; `frame` leads to the fields     |
 !! | `iterations`         | one row per Newton iteration                                                               |
+!! | `told`               | lines on attempts that failed: worst nodes with their contact, and a remedy                |
 !! | `integration_points` | stress, strain and energy density of each frame                                            |
 !! | `contact`            | what each slave node remembers, of each frame                                              |
 !!
@@ -31,22 +32,36 @@ module amontons_results
   use amontons_steps, only: is_output_due
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
-  use amontons_history, only: increment_record_type, iteration_record_type
+  use amontons_history, only: increment_record_type, iteration_record_type, STORY_LENGTH
   use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
-  use amontons_told, only: told_type, create_told, open_told, append_told
   use amontons_store, only: append_rows, apply_pages, close_store, create_group, create_store, create_table, &
     drop_store, flush_store, form_type, open_store, open_table, pages_type, store_type, table_type, take_pages, &
-    write_attribute, write_data, STORE_I64
+    write_attribute, write_data, STORE_I64, STORE_TEXT, STORE_I32
   use amontons_inventory, only: shown_type, draw_profiles, displacement_of, write_grid, write_inventory
-  use amontons_columns, only: append_columns, check_finite, column_type, create_columns, open_columns, CONTACT_COLUMNS, &
-    HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, N_HISTORY_INTEGERS, &
-    N_HISTORY_REALS, N_ITERATION_INTEGERS, N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, N_POINT_INTEGERS, &
-    N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, rows_of, STRAIN_COLUMN
+  use amontons_columns, only: append_columns, check_finite, column_type, create_columns, open_columns, &
+    CONTACT_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, &
+    N_HISTORY_INTEGERS, N_HISTORY_REALS, N_ITERATION_INTEGERS, N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, &
+    N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, rows_of, STRAIN_COLUMN
   use amontons_derived, only: pair_sums_type, average_at_nodes, list_followers, nodal_slaves, show_sides, sum_pair
   implicit none
   private
   public :: results_type, open_results, resume_results, write_increment, write_attempt, write_iteration, close_results
   public :: take_result_pages, apply_result_pages, drop_results, is_writing, point_fields
+
+  character(*), parameter :: REASON = '/AMONTONS/history/reason'
+  character(*), parameter :: FOLDER = '/AMONTONS/told'
+  integer, parameter :: REASON_LENGTH = 240        !< longest reason why an attempt failed
+  type(form_type), parameter :: REASON_FORM = form_type(storage=STORE_TEXT, width=REASON_LENGTH)
+  type(form_type), parameter :: LINE_FORM = form_type(storage=STORE_TEXT, width=STORY_LENGTH)
+  type(form_type), parameter :: ROW_FORM = form_type(storage=STORE_I32)
+
+  !> Tables of the result file.
+  type :: told_type
+    private
+    type(table_type) :: reason                     !< a row per attempt
+    type(table_type) :: line                       !< what is told of attempts, one line after the other
+    type(table_type) :: attempt                    !< of each line: the row of the history to which it belongs
+  end type told_type
 
   !> A result file that is being written.
   type :: results_type
@@ -617,5 +632,51 @@ contains
     written = UNTOLD
     if (ieee_is_finite(value)) written = value
   end function finite
+
+
+  !> Creates the tables; the group of the history is there.
+  subroutine create_told(told, store, error)
+    type(told_type), intent(out) :: told
+    type(store_type), intent(in) :: store
+    type(error_type), allocatable, intent(out) :: error
+    call create_table(store, told%reason, REASON, REASON_FORM, '[-]', 'Why the attempt failed; empty if it converged.', error)
+    if (.not. allocated(error)) call create_group(store, FOLDER, error)
+    if (.not. allocated(error)) call create_table(store, told%line, FOLDER // '/line', LINE_FORM, '[-]', &
+      'What was told of attempts: of those that failed the worst nodes with their contact, and a remedy.', error)
+    if (.not. allocated(error)) call create_table(store, told%attempt, FOLDER // '/attempt', ROW_FORM, '[-]', &
+      'The row of the history that the line is about.', error)
+  end subroutine create_told
+
+
+  !> Opens the tables of a file that goes on.
+  subroutine open_told(told, store, error)
+    type(told_type), intent(out) :: told
+    type(store_type), intent(in) :: store
+    type(error_type), allocatable, intent(out) :: error
+    call open_table(store, told%reason, REASON, REASON_FORM, error)
+    if (.not. allocated(error)) call open_table(store, told%line, FOLDER // '/line', LINE_FORM, error)
+    if (.not. allocated(error)) call open_table(store, told%attempt, FOLDER // '/attempt', ROW_FORM, error)
+  end subroutine open_told
+
+
+  !> Adds what is told of an attempt.
+  subroutine append_told(told, store, record, error)
+    type(told_type), intent(inout) :: told
+    type(store_type), intent(in) :: store
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: words
+    integer :: row, i
+    row = int(told%reason%n_rows)
+    words = ''
+    if (allocated(record%reason)) words = record%reason
+    call append_rows(store, told%reason, words, error)
+    if (.not. allocated(record%story)) return
+    do i = 1, size(record%story)
+      if (.not. allocated(error)) call append_rows(store, told%line, trim(record%story(i)), error)
+      if (.not. allocated(error)) call append_rows(store, told%attempt, reshape([row], [1, 1]), error)
+      if (allocated(error)) return
+    end do
+  end subroutine append_told
 
 end module amontons_results

@@ -8,10 +8,9 @@ module amontons_segments
   use amontons_tensor, only: cross_product
   use amontons_topology, only: facet_kind, facet_kind_type, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
     MAX_FACE_NODES
-  use amontons_shapes, only: facet_shapes
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line
   use amontons_search, only: search_type, near_facets
-  use amontons_polygons, only: clip_polygon, polygon_area, polygon_points, MAX_CORNERS, MAX_CUT_POINTS
+  use amontons_polygons, only: place_on_flat, clip_polygon, polygon_area, polygon_points, MAX_CORNERS, MAX_CUT_POINTS
   use amontons_dual, only: transform_shapes, transform_nodes, dual_functions
   implicit none
   private
@@ -22,7 +21,6 @@ module amontons_segments
   real(DP), parameter :: OVERLAP = 1.0e-6_DP       !< segments that overlap by more of the facet lie one behind the other [-]
   real(DP), parameter :: SLIVER = 1.0e-10_DP       !< cuts smaller than this part of the facet are nothing [-]
   real(DP), parameter :: AFFINE = 1.0e-9_DP        !< a square whose corners miss a parallelogram by less than this part is one [-]
-  integer, parameter :: MOST_ITERATIONS = 20       !< of Newton for the natural coordinates of a point
 
   !> A flat frame through a slave facet.
   type :: plane_type
@@ -311,7 +309,7 @@ contains
   end subroutine reserve
 
 
-  !> The natural coordinates of the point of a facet that is over a point of the plane: Newton, two equations.
+  !> The natural coordinates of the point of a facet that is over a point of the plane.
   pure subroutine natural_place(kind, plane, x, at, xi, N)
     integer, intent(in) :: kind                    !< FACET_...
     type(plane_type), intent(in) :: plane
@@ -319,26 +317,12 @@ contains
     real(DP), intent(in) :: at(2)                  !< in the plane [length]
     real(DP), intent(out) :: xi(2)                 !< [-]
     real(DP), intent(out) :: N(MAX_FACE_NODES)     !< shape functions there [-]
-    real(DP) :: flat(2, size(x, 2)), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), J(2, 2), r(2), step(2), det
-    integer :: i, iteration
+    real(DP) :: flat(2, size(x, 2))
+    integer :: i
     do i = 1, size(x, 2)
       flat(:, i) = in_plane(plane, x(:, i))
     end do
-    xi = merge(1.0_DP / 3, 0.0_DP, kind == FACET_TRI3 .or. kind == FACET_TRI6)
-    if (is_line(kind)) flat(2, :) = at(2)
-    do iteration = 1, MOST_ITERATIONS
-      call facet_shapes(kind, xi, N, dN, ddN)
-      r = at - matmul(flat, N(:size(x, 2)))
-      J = matmul(flat, transpose(dN(:, :size(x, 2))))
-      if (is_line(kind)) J(2, 2) = 1.0_DP
-      det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
-      if (abs(det) <= tiny(1.0_DP)) return
-      step = [J(2, 2) * r(1) - J(1, 2) * r(2), J(1, 1) * r(2) - J(2, 1) * r(1)] / det
-      if (maxval(abs(step)) > 1.0_DP) step = step / maxval(abs(step))
-      xi = xi + step
-      if (maxval(abs(step)) < 1.0e-13_DP) exit
-    end do
-    call facet_shapes(kind, xi, N, dN, ddN)
+    call place_on_flat(kind, flat, at, xi, N)
   end subroutine natural_place
 
 
