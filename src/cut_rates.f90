@@ -15,7 +15,7 @@ module amontons_cut_rates
   use amontons_search, only: search_type
   use amontons_polygons, only: clip_polygon, polygon_area, polygon_points, MAX_CORNERS, MAX_CUT_POINTS
   use amontons_dense, only: solve_small, DENSE_OK
-  use amontons_dual, only: carries_all, transform_shapes, transform_nodes
+  use amontons_dual, only: full_part, transform_shapes, transform_nodes
   use amontons_segments, only: plane_type, segment_type, cover_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
     order_for, natural_place
   use amontons_rows, only: contact_row_type
@@ -98,29 +98,87 @@ contains
     real(DP), intent(in) :: x(:, :), reach         !< as `find_segments`
     type(facet_rates_type), intent(out) :: rates
     type(cover_type) :: cover
-    type(sums_type) :: sums
-    real(DP) :: turn(2, MOST), area, corners(2, 4)
-    integer :: k, n_corners
+    type(facet_rates_type) :: other
+    type(outline_type) :: own
+    real(DP) :: turn(2, MOST), d_area(MOST), area, d_cover, part, slope
+    integer :: i
     rates%is_made = .true.
     call find_segments(slave, f, depth, master, search, x, reach, cover)
     call gather_nodes(slave, f, master, cover%segments(:cover%n), rates)
     if (cover%n == 0) return
-    call corners_in(cover%plane, slave, f, x, corners, n_corners)
-    area = polygon_area(corners(:, :n_corners)) * depth_at(cover%plane, cover%plane%origin)
-    associate (w => cover%points%weight(:cover%points%n))
-      if (sum(w) <= 0.0_DP) return
-      sums%middle = matmul(cover%points%at(:, :cover%points%n), w) / sum(w)
-      sums%unit = sqrt(area)
-      sums%is_full = carries_all(slave%kind(f), sum(w), area)
-    end associate
-    call begin_sums(merge(rates%n_slave, 3, sums%is_full), size(rates%nodes), sums)
+    if (sum(cover%points%weight(:cover%points%n)) <= 0.0_DP) return
     turn = turn_of(slave, f, x, cover%plane)
+    call lay_outline(slave, f, x, cover%plane, turn, 0, .false., own)
+    call differentiate_area(own, cover%plane, area, d_area)
+    call full_part(slave%kind(f), sum(cover%points%weight(:cover%points%n)) / area, part, slope)
+    other = rates
+    if (part < 1.0_DP) call differentiate_basis(slave, f, master, x, cover, turn, sqrt(area), .false., other)
+    if (part > 0.0_DP) call differentiate_basis(slave, f, master, x, cover, turn, sqrt(area), .true., rates)
+    if (part >= 1.0_DP) return
+    if (part > 0.0_DP) then
+      associate (covered => sum(rates%share))
+        do i = 1, 3 * size(rates%nodes)
+          d_cover = sum(rates%d_share(:, i))
+          if (i <= 3 * rates%n_slave) d_cover = d_cover - covered / area * d_area(i)
+          other%d_block(:, :, i) = part * rates%d_block(:, :, i) + (1 - part) * other%d_block(:, :, i) &
+            + slope / area * d_cover * (rates%block - other%block)
+        end do
+      end associate
+      other%block = part * rates%block + (1 - part) * other%block
+    end if
+    rates = other
+  end subroutine differentiate_cuts
+
+
+  !> The area of a slave facet in its plane, times the depth of a line, and how it changes with the coordinates of its nodes.
+  pure subroutine differentiate_area(own, plane, area, d_area)
+    type(outline_type), intent(in) :: own
+    type(plane_type), intent(in) :: plane
+    real(DP), intent(out) :: area                  !< [length^2]
+    real(DP), intent(out) :: d_area(MOST)          !< [length]
+    real(DP) :: across(2), flat, depth
+    integer :: k, before, next, i
+    flat = polygon_area(own%corners(:, :own%n_corners))
+    depth = depth_at(plane, plane%origin)
+    area = flat * depth
+    d_area = 0.0_DP
+    do k = 1, own%n_corners                        ! 2 A = sum of x_k times (y_next - y_before)
+      before = modulo(k - 2, own%n_corners) + 1
+      next = modulo(k, own%n_corners) + 1
+      across = 0.5_DP * [own%corners(2, next) - own%corners(2, before), own%corners(1, before) - own%corners(1, next)]
+      do i = 1, 3 * own%n
+        d_area(i) = d_area(i) + depth * dot_product(across, own%d_flat(:, i, own%node(k)))
+      end do
+    end do
+    if (plane%depth >= 0.0_DP) return
+    d_area([1, 4]) = d_area([1, 4]) + PI * flat    ! the origin is the middle of the two corners of a line
+  end subroutine differentiate_area
+
+
+  !> The integrals with the dual functions of one basis, N~ or the linear functions of the place.
+  subroutine differentiate_basis(slave, f, master, x, cover, turn, unit, is_full, rates)
+    type(facets_type), intent(in) :: slave, master
+    integer, intent(in) :: f
+    real(DP), intent(in) :: x(:, :)
+    type(cover_type), intent(in) :: cover
+    real(DP), intent(in) :: turn(2, MOST)
+    real(DP), intent(in) :: unit                   !< of the place [length]
+    logical, intent(in) :: is_full
+    type(facet_rates_type), intent(inout) :: rates
+    type(sums_type) :: sums
+    integer :: k
+    associate (w => cover%points%weight(:cover%points%n))
+      sums%middle = matmul(cover%points%at(:, :cover%points%n), w) / sum(w)
+    end associate
+    sums%unit = unit
+    sums%is_full = is_full
+    call begin_sums(merge(rates%n_slave, 3, is_full), size(rates%nodes), sums)
     do k = 1, cover%n
       if (all(cover%points%weight(cover%segments(k)%first:cover%segments(k)%last) <= 0.0_DP)) cycle
       call add_cut(slave, f, master, cover%segments(k)%master, x, cover%plane, turn, rates, sums)
     end do
     call finish_blocks(slave, f, x, cover%plane, turn, rates, sums)
-  end subroutine differentiate_cuts
+  end subroutine differentiate_basis
 
 
   !> The nodes on which the integrals depend.

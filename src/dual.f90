@@ -16,7 +16,7 @@ module amontons_dual
   use amontons_dense, only: solve_small, DENSE_OK
   implicit none
   private
-  public :: is_transformed, carries_all, transform_shapes, transform_nodes, whole_share, dual_functions
+  public :: is_transformed, full_part, transform_shapes, transform_nodes, whole_share, dual_functions
   public :: ALPHA
 
   real(DP), parameter :: ALPHA = 0.2_DP            !< of the transformation of quadratic faces [-]
@@ -32,12 +32,21 @@ contains
   end function is_transformed
 
 
-  !> Whether what is covered of a facet is enough for all its dual functions.
-  elemental logical function carries_all(kind, covered, area)
+  !> Which part the full dual functions have, those of linear functions having the rest: 0 where too little of a facet is covered, 1
+  !! from twice as much on, so that nothing jumps in between.
+  pure subroutine full_part(kind, cover, part, slope)
     integer, intent(in) :: kind                    !< FACET_...
-    real(DP), intent(in) :: covered, area          !< [length^2]
-    carries_all = covered >= ENOUGH(kind) * area
-  end function carries_all
+    real(DP), intent(in) :: cover                  !< covered area over that of the facet [-]
+    real(DP), intent(out) :: part                  !< [-]
+    real(DP), intent(out) :: slope                 !< d part/d cover [-]
+    real(DP) :: t
+    part = 1.0_DP
+    slope = 0.0_DP
+    if (cover >= 2 * ENOUGH(kind)) return
+    t = max(cover / ENOUGH(kind) - 1, 0.0_DP)
+    part = t**2 * (3 - 2 * t)
+    slope = 6 * t * (1 - t) / ENOUGH(kind)
+  end subroutine full_part
 
 
   !> The transformed functions from those of the facet.
@@ -100,7 +109,8 @@ contains
   !!
   !! Biorthogonal on that part: integral of phi_j N~_k = d_j delta_jk; with M = integral of N~ N~', phi = diag(d) inv(M) N~.
   !! The sum of all phi_j is 1. On a part too small for that (M is nearly singular) biorthogonal to linear functions of the
-  !! place only: phi_j = d_j (1, y_j)' inv(G) (1, y), with G = integral of (1, y)(1, y)'; the sum is 1 again.
+  !! place only: phi_j = d_j (1, y_j)' inv(G) (1, y), with G = integral of (1, y)(1, y)'; the sum is 1 again. In between a mean of
+  !! both, by `full_part`.
   subroutine dual_functions(kind, area, at_node, weight, at, shapes, phi, d)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: area                   !< of the whole facet [length^2]
@@ -110,7 +120,8 @@ contains
     real(DP), intent(in) :: shapes(:, :)           !< (n, n_points) N~_j [-]
     real(DP), intent(out) :: phi(:, :)             !< (n, n_points) [-]
     real(DP), intent(out) :: d(:)                  !< (n) [length^2]
-    real(DP) :: mass(size(d), size(d)), inverse(size(d), size(d)), unit(size(d), size(d))
+    real(DP) :: mass(size(d), size(d)), inverse(size(d), size(d)), unit(size(d), size(d)), part, slope
+    real(DP), allocatable :: affine(:, :)
     integer :: i, q, status
     mass = 0.0_DP
     unit = 0.0_DP
@@ -123,14 +134,18 @@ contains
       end do
     end do
     d = matmul(shapes, weight)
-    if (carries_all(kind, sum(weight), area)) then
-      call solve_small(mass, unit, inverse, status)
-      if (status == DENSE_OK) then
-        phi = spread(d, 2, size(weight)) * matmul(inverse, shapes)
-        return
-      end if
+    call full_part(kind, sum(weight) / area, part, slope)
+    status = -1
+    if (part > 0.0_DP) call solve_small(mass, unit, inverse, status)
+    if (status /= DENSE_OK) then
+      call affine_duals(area, at_node, weight, at, d, phi)
+      return
     end if
-    call affine_duals(area, at_node, weight, at, d, phi)
+    phi = spread(d, 2, size(weight)) * matmul(inverse, shapes)
+    if (part >= 1.0_DP) return
+    allocate (affine, mold=phi)
+    call affine_duals(area, at_node, weight, at, d, affine)
+    phi = part * phi + (1 - part) * affine
   end subroutine dual_functions
 
 

@@ -96,6 +96,7 @@ contains
     call check_tangent('mortar, finite sliding', 0.15_DP, 0.3_DP, .true., .false., shared=3)
     call check_tangent('mortar, finite sliding, frictionless', 0.15_DP, 0.0_DP, .true., .false., shared=3)
     call check_tangent('mortar, finite sliding, exponential', 0.15_DP, 0.3_DP, .true., .false., law, shared=3)
+    call check_tangent('mortar, nearly off its master', 0.0_DP, 0.3_DP, .true., .false., shared=4)
     call check_tangent('mortar, finite sliding, lines', 0.15_DP, 0.3_DP, .true., .false., plane=KIND_CPE4_FULL, shared=3)
     law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=300.0_DP, tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP)
     call check_tangent('mortar, finite sliding, quadratic lines', 0.15_DP, 0.3_DP, .true., .false., law, KIND_CAX8, shared=3)
@@ -111,7 +112,7 @@ contains
     type(interaction_type), intent(in), optional :: law   !< with its behaviour; hard without it
     integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
     integer, intent(in), optional :: shared     !< 1: with the pair the other way round first; 2: with a second master; 3: none, but
-                                                   !< surface to surface
+                                                   !< surface to surface; 4: the same, with a fourteenth of the outer facets covered
     logical, intent(in), optional :: is_symmetric  !< planes of symmetry take the x of every other vertex normal
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
@@ -127,7 +128,7 @@ contains
       call two_blocks(model, sag, friction, is_nlgeom, is_small)
     end if
     if (present(shared)) then
-      if (shared == 3) model%pairs(1)%is_mortar = .true.
+      if (shared >= 3) model%pairs(1)%is_mortar = .true.
       if (shared < 3) call share_nodes(model, shared)
     end if
     if (present(law)) model%interactions(1) = law
@@ -154,6 +155,9 @@ contains
       end associate
     end do
     if (present(plane)) u(1, model%surfaces(1)%nodes) = u(1, model%surfaces(1)%nodes) + 0.05_DP
+    if (present(shared)) then
+      if (shared == 4) u(1, model%surfaces(1)%nodes) = u(1, model%surfaces(1)%nodes) + 0.26_DP
+    end if
     state%new%u = u
     call evaluate(system, model, step, state, trouble, is_frozen=.true.)
     call suite%that(name // ': evaluated', trouble == 0)
