@@ -28,6 +28,7 @@ module amontons_newton
   integer, parameter :: TROUBLE_THROUGH = 5         !< a slave passed through its master: newton%farthest is its node
   real(DP), parameter :: FAR_OFF = 100.0_DP         !< a displacement of this many sizes of the model in an increment is none [-]
 
+  real(DP), parameter :: HELD_MORE = 36.0_DP        !< of the part that holds bodies which drift: six times that of the iteration before [-]
   real(DP), parameter :: CARRIED_OFF = 2.0_DP       !< so many sizes of the model are enough for a body that had to be carried [-]
 
   real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times force_scale [-]
@@ -118,7 +119,7 @@ contains
 
 
   !> The Newton direction, with contact settled at its end. Where no body is held there, they are carried; where contact does
-  !! not settle, they are carried on to the next balance.
+  !! not settle, they are carried on to the next balance, and held the more once forces are in balance and hardly anything holds them.
   subroutine choose_direction(newton, system, model, step, state, du, ahead, error)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(inout) :: system
@@ -128,6 +129,7 @@ contains
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at the end of the direction
     type(error_type), allocatable, intent(out) :: error
+    logical :: is_drifting                         ! in balance, but the corrections do not end
     call find_direction(system, model, step, state, du, newton%trouble, error)
     if (allocated(error)) return
     newton%is_carried = is_carried_off(system, model, du, newton%trouble)
@@ -142,7 +144,11 @@ contains
     newton%n_unsettled = merge(newton%n_unsettled + 1, 0, is_unsettled(system, step, newton) .or. newton%is_refused)
     if (newton%is_refused .and. newton%snap_after <= SNAP_LATE) newton%n_unsettled = max(newton%n_unsettled, newton%snap_after + 1)
     newton%is_refused = .false.
+    is_drifting = step%line_search == SEARCH_AUTO .and. newton%snap_after <= SNAP_LATE .and. size(state%new%slaves) > 0 .and. &
+      all(newton%progress%residual(0:merge(0, 2, newton%n_snapped > 0)) <= step%controls%r_n) .and. newton%progress%iteration > 3
+    if (is_drifting) newton%n_unsettled = max(newton%n_unsettled, newton%snap_after + 1)
     if (newton%n_unsettled <= newton%snap_after) return
+    if (is_drifting) newton%snap_part = newton%snap_part * HELD_MORE
     call find_snap_direction(system, model, step, state, newton%snap_part, du, ahead, newton%trouble, error)
     newton%snap_after = merge(SNAP_NOW, SNAP_NEVER, system%is_settled)
     newton%is_carried = .true.
