@@ -348,7 +348,6 @@ contains
       call close_ledger(analysis%model, analysis%state, record, damped)
       call close_record(analysis, record)
       call commit_state(analysis%state)
-      if (record%n_snapped > 0) analysis%state%old%v = 0.0_DP   ! a leap is no velocity to go on with
       call accept_increment(analysis%stepper, step, record%dt, course_type(record%n_iterations, record%n_unforeseen, &
         record%n_cycles), outcome)
       analysis%is_step_start = outcome == STEP_DONE
