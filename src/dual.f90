@@ -20,6 +20,8 @@ module amontons_dual
   public :: ALPHA
 
   real(DP), parameter :: ALPHA = 0.2_DP            !< of the transformation of quadratic faces [-]
+  real(DP), parameter :: FULL(6) = [2.0_DP, 2.0_DP, 1.2_DP, 1.2_DP, 2.0_DP, 2.0_DP]   !< times this cover they have all of it,
+                                                   !< by kind [-]
   real(DP), parameter :: ENOUGH(6) = [0.0_DP, 0.05_DP, 0.25_DP, 0.25_DP, 0.0_DP, 0.1_DP]   !< cover of a facet, by kind,
                                                    !< that carries all its duals [-]
 
@@ -33,7 +35,7 @@ contains
 
 
   !> Which part the full dual functions have, those of linear functions having the rest: 0 where too little of a facet is covered, 1
-  !! from twice as much on, so that nothing jumps in between.
+  !! from somewhat more on, so that nothing jumps in between.
   pure subroutine full_part(kind, cover, part, slope)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: cover                  !< covered area over that of the facet [-]
@@ -42,10 +44,10 @@ contains
     real(DP) :: t
     part = 1.0_DP
     slope = 0.0_DP
-    if (cover >= 2 * ENOUGH(kind)) return
-    t = max(cover / ENOUGH(kind) - 1, 0.0_DP)
+    if (cover >= FULL(kind) * ENOUGH(kind)) return
+    t = max((cover / ENOUGH(kind) - 1) / (FULL(kind) - 1), 0.0_DP)
     part = t**2 * (3 - 2 * t)
-    slope = 6 * t * (1 - t) / ENOUGH(kind)
+    slope = 6 * t * (1 - t) / ((FULL(kind) - 1) * ENOUGH(kind))
   end subroutine full_part
 
 
