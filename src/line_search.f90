@@ -29,6 +29,7 @@ module amontons_line_search
   real(DP), parameter :: MOST_TRAVEL = 1.2_DP      !< facets that a slave node may travel in one iteration while supports move [-]
   real(DP), parameter :: NEARER = 0.75_DP          !< the next correction over this one where the imbalance may rise [-]
   real(DP), parameter :: REFUSED = 10.0_DP         !< AUTO goes no step if even the best makes the merit grow by more than this [-]
+  real(DP), parameter :: SIZABLE = 1.0e-2_DP       !< and leaves it larger than this part of the largest force [-]
   real(DP), parameter :: LESS = 1.0_DP - 1.0e-9_DP   !< of a merit: what is not below this is the same but for rounding [-]
   real(DP), parameter :: MERIT_GROWTH = 1.0_DP / LESS   !< AUTO takes the full step if the merit does not grow by more than this [-]
 
@@ -276,8 +277,8 @@ contains
       if (best_merit <= MERIT_GROWTH * start%merit) exit
       alpha = 0.5_DP * alpha
     end do
-    search%is_refused = best_merit > REFUSED * start%merit .and. best_merit > step%controls%r_n * system%largest_force .and. &
-      system%is_condensed
+    search%is_refused = system%is_condensed .and. best_merit > REFUSED * start%merit .and. &
+      best_merit > max(SIZABLE, step%controls%r_n) * system%largest_force
     if (search%is_refused) best = 0.0_DP
     if (best /= alpha .or. halving > MOST_HALVINGS) &
       call go(system, model, step, start, start%u + best * du, best == 1.0_DP, state, trouble)
