@@ -18,7 +18,7 @@ module amontons_condensed
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, reduction_type, from_triplets, transpose_of, analyse_reduction, reduce_matrix, &
     is_same_pattern
-  use amontons_dense, only: factorise_dense, solve_dense, is_rank_lost, triangle_times, square_of_triangle, DENSE_OK
+  use amontons_dense, only: factorise_dense, solve_dense, measure_matrix, is_rank_lost, triangle_times, square_of_triangle, DENSE_OK
   use amontons_sprung, only: sprung_type, springs_type, invert_stiffness, couple_springs, solve_springs
   use amontons_partition, only: order_unknowns
   use amontons_factor, only: factor_type, analyse, factorise, elimination_order, trailing_block, solve_forward, &
@@ -242,7 +242,7 @@ contains
     logical, intent(out) :: is_complete
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: d_u
-    real(DP), allocatable :: column(:)             ! (n_reduced) largest entry of each column of J_c [force/length]
+    real(DP), allocatable :: row(:), column(:)     ! (n_reduced) sizes of the rows and columns of J_c
     integer :: status
     call relate(self, base, whole, is_complete, error)
     if (allocated(error) .or. .not. is_complete) return
@@ -256,11 +256,11 @@ contains
     call fill_dense(self, transpose_of(self%relation), transpose_of(d_u), error)
     if (allocated(error)) return
     if (allocated(self%pivots)) deallocate (self%pivots)
-    allocate (self%pivots(self%n_reduced))
-    column = maxval(abs(self%lu), dim=1)
+    allocate (self%pivots(self%n_reduced), row(self%n_reduced), column(self%n_reduced))
+    call measure_matrix(self%lu, row, column)
     call factorise_dense(self%lu, self%pivots, status)
     self%is_singular = status /= DENSE_OK
-    if (.not. self%is_singular) self%is_singular = is_rank_lost(self%lu, column)
+    if (.not. self%is_singular) self%is_singular = is_rank_lost(self%lu, self%pivots, row, column)
   end subroutine factorise_interface
 
 

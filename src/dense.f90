@@ -12,8 +12,8 @@ module amontons_dense
   implicit none
   private
   public :: solve_small, symmetric_eigen, singular_values, rank_of, least_squares
-  public :: factorise_dense, solve_dense, is_rank_lost, triangle_times, square_of_triangle, invert_positive, symmetric_times, &
-    transposed_times
+  public :: factorise_dense, solve_dense, measure_matrix, is_rank_lost, triangle_times, square_of_triangle, invert_positive
+  public :: symmetric_times, transposed_times
   public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED, WORTH_THREADS, BLOCK
 
   integer, parameter :: DENSE_OK = 0
@@ -179,17 +179,41 @@ contains
   end subroutine mask_traps
 
 
-  !> Whether what factorise_dense made was of a singular matrix: a pivot is nothing beside the column that it stands in. What
-  !! rounding leaves of such a pivot grows with the square root of the number of sums.
-  pure logical function is_rank_lost(lu, column) result(is_lost)
+  !> The largest entry of each row, and of each column when the rows are divided by theirs: stiff laws beside soft ones say nothing
+  !! of the rank.
+  pure subroutine measure_matrix(a, row, column)
+    real(DP), intent(in) :: a(:, :)            !< (n, n)
+    real(DP), intent(out) :: row(:)            !< (n)
+    real(DP), intent(out) :: column(:)         !< (n) [-]
+    integer :: k
+    row = 0.0_DP
+    do k = 1, size(row)
+      row = max(row, abs(a(:, k)))
+    end do
+    do k = 1, size(row)
+      column(k) = maxval(abs(a(:, k)) / max(row, tiny(1.0_DP)))
+    end do
+  end subroutine measure_matrix
+
+
+  !> Whether what factorise_dense made was of a singular matrix: a pivot is nothing beside the row and the column that it stands in.
+  !! What rounding leaves of such a pivot grows with the square root of the number of sums.
+  pure logical function is_rank_lost(lu, pivots, row, column) result(is_lost)
     real(DP), intent(in) :: lu(:, :)           !< (n, n) L and U
-    real(DP), intent(in) :: column(:)          !< (n) largest entry of each column before
-    real(DP) :: least
+    integer, intent(in) :: pivots(:)           !< (n) of `factorise_dense`
+    real(DP), intent(in) :: row(:), column(:)  !< (n) of `measure_matrix`, before
+    real(DP) :: least, moved(size(row)), other
     integer :: k
     least = LOST * sqrt(real(size(column), DP))
+    moved = row
+    do k = 1, size(pivots)                     ! rows change places as LAPACK changed them
+      other = moved(k)
+      moved(k) = moved(pivots(k))
+      moved(pivots(k)) = other
+    end do
     is_lost = .false.
     do k = 1, size(column)
-      if (.not. abs(lu(k, k)) > least * column(k)) is_lost = .true.
+      if (.not. abs(lu(k, k)) > least * column(k) * moved(k)) is_lost = .true.
     end do
   end function is_rank_lost
 

@@ -4,7 +4,7 @@ program test_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
   use amontons_dense, only: solve_small, symmetric_eigen, singular_values, rank_of, least_squares, invert_positive, &
-    symmetric_times, transposed_times, triangle_times, factorise_dense, solve_dense, is_rank_lost, &
+    symmetric_times, transposed_times, triangle_times, factorise_dense, solve_dense, measure_matrix, is_rank_lost, &
     DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
   use check, only: suite_type
   implicit none
@@ -145,13 +145,14 @@ contains
   !! point by a spring that is 1e-9 as stiff: not.
   subroutine test_rank_lost()
     integer, parameter :: N(3) = [3, 60, 700]
-    real(DP), allocatable :: a(:, :), lu(:, :), column(:)
+    real(DP), allocatable :: a(:, :), lu(:, :), row(:), column(:)
     real(DP) :: draw
     integer, allocatable :: pivots(:)
-    integer :: status, i, j, m, held
+    integer :: status, i, j, m, held, stiff
+    logical :: is_lost
     do m = 1, size(N)
       allocate (a(N(m), N(m)), source=0.0_DP)
-      allocate (pivots(N(m)))
+      allocate (pivots(N(m)), row(N(m)), column(N(m)))
       do i = 1, N(m)
         do j = 1, i - 1
           call random_number(draw)
@@ -162,15 +163,19 @@ contains
           a(j, j) = a(j, j) + draw
         end do
       end do
-      do held = 0, 1
-        lu = a
-        lu(1, 1) = lu(1, 1) * (1.0_DP + 1.0e-9_DP * real(held, DP))
-        column = maxval(abs(lu), dim=1)
-        call factorise_dense(lu, pivots, status)
-        if (held == 0) call suite%that('rank: springs that nothing holds', status /= DENSE_OK .or. is_rank_lost(lu, column))
-        if (held == 1) call suite%that('rank: springs that are held', status == DENSE_OK .and. .not. is_rank_lost(lu, column))
+      do stiff = 0, 1                              ! one law stiffer than all others says nothing of the rank by its size
+        do held = stiff, 1
+          lu = a
+          lu(1, 1) = lu(1, 1) * (1.0_DP + 1.0e-9_DP * real(held, DP))
+          lu(2, :) = lu(2, :) * 10.0_DP**(14 * stiff)
+          call measure_matrix(lu, row, column)
+          call factorise_dense(lu, pivots, status)
+          is_lost = is_rank_lost(lu, pivots, row, column)
+          if (held == 0) call suite%that('rank: springs that nothing holds', status /= DENSE_OK .or. is_lost)
+          if (held == 1) call suite%that('rank: springs that are held', status == DENSE_OK .and. .not. is_lost)
+        end do
       end do
-      deallocate (a, pivots)
+      deallocate (a, pivots, row, column)
     end do
   end subroutine test_rank_lost
 
