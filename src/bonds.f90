@@ -73,8 +73,8 @@ contains
   end subroutine add_bonds
 
 
-  !> What makes a displacement of what is an angle, and a force of a moment: half the size of the model at nodes that bear rotations, 1 at
-  !! all others. Without rotations it is empty.
+  !> What makes a displacement of what is an angle, and a force of a moment: half the size of the model at nodes that bear
+  !! rotations, 1 at all others. Without rotations it is empty.
   function levers(model) result(lever)
     type(model_type), intent(in) :: model
     real(DP), allocatable :: lever(:)              !< (n_nodes) or (0) [length] or [-]

@@ -34,7 +34,7 @@ module amontons_contact
   integer, parameter :: HOLD_NOW = 1              !< it is held, whatever its trial traction says
   integer, parameter :: HOLD_WAS = 2              !< it was, and is not held again
 
-  real(DP), parameter :: FLUSH = 1.0e-2_DP         !< masters that stand off from each other by more of an edge are not one surface [-]
+  real(DP), parameter :: FLUSH = 1.0e-2_DP         !< masters that stand off from each other by more of an edge are two [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
 
   !> The pairs made ready: facets, search, and the free directions of the slave nodes.
@@ -44,7 +44,7 @@ module amontons_contact
     logical, allocatable :: is_small(:)           !< (n_pairs) weights and normals kept in this step
     type(interaction_type), allocatable :: laws(:)   !< (n_pairs) as they are in this step
     logical, allocatable :: is_removed(:)         !< (n_pairs) taken out in this step
-    logical, allocatable :: is_bound(:)           !< (n_slaves) a pre-tension section binds it to a slave node of its pair, pushed for both
+    logical, allocatable :: is_bound(:)           !< (n_slaves) a section binds it to a slave of its pair, pushed for both
     real(DP), allocatable :: interference(:)      !< (n_pairs) overclosure allowed at the start of this step [length]
     logical, allocatable :: is_shrink(:)          !< (n_pairs) what each node has of it at the start is allowed
     logical, allocatable :: is_ramped(:)          !< (n_pairs) overlaps at the start go as in CalculiX
@@ -54,7 +54,7 @@ module amontons_contact
     real(DP), allocatable :: slave_normal(:, :)   !< (3, n_slaves) outward from the slave in the reference; 0 if node based
     real(DP), allocatable :: axes(:, :, :)        !< (3, 3, n_slaves) in columns: the global axes, or those of the node's own frame
     real(DP), allocatable :: mask(:, :)           !< (3, n_slaves) along them: 1 free, 0 held by a support or an equation
-    logical, allocatable :: is_flush(:)           !< (n_slaves) goes into the row of an earlier slave of its node if that faces the same way
+    logical, allocatable :: is_flush(:)           !< (n_slaves) goes into the row of an earlier slave of its node that faces its way
     type(overlaps_type) :: overlaps               !< pairs that share nodes
     type(sparse_type) :: passing                 !< E: forces on all nodes to those on free ones; only where reactions are passed on
     real(DP), allocatable :: free(:, :, :)        !< (3, 3, n_slaves) projector on what supports and other pairs leave free

@@ -1,8 +1,8 @@
 !> Contact matrices: the linearised contact forces as a product with a displacement, as sparse matrices, and as springs.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! `contact_tangent` says how the force of each closed slave node changes; here it comes to the nodes of its row. Links of higher levels
-!! carry what those of lower levels bring (pairs that share nodes).
+!! `contact_tangent` says how the force of each closed slave node changes; here it comes to the nodes of its row. Links of higher
+!! levels carry what those of lower levels bring (pairs that share nodes).
 module amontons_contact_matrices
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type

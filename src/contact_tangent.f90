@@ -157,7 +157,8 @@ contains
   end subroutine link_weights
 
 
-  !> Finite sliding of a mortar pair: the weights and the area change with the cuts. (Of nodes that two pairs share this is left out.)
+  !> Finite sliding of a mortar pair: the weights and the area change with the cuts. (Of nodes that two pairs share this is left
+  !! out.)
   subroutine link_cuts(contact, x, slave, rates, link)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]

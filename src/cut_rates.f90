@@ -45,7 +45,8 @@ module amontons_cut_rates
     real(DP), allocatable :: d_factor(:, :)        !< (3, n) of the logarithm of the factor of the row's shares [1/length]
   end type row_rates_type
 
-  !> Where a facet is in the plane of the cut, and how that changes with the coordinates of slave and master, (3, n_slave + n_master).
+  !> Where a facet is in the plane of the cut, and how that changes with the coordinates of slave and master, (3, n_slave +
+  !! n_master).
   type :: outline_type
     integer :: kind = 0                            !< FACET_...
     integer :: n = 0                               !< nodes

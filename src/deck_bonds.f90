@@ -613,8 +613,8 @@ contains
   end subroutine pretension_truss
 
 
-  !> The equations of a section: u_new = u_old + n u_1 of the pilot. The first of each is bound: the new node, unless contact is to push
-  !! it and not the old one.
+  !> The equations of a section: u_new = u_old + n u_1 of the pilot. The first of each is bound: the new node, unless contact is to
+  !! push it and not the old one.
   subroutine overlap_nodes(model, partner, pilot, normal, line)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: partner(:)            !< new node of each old one, 0

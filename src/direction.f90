@@ -41,7 +41,7 @@ module amontons_direction
   real(DP), parameter :: KRYLOV_SHARE = 1.0e-3_DP        !< of the residual that Newton allows: what a direction may leave [-]
   integer, parameter :: KRYLOV_MOST = 200                !< Krylov iterations of one direction
   real(DP), parameter :: ITERATIVE_TOLERANCE = 1.0e-11_DP   !< of a direction without a factor: its error is seen less well [-]
-  real(DP), parameter :: ROUNDED = 8.0_DP * epsilon(1.0_DP)   !< of stiffness times direction: what rounding leaves of a residual [-]
+  real(DP), parameter :: ROUNDED = 8.0_DP * epsilon(1.0_DP)   !< of stiffness times direction: what rounding leaves of it [-]
   integer, parameter :: MOST_OLD = 8                     !< Krylov iterations after which an old factor of the bulk is given up
   integer, parameter :: MOST_UNSTABLE = 3                !< such factorisations after which an attempt goes on without the interface
   integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
@@ -413,9 +413,9 @@ contains
   end subroutine iterate_direction
 
 
-  !> Whether a direction solves its equations as well as numbers can: what it leaves is rounding of the products of the stiffness with
-  !! it, as when bodies that hardly anything holds go far; no factorisation would give a better one (the backward error; N. J. Higham,
-  !! Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 7.1).
+  !> Whether a direction solves its equations as well as numbers can: what it leaves is rounding of the products of the stiffness
+  !! with it, as when bodies that hardly anything holds go far; no factorisation would give a better one (the backward error; N. J.
+  !! Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 7.1).
   pure logical function is_to_rounding(system, residual, v)
     type(system_type), intent(in) :: system
     real(DP), intent(in) :: residual               !< norm of what is left [force]

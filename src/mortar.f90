@@ -61,7 +61,7 @@ module amontons_mortar
     logical, allocatable :: has_touched(:)         !< (n) closed when the increment began
     logical :: is_soft = .false.                   !< its law is compliant
     real(DP), allocatable :: beyond(:)             !< (n) what a node gives to others: 0 over the master, 1 beyond its edge [-]
-    integer, allocatable :: edges(:, :)            !< (4, n) where that is so in part: slave facet, node of it, master facet, the corner
+    integer, allocatable :: edges(:, :)            !< (4, n) where that is so in part: slave facet, its node, master facet, corner
                                                    !< before its edge
     integer, allocatable :: place_of(:)            !< (size(slave%nodes)) place in nodes(:) of each entry of the slave's facets
     type(contact_row_type), allocatable, private :: bases(:)   !< (n) own nodes and shares where no node beside is beyond the master
@@ -243,7 +243,8 @@ contains
   end subroutine unite_shares
 
 
-  !> Slave nodes to which others are bound, as across a pre-tension section, have a share of what the mid-sides beside those carry, too.
+  !> Slave nodes to which others are bound, as across a pre-tension section, have a share of what the mid-sides beside those carry,
+  !! too.
   subroutine unite_twins(mortar, twins)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: twins(:, :)             !< (2, n) nodes, and those bound to them
@@ -275,8 +276,8 @@ contains
   end subroutine merge_rows
 
 
-  !> One row in place of those of two slave nodes that go along the surface together, as across a pre-tension section: that of the sum of
-  !! their functions. What comes on the second node is on the first by the equation that binds them. The second row is gone.
+  !> One row in place of those of two slave nodes that go along the surface together, as across a pre-tension section: that of the
+  !! sum of their functions. What comes on the second node is on the first by the equation that binds them. The second row is gone.
   subroutine merge_twins(mortar, i, j)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: i, j                    !< rows of the node that is free, and of the one that is bound to it

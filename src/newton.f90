@@ -28,7 +28,7 @@ module amontons_newton
   integer, parameter :: TROUBLE_THROUGH = 5         !< a slave passed through its master: newton%farthest is its node
   real(DP), parameter :: FAR_OFF = 100.0_DP         !< a displacement of this many sizes of the model in an increment is none [-]
 
-  real(DP), parameter :: HELD_MORE = 36.0_DP        !< of the part that holds bodies which drift: six times that of the iteration before [-]
+  real(DP), parameter :: HELD_MORE = 36.0_DP        !< of the part that holds drifting bodies: six times the last iteration [-]
   real(DP), parameter :: CARRIED_OFF = 2.0_DP       !< so many sizes of the model are enough for a body that had to be carried [-]
 
   real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times force_scale [-]
@@ -119,7 +119,8 @@ contains
 
 
   !> The Newton direction, with contact settled at its end. Where no body is held there, they are carried; where contact does
-  !! not settle, they are carried on to the next balance, and held the more once forces are in balance and hardly anything holds them.
+  !! not settle, they are carried on to the next balance, and held the more once forces are in balance and hardly anything holds
+  !! them.
   subroutine choose_direction(newton, system, model, step, state, du, ahead, error)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(inout) :: system

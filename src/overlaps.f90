@@ -225,8 +225,9 @@ contains
 
 
   !> Whether a slave that other pairs hold too has no friction of its own: no direction is left beside its normal, or the
-  !! friction along the edge that is left is given by the pair that presses more, of two that press alike by the first. (By the first pair, whatever it presses, friction
-  !! would come and go with a pair that hardly touches, and where it does there may be no balance.)
+  !! friction along the edge that is left is given by the pair that presses more, of two that press alike by the first. (By the
+  !! first pair, whatever it presses, friction would come and go with a pair that hardly touches, and where it does there may be no
+  !! balance.)
   pure logical function is_friction_taken(overlaps, slaves, s, free, friction, Rhat) result(has)
     type(overlaps_type), intent(in) :: overlaps
     type(slave_type), intent(in) :: slaves(:)

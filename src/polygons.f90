@@ -19,14 +19,14 @@ module amontons_polygons
 
 contains
 
-  !> The part of a polygon that is inside a convex one, edge by edge (Sutherland and Hodgman, Comm. ACM 17 (1974) 32-42). Corners that
-  !! rounding alone parts from an edge are on it: faces that lie edge on edge would be cut here and there, as it happens.
+  !> The part of a polygon that is inside a convex one, edge by edge (Sutherland and Hodgman, Comm. ACM 17 (1974) 32-42). Corners
+  !! that rounding alone parts from an edge are on it: faces that lie edge on edge would be cut here and there, as it happens.
   pure subroutine clip_polygon(subject, window, cut, n, lines)
     real(DP), intent(in) :: subject(:, :)          !< (2, :) corners, counter-clockwise [length]
     real(DP), intent(in) :: window(:, :)           !< (2, :) corners of a convex polygon, counter-clockwise [length]
     real(DP), intent(out) :: cut(2, MAX_CORNERS)   !< corners of the cut, the first n are set [length]
     integer, intent(out) :: n                      !< less than 3: nothing in common
-    integer, intent(out), optional :: lines(MAX_CORNERS)   !< the line on which the edge before each corner lies: j: before corner j of
+    integer, intent(out), optional :: lines(MAX_CORNERS)   !< the line of the edge before each corner: j: before corner j of
                                                    !< the subject; size(subject, 2) + k: after corner k of the window
     real(DP) :: before(2, MAX_CORNERS), side(MAX_CORNERS), a(2), edge(2), extent
     integer :: line(MAX_CORNERS), line_before(MAX_CORNERS), k, i, j, m, window_line
@@ -191,7 +191,8 @@ contains
   end subroutine gauss_rule
 
 
-  !> The natural coordinates of a point of the plane in a facet whose nodes lie in it: Newton, two equations. A line is drawn out across.
+  !> The natural coordinates of a point of the plane in a facet whose nodes lie in it: Newton, two equations. A line is drawn out
+  !! across.
   pure subroutine place_on_flat(kind, flat, at, xi, N)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: flat(:, :)             !< (2, n) nodes of the facet in the plane [length]

@@ -566,8 +566,8 @@ contains
   end subroutine pack_contact
 
 
-  !> Closed before open; of two closed the one with the larger force; of two open the nearer; of two equal ones, which rounding makes
-  !! differ, the pair that comes first in the deck.
+  !> Closed before open; of two closed the one with the larger force; of two open the nearer; of two equal ones, which rounding
+  !! makes differ, the pair that comes first in the deck.
   pure function counts_more(a, b) result(is_more)
     type(slave_type), intent(in) :: a, b
     logical :: is_more

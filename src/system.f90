@@ -70,7 +70,7 @@ module amontons_system
     logical, allocatable :: is_lone(:)             !< (3 n_nodes) of a node without elements
     real(DP), allocatable :: share(:)              !< (n_nodes) of volume, for damping; not there: no step has had any [length^3]
     real(DP) :: violation = 0                      !< largest of the bonds at the last evaluation, over their size [-]
-    real(DP), allocatable :: lever(:)              !< (n_nodes) what makes a length of an angle; empty: the model has no angles [length]
+    real(DP), allocatable :: lever(:)              !< (n_nodes) what makes a length of an angle; empty: there are no angles [length]
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
     real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
