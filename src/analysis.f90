@@ -258,7 +258,7 @@ contains
         dt = min(propose_time(analysis%stepper, step), until - analysis%stepper%step_time)
         call begin_trial(analysis, dt, error)
         analysis%newton%may_be_cut = may_cut(analysis%stepper, step, dt)
-        if (analysis%newton%may_be_cut .and. analysis%stepper%attempt == 1) analysis%newton%snap_after = SNAP_LATE
+        if (analysis%newton%may_be_cut .and. analysis%stepper%attempt == 1) analysis%newton%patience = SNAP_LATE
         do
           call iterate_trial(analysis, journal, verdict, error)
           if (allocated(error)) return

@@ -53,20 +53,20 @@ contains
 
   !> A direction with every node held by a part of its own stiffness, which is chosen so that bodies go where they touch; contact
   !! has settled at its end where it does.
-  subroutine find_carried_direction(system, model, step, state, du, ahead, n_rounds, trouble, error)
+  subroutine find_carried_direction(system, model, step, state, part, du, ahead, trouble, error)
     type(system_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
+    real(DP), intent(inout) :: part                !< to try first, 0: none is known; out: to try in the next iteration [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at its end
-    integer, intent(out) :: n_rounds               !< corrections made
     integer, intent(out) :: trouble                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
-    real(DP) :: part, excess
+    real(DP) :: excess, too_small
     integer :: attempt
-    part = LEAST
-    n_rounds = 0
+    part = max(LEAST, part)
+    too_small = 0.0_DP
     do attempt = 1, MOST_TRIES
       call evaluate(system, model, step, state, trouble, is_frozen=.true.)   ! contact had settled elsewhere
       if (trouble /= TROUBLE_NONE) return
@@ -80,13 +80,15 @@ contains
       if (trouble /= TROUBLE_NONE) return
       excess = maxval(sizes_of(system, du, 1)) / free_way(system, model, state, du)
       if (excess <= ENOUGH .or. attempt == MOST_TRIES) then
-        call settle_contact(system, model, step, state, du, ahead, n_rounds, error)
+        call settle_contact(system, model, step, state, du, ahead, error)
         if (allocated(error)) return
         excess = maxval(sizes_of(system, du, 1)) / free_way(system, model, state, du)
       end if
       if (excess <= ENOUGH .or. part >= MOST) exit
+      too_small = part
       part = min(MOST, part * excess)
     end do
+    part = max(part * min(1.0_DP, excess), sqrt(part * too_small))
     if (.not. allocated(ahead)) ahead = state%new%slaves
   end subroutine find_carried_direction
 
@@ -104,15 +106,14 @@ contains
     type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at its end
     integer, intent(out) :: trouble                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
-    integer :: n_rounds
-    part = max(LEAST_SNAP, part / SNAP_RATIO)
+    part = merge(max(LEAST, part / SNAP_RATIO), LEAST_SNAP, part > 0.0_DP)
     do
       call evaluate(system, model, step, state, trouble, is_frozen=.true.)
       if (trouble /= TROUBLE_NONE) return
       call carry_bodies(system, model, state%new, part)
       call find_direction(system, model, step, state, du, trouble, error)
       if (allocated(error) .or. trouble /= TROUBLE_NONE) return
-      call settle_contact(system, model, step, state, du, ahead, n_rounds, error)
+      call settle_contact(system, model, step, state, du, ahead, error)
       if (allocated(error)) return
       if (system%is_settled .or. part >= MOST) exit
       part = min(MOST, SNAP_RATIO * part)

@@ -12,7 +12,7 @@ module amontons_constraints
   implicit none
   private
   public :: constraints_type, row_type, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
-  public :: start_constraints, fix_unknown, add_row, finish_constraints, condense_forces, condensation
+  public :: start_constraints, fix_unknown, add_row, finish_constraints, scale_offsets, condense_forces, condensation
   public :: find_multipliers, is_named
 
   integer, parameter :: ROW_ACCEPTED = 0       !< the row made an unknown dependent
@@ -226,6 +226,18 @@ contains
     self%n_rows = self%n_rows + 1
     self%rows(self%n_rows) = row
   end subroutine append_row
+
+
+  !> All prescribed amounts, those of the rows too, times a factor.
+  pure subroutine scale_offsets(self, factor)
+    type(constraints_type), intent(inout) :: self
+    real(DP), intent(in) :: factor              !< [-]
+    integer :: k
+    self%offset = factor * self%offset
+    do k = 1, self%n_rows
+      self%rows(k)%rhs = factor * self%rows(k)%rhs
+    end do
+  end subroutine scale_offsets
 
 
   !> Numbers the free unknowns and makes C and c. Cost: linear in the entries of C.

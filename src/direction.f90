@@ -23,7 +23,7 @@ module amontons_direction
     apply_condensed
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
     conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_STAGNATED
-  use amontons_constraints, only: finish_constraints, condense_forces, condensation
+  use amontons_constraints, only: finish_constraints, scale_offsets, condense_forces, condensation
   use amontons_bonds, only: add_curvatures
   use amontons_damping, only: brake, stiffen
   use amontons_skew, only: finish_skew, subtract_skew, with_skew
@@ -83,36 +83,38 @@ contains
     call stop_clock(system, clock, PHASE_FACTOR)
     system%n_before = system%n_factorisations
     system%is_settled = .false.
-    call solve_direction(system, floor_of(system, step), du, trouble, error)
+    call solve_direction(system, floor_of(system, step), .true., du, trouble, error)
     if (trouble == TROUBLE_SOLVER .and. .not. system%is_condensed .and. system%reduced%is_iterative) then
       call give_up_iterative(system%reduced)
       call factorise_whole(system, model, trouble, error)
       if (allocated(error) .or. trouble /= TROUBLE_NONE) return
-      call solve_direction(system, floor_of(system, step), du, trouble, error)
+      call solve_direction(system, floor_of(system, step), .true., du, trouble, error)
     end if
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine find_direction
 
 
-  !> The direction from a place that was foreseen, with the tangent of the bulk as it is.
-  subroutine correct_direction(system, model, step, state, du, trouble, error)
+  !> The direction from a place that was foreseen, with the tangent of the bulk as it is. Another correction follows: one that GMRES
+  !! does not find is not worth a factorisation of the whole.
+  subroutine correct_direction(system, model, step, state, share, du, trouble, error)
     type(system_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
+    real(DP), intent(in) :: share                  !< of what is missing to the prescribed displacements that it is to go [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     integer, intent(out) :: trouble                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: clock
     call start_clock(system, clock)
     trouble = TROUBLE_SOLVER
-    call constrain(system, model, step, state%old, state%new, error)
+    call constrain(system, model, step, state%old, state%new, share, error)
     if (allocated(error)) return
     call stop_clock(system, clock, PHASE_CONTACT)
     call factorise_condensed(system, model, step, state, error)
     if (allocated(error) .or. .not. system%is_condensed) return
     call stop_clock(system, clock, PHASE_FACTOR)
-    call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, du, trouble, error)
+    call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, .false., du, trouble, error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine correct_direction
 
@@ -156,7 +158,7 @@ contains
     end if
     call scale_slaves(system, state%new)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
-    call constrain(system, model, step, state%old, state%new, error)
+    call constrain(system, model, step, state%old, state%new, 1.0_DP, error)
     call stop_clock(system, clock, PHASE_CONTACT)
   end subroutine linearise
 
@@ -176,15 +178,17 @@ contains
 
 
   !> C and c of all constraints, contact rows included.
-  subroutine constrain(system, model, step, old, fields, error)
+  subroutine constrain(system, model, step, old, fields, share, error)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: old           !< committed
     type(fields_type), intent(in) :: fields
+    real(DP), intent(in) :: share                  !< of what is missing to the prescribed displacements that c is to go [-]
     type(error_type), allocatable, intent(out) :: error
     call prescribe(system, model, step, fields, error)
     if (allocated(error)) return
+    if (share < 1.0_DP) call scale_offsets(system%base, share)
     call linearise_contact(system%contact, model, old, fields, system%links)
     if (step%direction == DIRECTION_SYMMETRIC) call keep_symmetric(system%links)
     system%whole = system%base
@@ -351,9 +355,10 @@ contains
 
 
   !> Solves J dv = C' (R - (K - dF_c) c) and gives du = C dv + c.
-  subroutine solve_direction(system, floor, du, trouble, error)
+  subroutine solve_direction(system, floor, is_exact, du, trouble, error)
     type(system_type), intent(inout), target :: system
     real(DP), intent(in) :: floor                  !< residual that is small enough [force]
+    logical, intent(in) :: is_exact                !< a factor with pivoting, where GMRES does not arrive
     real(DP), intent(out) :: du(:, :)
     integer, intent(out) :: trouble
     type(error_type), allocatable, intent(out) :: error
@@ -364,7 +369,7 @@ contains
     flat = system%whole%offset
     call right_hand_side(system, flat, b)
     if (system%whole%n_free > 0) then
-      call iterate_direction(system, floor, b, v, trouble, error)
+      call iterate_direction(system, floor, is_exact, b, v, trouble, error)
       if (allocated(error)) return
       call multiply(system%whole%map, v, start)
       flat = flat + start
@@ -374,9 +379,10 @@ contains
 
 
   !> J v = b: by conjugate gradients where J is A and that is not factorised, else by GMRES.
-  subroutine iterate_direction(system, floor, b, v, trouble, error)
+  subroutine iterate_direction(system, floor, is_exact, b, v, trouble, error)
     type(system_type), intent(inout), target :: system
     real(DP), intent(in) :: floor                  !< residual that is small enough [force]
+    logical, intent(in) :: is_exact                !< a factor with pivoting, where GMRES does not arrive
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(inout) :: v(:)                !< (n_free) [length]
     integer, intent(out) :: trouble
@@ -408,8 +414,11 @@ contains
     if (report%status == KRYLOV_CONVERGED) return
     if (report%status == KRYLOV_STAGNATED .and. is_to_rounding(system, report%residual * norm2(b), v)) return
     if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! to rounding: a slender body allows no more
-    if (is_iterative) trouble = TROUBLE_SOLVER
-    if (.not. is_iterative) call solve_whole(system, b, v, trouble, error)
+    if (is_iterative .or. .not. is_exact) then
+      trouble = TROUBLE_SOLVER
+    else
+      call solve_whole(system, b, v, trouble, error)
+    end if
   end subroutine iterate_direction
 
 

@@ -21,8 +21,9 @@ module amontons_failure
   use amontons_audit_motion, only: free_motion
   use amontons_forensics, only: most_held, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
   use amontons_converge, only: VERDICT_DIVERGES
-  use amontons_newton, only: newton_type, TROUBLE_FREE, TROUBLE_THROUGH
-  use amontons_system, only: system_type, TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
+  use amontons_newton, only: newton_type
+  use amontons_system, only: system_type, TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE, &
+    TROUBLE_FREE, TROUBLE_THROUGH
   implicit none
   private
   public :: failure_reason, failure_lines, failed_attempts, edge_lines, is_free_for_good
@@ -63,11 +64,12 @@ contains
       reason = 'FREE BODY: nothing holds a body against its load; it would fly off at node ' // &
         text_of(model%mesh%node_label(max(1, newton%farthest))) // '.'
     case (TROUBLE_THROUGH)
-      reason = 'PENETRATION JUMP: node ' // text_of(model%mesh%node_label(newton%farthest)) // &
+      reason = 'PENETRATION JUMP: node ' // text_of(model%mesh%node_label(newton%gone_through)) // &
         ' passed through its master within the increment.'
     case default
       reason = contact_reason(model, system, state, newton)
-      if (max(newton%n_unsettled, newton%n_snapped) > 1 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
+      if (max(newton%n_astray, newton%n_snapped) > 1 .and. newton%n_uphill <= 1 .and. index(reason, 'LEFT') == 0 .and. &
+        index(reason, 'PENE') == 0) &
         reason = limit_of_contact(model, system, state)
       if (reason == '' .and. (system%n_shifted > newton%n_shifted .or. newton%n_uphill > 1)) reason = LIMIT_POINT
       if (newton%n_carried > newton%n_snapped .and. newton%farthest > 0 .and. index(reason, 'LEFT') == 0) &

@@ -17,15 +17,14 @@ module amontons_newton
   use amontons_line_search, only: search_type, search_line
   use amontons_settle, only: settle_contact
   use amontons_carry, only: is_carried_off, find_carried_direction, find_snap_direction
-  use amontons_system, only: system_type, begin_increment, evaluate, residual_beyond, components_of, TROUBLE_NONE, TROUBLE_ELEMENT
+  use amontons_system, only: system_type, begin_increment, evaluate, residual_beyond, components_of, &
+    TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_FREE, TROUBLE_THROUGH
   use amontons_direction, only: find_direction, carry_bodies
   implicit none
   private
-  public :: newton_type, begin_newton, iterate, SNAP_LATE, TROUBLE_FREE, TROUBLE_THROUGH
+  public :: newton_type, begin_newton, iterate, SNAP_LATE
 
-  integer, parameter :: SNAP_NOW = 0, SNAP_LATE = 2, SNAP_NEVER = huge(1)   !< for snap_after
-  integer, parameter :: TROUBLE_FREE = 4            !< a body flies off: newton%farthest is a node of it
-  integer, parameter :: TROUBLE_THROUGH = 5         !< a slave passed through its master: newton%farthest is its node
+  integer, parameter :: SNAP_NOW = 0, SNAP_LATE = 2, SNAP_NEVER = huge(1)   !< for patience
   real(DP), parameter :: FAR_OFF = 100.0_DP         !< a displacement of this many sizes of the model in an increment is none [-]
 
   real(DP), parameter :: HELD_MORE = 36.0_DP        !< of the part that holds drifting bodies: six times the last iteration [-]
@@ -40,16 +39,19 @@ module amontons_newton
     type(progress_type) :: progress
     type(iteration_record_type) :: record          !< of the last iteration
     integer :: trouble = TROUBLE_NONE
-    integer :: farthest = 0                        !< the node that moved farthest, where that was too far
+    integer :: farthest = 0                        !< the node that moved farthest, where bodies were carried or fly off
+    integer :: gone_through = 0                    !< the node that passed through its master
     integer :: n_carried = 0                       !< iterations in which bodies had to be carried
     logical :: may_be_cut = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
-    logical :: is_carried = .false.                !< bodies were carried in the last iteration
+    logical :: is_carried = .false.                !< every node was held by a part of its stiffness in the last iteration
+    logical :: is_snapping = .false.               !< and that on the way from one balance to the next
     logical :: is_refused = .false.                !< no length of the last direction was any good
     integer :: n_uphill = 0                        !< iterations whose direction went against the imbalance
     integer :: n_snapped = 0                       !< iterations in which bodies were carried from one balance to the next
-    integer :: n_unsettled = 0                     !< last iterations running along whose direction contact did not settle
-    real(DP) :: snap_part = 0                      !< part of their stiffness that held nodes in the last of them [-]
-    integer :: snap_after = SNAP_NOW               !< SNAP_...: so many unsettled directions running, then bodies are carried on
+    integer :: n_astray = 0                        !< last directions running that lead to no balance
+    integer :: patience = SNAP_NOW                 !< SNAP_...: more of them than these, and bodies are carried on
+    real(DP) :: carried_part = 0                   !< part of their stiffness that is expected to carry bodies [-]
+    real(DP) :: snap_part = 0                      !< part of their stiffness that held nodes through a snap [-]
     integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
     type(forensics_type) :: forensics
@@ -104,23 +106,24 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(slave_type), allocatable :: ahead(:)
     real(DP), allocatable :: du(:, :)
-    integer :: n_krylov
+    integer :: n_krylov, n_rounds
     verdict = VERDICT_DIVERGES
     if (newton%trouble /= TROUBLE_NONE) return
     n_krylov = system%n_krylov
+    n_rounds = system%n_rounds
     allocate (du, mold=state%new%u)
     call choose_direction(newton, system, model, step, state, du, ahead, error)
     if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
     call go_along(newton, system, model, step, du, ahead, state)
     if (newton%trouble /= TROUBLE_NONE) return
     newton%record%n_krylov = system%n_krylov - n_krylov
+    newton%record%n_rounds = system%n_rounds - n_rounds
     call judge_iterate(newton, system, model, step, state, verdict)
   end subroutine iterate
 
 
-  !> The Newton direction, with contact settled at its end. Where no body is held there, they are carried; where contact does
-  !! not settle, they are carried on to the next balance, and held the more once forces are in balance and hardly anything holds
-  !! them.
+  !> The direction. Where too many led to no balance, running, bodies are carried on to the next one. That the next direction will not
+  !! do is known before it is made if no length of the last one was any good, or if a body drifts along a motion that hardly anything holds.
   subroutine choose_direction(newton, system, model, step, state, du, ahead, error)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(inout) :: system
@@ -130,31 +133,60 @@ contains
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at the end of the direction
     type(error_type), allocatable, intent(out) :: error
-    logical :: is_drifting                         ! in balance, but the corrections do not end
+    logical :: is_drifting
+    is_drifting = drifts(newton, step, state)
+    if (is_drifting) newton%snap_part = newton%snap_part * HELD_MORE
+    newton%is_snapping = (newton%is_refused .or. is_drifting) .and. newton%patience <= SNAP_LATE
+    newton%is_refused = .false.
+    if (newton%is_snapping) then
+      newton%n_astray = max(newton%n_astray, newton%patience) + 1
+    else
+      call find_settled_direction(newton, system, model, step, state, du, ahead, error)
+      if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
+      newton%n_astray = merge(newton%n_astray + 1, 0, is_astray(system, step, newton))
+      newton%is_snapping = newton%n_astray > newton%patience
+    end if
+    if (.not. newton%is_snapping) return
+    call find_snap_direction(system, model, step, state, newton%snap_part, du, ahead, newton%trouble, error)
+    newton%patience = merge(SNAP_NOW, SNAP_NEVER, system%is_settled)
+    newton%is_carried = .true.
+    newton%n_snapped = newton%n_snapped + 1
+  end subroutine choose_direction
+
+
+  !> The Newton direction, with contact settled at its end; where nothing holds a body there, one that carries it.
+  subroutine find_settled_direction(newton, system, model, step, state, du, ahead, error)
+    type(newton_type), intent(inout) :: newton
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
+    real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
+    type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at the end of the direction
+    type(error_type), allocatable, intent(out) :: error
     call find_direction(system, model, step, state, du, newton%trouble, error)
     if (allocated(error)) return
     newton%is_carried = is_carried_off(system, model, du, newton%trouble)
     if (newton%trouble == TROUBLE_NONE .and. .not. newton%is_carried) then
-      call settle_contact(system, model, step, state, du, ahead, newton%record%n_rounds, error)
+      call settle_contact(system, model, step, state, du, ahead, error)
       if (allocated(error)) return
       newton%is_carried = is_carried_off(system, model, du, newton%trouble)   ! where it slips nothing may hold it
     end if
-    if (newton%is_carried) call find_carried_direction(system, model, step, state, du, ahead, newton%record%n_rounds, &
+    if (newton%is_carried) call find_carried_direction(system, model, step, state, newton%carried_part, du, ahead, &
       newton%trouble, error)
-    if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
-    newton%n_unsettled = merge(newton%n_unsettled + 1, 0, is_unsettled(system, step, newton) .or. newton%is_refused)
-    if (newton%is_refused .and. newton%snap_after <= SNAP_LATE) newton%n_unsettled = max(newton%n_unsettled, newton%snap_after + 1)
-    newton%is_refused = .false.
-    is_drifting = step%line_search == SEARCH_AUTO .and. newton%snap_after <= SNAP_LATE .and. size(state%new%slaves) > 0 .and. &
-      all(newton%progress%residual(0:merge(0, 2, newton%n_snapped > 0)) <= step%controls%r_n) .and. newton%progress%iteration > 3
-    if (is_drifting) newton%n_unsettled = max(newton%n_unsettled, newton%snap_after + 1)
-    if (newton%n_unsettled <= newton%snap_after) return
-    if (is_drifting) newton%snap_part = newton%snap_part * HELD_MORE
-    call find_snap_direction(system, model, step, state, newton%snap_part, du, ahead, newton%trouble, error)
-    newton%snap_after = merge(SNAP_NOW, SNAP_NEVER, system%is_settled)
-    newton%is_carried = .true.
-    newton%n_snapped = newton%n_snapped + 1
-  end subroutine choose_direction
+  end subroutine find_settled_direction
+
+
+  !> Whether a body drifts: it is in balance, but the corrections do not end.
+  pure logical function drifts(newton, step, state)
+    type(newton_type), intent(in) :: newton
+    type(step_type), intent(in) :: step
+    type(state_type), intent(in) :: state
+    integer :: oldest
+    oldest = merge(0, 2, newton%n_snapped > 0)
+    drifts = step%line_search == SEARCH_AUTO .and. size(state%new%slaves) > 0 .and. newton%patience <= SNAP_LATE .and. &
+      newton%progress%iteration > 3 .and. all(newton%progress%residual(0:oldest) <= step%controls%r_n)
+  end function drifts
 
 
   !> A step along the direction, of the length that the line search gives it, and what is noted where it ends.
@@ -192,11 +224,10 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     integer, intent(out) :: verdict                !< VERDICT_...
-    logical :: is_snapping, has_contact
-    is_snapping = newton%n_unsettled > newton%snap_after
+    logical :: has_contact
     has_contact = any(state%new%slaves%status /= STATUS_OPEN)
     verdict = judge(step%controls, newton%progress)
-    if (is_snapping .and. verdict /= VERDICT_CONVERGED .and. newton%progress%iteration < step%controls%i_c) &
+    if (newton%is_snapping .and. verdict /= VERDICT_CONVERGED .and. newton%progress%iteration < step%controls%i_c) &
       verdict = VERDICT_GO_ON                      ! through a snap imbalances grow
     if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. has_contact .and. .not. newton%is_carried) &
       call judge_early(newton%progress, verdict)
@@ -206,14 +237,14 @@ contains
   end subroutine judge_iterate
 
 
-  !> Whether contact did not settle along the direction.
-  pure logical function is_unsettled(system, step, newton)
+  !> Whether the direction leads to no balance: contact did not settle along it.
+  pure logical function is_astray(system, step, newton)
     type(system_type), intent(in) :: system
     type(step_type), intent(in) :: step
     type(newton_type), intent(in) :: newton
-    is_unsettled = step%line_search == SEARCH_AUTO .and. system%is_condensed .and. .not. system%is_settled .and. &
+    is_astray = step%line_search == SEARCH_AUTO .and. system%is_condensed .and. .not. system%is_settled .and. &
       .not. newton%is_carried .and. size(system%contact%view%status) > 0
-  end function is_unsettled
+  end function is_astray
 
 
   !> Cycles are acted on as they are found; nodes that were held for one are let go when all else is in balance, and the verdict
@@ -272,7 +303,7 @@ contains
       state%old%slaves, state%new%slaves)
     if (s == 0) return
     newton%trouble = TROUBLE_THROUGH
-    newton%farthest = state%new%slaves(s)%node
+    newton%gone_through = state%new%slaves(s)%node
     verdict = VERDICT_DIVERGES
   end subroutine watch_masters
 

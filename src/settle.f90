@@ -31,76 +31,195 @@ module amontons_settle
 
   real(DP), parameter :: LESS = 1.0_DP - 1.0e-9_DP   !< of a merit: what is not below this is the same but for rounding [-]
 
-  !> The best place found.
-  type :: best_type
+  integer, parameter :: MOST_IN_PORTION = 12       !< corrections of one portion of the way
+  integer, parameter :: FEW_IN_PORTION = 6         !< so many at most, and the next portion is twice as long
+  integer, parameter :: MOST_IN_PORTIONS = 60      !< corrections of all portions
+  real(DP), parameter :: FIRST_PORTION = 1.0_DP / 8.0_DP   !< of the way [-]
+  real(DP), parameter :: LEAST_PORTION = 1.0_DP / 64.0_DP  !< of the way [-]
+
+  !> Where a direction ends.
+  type :: end_type
     real(DP) :: merit = huge(1.0_DP)
     real(DP), allocatable :: du(:, :)
     type(slave_type), allocatable :: slaves(:)
-  end type best_type
+    integer :: n_rounds = 0                        !< corrections made
+    integer :: trouble = TROUBLE_NONE              !< of the last of them
+    logical :: is_settled = .false.
+  end type end_type
 
 contains
 
-  !> Corrects a direction until contact has settled at its end.
+  !> Corrects a direction until contact has settled at its end; where it does not, in portions of the way.
   !!
   !! Only AUTO does so, and only with the condensed interface: the slides' line searches are to be seen as they are.
   !! After: du, and the memory of the slave nodes with which u + du is to be evaluated; the state stands at u as before.
-  subroutine settle_contact(system, model, step, state, du, slaves, n_rounds, error)
+  subroutine settle_contact(system, model, step, state, du, slaves, error)
     type(system_type), intent(inout), target :: system   !< with the direction's factor
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< evaluated at u
     real(DP), intent(inout) :: du(:, :)            !< (3, n_nodes) [length]
     type(slave_type), allocatable, intent(out) :: slaves(:)
-    integer, intent(out) :: n_rounds               !< corrections made
     type(error_type), allocatable, intent(out) :: error
     type(place_type) :: start
-    type(best_type) :: best
+    type(end_type) :: best, there
+    slaves = state%new%slaves
+    if (step%line_search /= SEARCH_AUTO .or. .not. system%is_condensed) return
+    start = place_of(system, state)
+    call settle_at_once(system, model, step, start, state, du, best, error)
+    if (allocated(error)) return
+    system%n_rounds = system%n_rounds + best%n_rounds
+    if (.not. best%is_settled .and. best%trouble == TROUBLE_NONE .and. system%carry <= 0.0_DP) then
+      call settle_in_portions(system, model, step, start, state, there, error)
+      if (allocated(error)) return
+      system%n_rounds = system%n_rounds + there%n_rounds
+      if (there%is_settled) best = there
+      system%is_condensed = .true.                 ! whatever trouble there was on the way
+      system%is_unheld = .false.
+    end if
+    du = best%du
+    slaves = best%slaves
+    system%is_settled = best%is_settled            ! if not, the factor may be gone
+    call return_to(system, model, step, start, state, error)
+  end subroutine settle_contact
+
+
+  !> All corrections at the end of the whole direction; the best of the places found.
+  subroutine settle_at_once(system, model, step, start, state, du, best, error)
+    type(system_type), intent(inout), target :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(place_type), intent(inout) :: start       !< u; out: nodes that keep to their edges are marked
+    type(state_type), intent(inout) :: state
+    real(DP), intent(inout) :: du(:, :)            !< (3, n_nodes) [length]
+    type(end_type), intent(out) :: best
+    type(error_type), allocatable, intent(out) :: error
     type(forensics_type) :: rounds
     real(DP), allocatable :: correction(:, :), first(:, :)
     integer, allocatable :: n_lost(:)              ! (n_slaves) times that a slave node ran off its master
     real(DP) :: largest
     logical :: is_kept, is_round
-    integer :: trouble
-    n_rounds = 0
-    trouble = TROUBLE_NONE
     is_round = .false.
     largest = 0.0_DP
-    slaves = state%new%slaves
-    if (step%line_search /= SEARCH_AUTO .or. .not. system%is_condensed) return
-    start = place_of(system, state)
     first = du
     best%du = du
     best%slaves = start%slaves
     allocate (correction, mold=du)
-    allocate (n_lost(size(slaves)), source=0)
+    allocate (n_lost(size(start%slaves)), source=0)
     call foresee(system, model, start, du, state)
     do
       call keep_to_edges(system%contact, start%slaves, state%new%slaves, n_lost, is_kept)
-      if (is_kept .and. n_rounds < MOST_ROUNDS) then   ! from the start, with the nodes that keep to their edges
+      if (is_kept .and. best%n_rounds < MOST_ROUNDS) then   ! from the start, with the nodes that keep to their edges
         du = first
-        best = best_type(du=du, slaves=start%slaves)
+        best%merit = huge(1.0_DP)                  ! the next place is the best one
         state%new%slaves = start%slaves
-        n_rounds = n_rounds + 1
+        best%n_rounds = best%n_rounds + 1
         call foresee(system, model, start, du, state)
       end if
       call note_best(system, state, du, best)
       call note_slaves(rounds, state%new%slaves, system%merit)
       largest = max(largest, system%merit)
-      if (system%contact%n_changed == 0 .and. system%merit <= max(SETTLED * start%merit, ROUNDING * largest, &
-        NEGLIGIBLE * step%controls%r_n * system%largest_force, system%rounding * sqrt(real(size(du), DP)))) exit
+      if (is_in_balance(system, step, start, largest)) exit
       is_round = comes_round(rounds)
-      if (n_rounds == MOST_ROUNDS .or. is_round) exit
-      n_rounds = n_rounds + 1
-      call correct_direction(system, model, step, state, correction, trouble, error)
+      if (best%n_rounds == MOST_ROUNDS .or. is_round) exit
+      best%n_rounds = best%n_rounds + 1
+      call correct_direction(system, model, step, state, 1.0_DP, correction, best%trouble, error)
       if (allocated(error)) return
-      if (trouble /= TROUBLE_NONE .or. all(correction == 0.0_DP)) exit   ! GMRES finds nothing worth correcting
+      if (best%trouble /= TROUBLE_NONE .or. all(correction == 0.0_DP)) exit   ! GMRES finds nothing worth correcting
       call advance(system, model, start, correction, state, du)
     end do
-    du = best%du
-    slaves = best%slaves
-    system%is_settled = n_rounds < MOST_ROUNDS .and. .not. is_round .and. trouble == TROUBLE_NONE   ! else the factor may be gone
-    call return_to(system, model, step, start, state, error)
-  end subroutine settle_contact
+    best%is_settled = best%n_rounds < MOST_ROUNDS .and. .not. is_round .and. best%trouble == TROUBLE_NONE
+  end subroutine settle_at_once
+
+
+  !> The way in portions. At the part t of it the prescribed displacements have gone t of what they missed at u, and a force on
+  !! every node makes up for the rest of what was not in balance there. Contact settles at the end of each portion and goes on from
+  !! there; where it does not, the portion is halved.
+  subroutine settle_in_portions(system, model, step, start, state, here, error)
+    type(system_type), intent(inout), target :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(place_type), intent(in) :: start          !< u
+    type(state_type), intent(inout) :: state
+    type(end_type), intent(out) :: here            !< settled only if that is at the end of the way
+    type(error_type), allocatable, intent(out) :: error
+    type(end_type) :: there
+    real(DP), allocatable :: applied(:, :)         ! (3, n_nodes) [force]
+    real(DP) :: t, portion
+    integer :: n_rounds
+    applied = state%new%applied_force
+    allocate (here%du(size(start%u, 1), size(start%u, 2)), source=0.0_DP)
+    here%slaves = start%slaves
+    t = 0.0_DP
+    n_rounds = 0
+    portion = FIRST_PORTION
+    do while (t < 1.0_DP .and. portion >= LEAST_PORTION .and. n_rounds < MOST_IN_PORTIONS)
+      there = here
+      state%new%applied_force = applied - (1.0_DP - t - portion) * start%residual
+      call settle_portion(system, model, step, start, portion / (1.0_DP - t), state, there, error)
+      if (allocated(error)) return
+      n_rounds = n_rounds + there%n_rounds
+      if (there%is_settled) then
+        here = there
+        t = t + portion                            ! sums of powers of two: exact
+        portion = min(1.0_DP - t, merge(2.0_DP, 1.0_DP, there%n_rounds <= FEW_IN_PORTION) * portion)
+      else
+        portion = 0.5_DP * portion
+      end if
+    end do
+    state%new%applied_force = applied
+    here%n_rounds = n_rounds
+    here%is_settled = t >= 1.0_DP
+  end subroutine settle_in_portions
+
+
+  !> One portion: the whole of the first correction, which moves the supports, then as along the whole way.
+  subroutine settle_portion(system, model, step, start, share, state, there, error)
+    type(system_type), intent(inout), target :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(place_type), intent(in) :: start          !< u
+    real(DP), intent(in) :: share                  !< the portion over what is left of the way [-]
+    type(state_type), intent(inout) :: state       !< with the applied forces at its end
+    type(end_type), intent(inout) :: there         !< in: where it begins; out: where it ends
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: correction(:, :)
+    type(forensics_type) :: rounds
+    real(DP) :: largest
+    integer :: n
+    there%is_settled = .false.
+    largest = 0.0_DP
+    allocate (correction, mold=there%du)
+    state%new%slaves = there%slaves
+    call foresee(system, model, start, there%du, state)
+    do n = 1, MOST_IN_PORTION
+      there%n_rounds = n
+      call correct_direction(system, model, step, state, merge(share, 0.0_DP, n == 1), correction, there%trouble, error)
+      if (allocated(error) .or. there%trouble /= TROUBLE_NONE) return
+      if (n == 1) then
+        there%du = there%du + correction
+        call foresee(system, model, start, there%du, state)
+      else
+        call advance(system, model, start, correction, state, there%du)
+      end if
+      largest = max(largest, system%merit)
+      call note_slaves(rounds, state%new%slaves, system%merit)
+      there%is_settled = is_in_balance(system, step, start, largest) .or. all(correction == 0.0_DP)
+      if (there%is_settled .or. comes_round(rounds)) exit
+    end do
+    there%slaves = state%new%slaves
+  end subroutine settle_portion
+
+
+  !> Whether no status changes and hardly anything is left of the merit.
+  pure logical function is_in_balance(system, step, start, largest)
+    type(system_type), intent(in) :: system        !< as foreseen
+    type(step_type), intent(in) :: step
+    type(place_type), intent(in) :: start          !< u
+    real(DP), intent(in) :: largest                !< merit of the rounds [force]
+    is_in_balance = system%contact%n_changed == 0 .and. system%merit <= max(SETTLED * start%merit, ROUNDING * largest, &
+      NEGLIGIBLE * step%controls%r_n * system%largest_force, system%rounding * sqrt(real(size(start%u), DP)))
+  end function is_in_balance
 
 
   !> Whether the rounds have gone twice through the same statuses and stand no better than before: they would go on so.
@@ -119,7 +238,7 @@ contains
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state
     real(DP), intent(in) :: du(:, :)
-    type(best_type), intent(inout) :: best
+    type(end_type), intent(inout) :: best
     if (.not. system%merit < LESS * best%merit) return
     best%merit = system%merit
     best%du = du

@@ -37,12 +37,14 @@ module amontons_system
   public :: components_of, sizes_of
   public :: place_type, place_of, foresee, return_to
   public :: prescribe, forget_bulk, interface_unknowns, start_clock, stop_clock
-  public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE
+  public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE, TROUBLE_FREE, TROUBLE_THROUGH
 
   integer, parameter :: TROUBLE_NONE = 0
   integer, parameter :: TROUBLE_ELEMENT = 1        !< an element is inverted: system%trouble_item is its index
   integer, parameter :: TROUBLE_SOLVER = 2         !< the tangent is singular and no direction was found
   integer, parameter :: TROUBLE_NOT_FINITE = 3     !< a number is not finite
+  integer, parameter :: TROUBLE_FREE = 4           !< a body flies off
+  integer, parameter :: TROUBLE_THROUGH = 5        !< a slave node passed through its master
 
   real(DP), parameter :: FEW_INCREMENTS = 0.3_DP         !< first increment over the step: a factor serves fewer than that [-]
   real(DP), parameter :: ROUNDINGS = 10.0_DP             !< so many times a gap is rounded on its way to a force, at most [-]
@@ -86,6 +88,7 @@ module amontons_system
     integer :: n_factorisations = 0                !< since the last reset by the stepper
     integer :: n_before = 0                        !< the same when the direction was wanted
     integer :: n_krylov = 0
+    integer :: n_rounds = 0                        !< corrections of directions while contact settled
     integer :: n_unstable = 0                      !< factorisations of the bulk in this attempt that found it not stable
     integer :: n_shifted = 0                       !< factorisations that needed a shift
     integer :: n_whole = 0                         !< directions that needed UMFPACK

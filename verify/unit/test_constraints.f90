@@ -3,7 +3,7 @@
 program test_constraints
   use amontons_kinds, only: DP
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, finish_constraints, &
-    condense_forces, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
+    scale_offsets, condense_forces, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
   use amontons_sparse, only: multiply, multiply_transpose
   use check, only: suite_type
   implicit none
@@ -11,6 +11,7 @@ program test_constraints
   call check_chain()
   call check_verdicts()
   call check_pivot()
+  call check_portions()
   call suite%finish()
 
 contains
@@ -95,5 +96,41 @@ contains
     call add_row(c, row_of([1, 5, 6], [1.0_DP, -0.4_DP, -0.6_DP], 0.1_DP), 1, 0.0_DP, verdict)
     call suite%that('pivot 6, since 1 is fixed', c%owner(6) > 0)
   end subroutine check_pivot
+
+
+  !> A part of all prescribed amounts: rows hold with that part of their right-hand sides, C is the same.
+  subroutine check_portions()
+    type(constraints_type) :: whole, part
+    type(row_type) :: rows(3)
+    real(DP) :: v(8), du(8), part_du(8)
+    integer :: i, verdict
+    rows(1) = row_of([1, 2, 8], [2.0_DP, -1.0_DP, 0.5_DP], 0.3_DP)       ! 8 is fixed
+    rows(2) = row_of([2, 4, 5], [1.0_DP, 1.0_DP, -3.0_DP], -0.1_DP)      ! makes 2 dependent, which row 1 uses
+    rows(3) = row_of([5, 6], [1.0_DP, 1.0_DP], 0.7_DP)                   ! added when the first two have been scaled
+    call start_constraints(whole, 8)
+    call fix_unknown(whole, 8, 0.25_DP)
+    do i = 1, 2
+      call add_row(whole, rows(i), 1, 1.0e-12_DP, verdict)
+    end do
+    call finish_constraints(whole)
+    part = whole
+    call scale_offsets(part, 0.375_DP)
+    v = [(0.1_DP * real(i, DP)**2 - 0.4_DP, i=1, 8)]
+    call multiply(whole%map, v(:whole%n_free), du)
+    call multiply(part%map, v(:part%n_free), part_du)
+    call suite%near('C is the same', maxval(abs(part_du - du)), 0.0_DP, 0.0_DP)
+    call suite%near('c is a part', maxval(abs(part%offset - 0.375_DP * whole%offset)), 0.0_DP, 0.0_DP)
+    call add_row(part, rows(3), 1, 1.0e-12_DP, verdict)
+    call finish_constraints(part)
+    call multiply(part%map, v(:part%n_free), du)
+    du = du + part%offset
+    call suite%near('a part of the fixed amount', du(8), 0.375_DP * 0.25_DP, 0.0_DP)
+    do i = 1, 2
+      call suite%near('a row holds in part', dot_product(rows(i)%coefficient, du(rows(i)%unknown)), 0.375_DP * rows(i)%rhs, &
+        1.0e-14_DP)
+    end do
+    call suite%near('a row that came later holds in whole', dot_product(rows(3)%coefficient, du(rows(3)%unknown)), rows(3)%rhs, &
+      1.0e-14_DP)
+  end subroutine check_portions
 
 end program test_constraints

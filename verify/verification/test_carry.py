@@ -153,7 +153,7 @@ def test_pushed_to_a_wall(proof: Proof) -> None:
 def test_slides_away(run: Run, tmp_path: Path) -> None:
     """The same without a wall: exit code 5 and FREE BODY, not a place where it happens to stop.
 
-    That is told at a price: of each iteration no more than a factorisation of the stiffness as it is and of six parts that carry it.
+    That is told at a price: of each iteration no more than a factorisation of the stiffness as it is and of three parts that carry it.
     """
     body, floor = sheet("BODY", between(0, 1, 4), between(0, 1, 4)), sheet("FLOOR", between(-1, 3, 15), between(-1, 0, 3))
     loads = fix("FLOOR_BOTTOM, 1, 2") + gravity(True) + "*CLOAD\nBODY_RIGHT, 1, 5.\n"
@@ -163,7 +163,7 @@ def test_slides_away(run: Run, tmp_path: Path) -> None:
     assert "FREE BODY" in done.stdout, done.stdout
     assert "hold the body by supports" in done.stdout
     n_iterations, n_factorisations = (int(re.search(rf"{what} +(\d+)", done.stdout)[1]) for what in ("Newton iterations", "factorisations"))
-    assert n_factorisations <= 7 * n_iterations, f"{n_factorisations} factorisations in {n_iterations} iterations"
+    assert n_factorisations <= 4 * n_iterations, f"{n_factorisations} factorisations in {n_iterations} iterations"
 
 
 def pole(mu: float, ways: tuple[float, ...]) -> str:
@@ -221,7 +221,10 @@ def test_snap_of_friction(proof: Proof) -> None:
 
 @pytest.mark.parametrize("size", [0.05, 1.0])
 def test_block_that_snaps_on(run: Run, tmp_path: Path, size: float) -> None:
-    """A soft block dragged over eight facets with mu = 1: its rear lifts, its front sticks and lets go at once; any size of increment gets to the end."""
+    """A soft block dragged over eight facets with mu = 1: its rear lifts, its front sticks and lets go at once; any size of increment gets to the end.
+
+    Where the increments are small it is carried once to where it touches again, else on to the next balance.
+    """
     body, table = sheet("BODY", between(0, 1, 6), between(0, 1, 6)), sheet("TABLE", between(-1, 4, 20), between(-1, 0, 4))
     press = fix("TABLE_BOTTOM, 1, 2", "BODY_TOP, 1", "BODY_TOP, 2, 2, -0.05")
     steps = "".join(f"*STEP, NLGEOM, INC=1000\n*STATIC\n{size}, 1., 1e-6, 1.\n{load}*END STEP\n" for load in (press, fix("BODY_TOP, 1, 1, 2.")))
@@ -229,5 +232,6 @@ def test_block_that_snaps_on(run: Run, tmp_path: Path, size: float) -> None:
     (tmp_path / "job.inp").write_text(deck)
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "carried on to the next one" in done.stdout, done.stdout
-    assert "carried to another balance" in (tmp_path / "job.cvg").read_text()
+    told, noted = {0.05: ("carried to where they touch", "carried in"), 1.0: ("carried on to the next one", "carried to another balance")}[size]
+    assert told in done.stdout, done.stdout
+    assert noted in (tmp_path / "job.cvg").read_text()

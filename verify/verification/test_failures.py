@@ -220,8 +220,8 @@ def test_turning_in_a_bore_is_no_fall(run: Run, tmp_path: Path) -> None:
 def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], advice: str) -> None:
     """Exit code 5, the reason in capitals, one remedy, the worst nodes with their contact; .cvg and the result file have the reason too.
 
-    A failure costs no more factorisations an iteration than one of the stiffness as it is, six of parts that carry bodies and five of
-    parts that hold them where a direction was refused.
+    A failure costs no more factorisations an iteration than one of the stiffness as it is, two of parts that carry bodies or hold them, and one
+    where the equations have to be solved as a whole; too little friction is told with 250 in all.
     """
     (tmp_path / "job.inp").write_text(deck)
     done = run(["job"], cwd=tmp_path)
@@ -242,7 +242,7 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
     assert all(f"  ** {line}\n" in course for line in last if line), "the story in .cvg is that of the result file"
     assert all(f"  {line}\n" in done.stdout for line in last if line), "and that of the terminal"
     n_iterations, n_factorisations = (int(re.search(rf"{what} +(\d+)", done.stdout)[1]) for what in ("Newton iterations", "factorisations"))
-    assert n_factorisations <= 12 * max(n_iterations, 1), f"{n_factorisations} factorisations in {n_iterations} iterations"
+    assert n_factorisations <= min(4 * max(n_iterations, 1), 250), f"{n_factorisations} factorisations in {n_iterations} iterations"
     if any(reason.startswith(("CYCLE", "STICK", "LEFT")) for reason in reasons):
         worst = re.findall(r"node \d+: imbalance .*, pair \S+ / \S+, gap \S+: ((?:open|stick|slip)\S*(?: \S+)*)", done.stdout)
         assert 1 <= len(worst) <= 10, done.stdout

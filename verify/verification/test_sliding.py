@@ -15,7 +15,9 @@ import pytest
 from conftest import Run
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "study"))
 
+from contact_table import cylinder, drag  # noqa: E402
 from make_decks import Mesh, _named_grid, block, graded, join, material_cards, mesh_cards  # noqa: E402
 from proof import Case  # noqa: E402
 from sheets import Floats, between, fix, pair, plane_deck, rows_of, sheet, solid_deck, step  # noqa: E402
@@ -444,4 +446,30 @@ def test_led_by_supports(proof: Proof) -> None:
     case.near("force on the wall", force[-1] / force[job.frame(1.0)], 1.0, 1e-6, why="the wall is flat; Newton's tolerance", time="2", place="wall")
     slides = job.last("CSTATUS")[body.node_sets["BODY_LEFT"]] == 2
     case.true("all that touch slide", bool(slides.all()), why="supports move them", time="2", place="all slave nodes")
+    case.done()
+
+
+# ------------------------------------------------------------------------------- the whole way in one increment
+
+
+@pytest.mark.parametrize(("what", "make", "mu", "steps"), [("block", drag, 0.3, 2), ("cylinder", cylinder, 1.0, 3)], ids=["block", "cylinder"])
+def test_dragged_at_once(proof: Proof, what: str, make: Callable[[float, str, int], str], mu: float, steps: int) -> None:
+    """Contact is all stick or in another place where the increment begins, and all slip over many facets at its end."""
+    case = proof(
+        f"{what}-dragged-at-once",
+        title=f"A {what} dragged over many facets in one increment",
+        model=f"The {what} of the study over all contact cases (verify/study/contact_table.py), plane strain, CPE4, NLGEOM, mu = {mu}: pressed on its base, "
+        + ("then dragged by 2, eight facets" if what == "block" else "drawn by 1 one way, then by 2 the other way")
+        + ", each step in one increment.",
+        formula="All that touches slides: the friction on the base is mu times the pressure on it, against the motion.",
+        source="Coulomb's law",
+        proves="Where contact does not settle at the end of a direction, it does in portions of the way.",
+    )
+    job = case.run(make(mu, "AUTO", 1), asked=steps)
+    case.true("increments made", job.last("CSTATUS").size > 0 and len(job.field("U")) == steps + 1, why="no attempt failed", place="the job", time="the end")
+    touches = job.last("CSTATUS") > 0
+    case.true("all that touch slide", bool((job.last("CSTATUS")[touches] == 2).all() and touches.any()), why="the way is many times that of sticking",
+              place="all slave nodes", time="the end")  # fmt: skip
+    pressing, shearing = (np.linalg.norm(job.last(name), axis=1).sum() for name in ("CNORMF", "CSHEARF"))
+    case.near("friction over pressure", shearing / pressing, mu, 1e-6, why="Newton's tolerance", place="all slave nodes", time="the end")
     case.done()
