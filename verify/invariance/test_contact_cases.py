@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from inspect import signature
 from pathlib import Path
+from types import ModuleType
 
 import h5py
 import numpy as np
@@ -98,6 +99,12 @@ def softened(deck: str) -> str:
     return deck.replace("1e+09", "1e+06")
 
 
+def study() -> ModuleType:
+    """The study over all contact cases, which makes decks."""
+    importlib.import_module("test_sliding")  # knows where it is
+    return importlib.import_module("contact_table")
+
+
 CASES: dict[str, Callable[[], str]] = {
     "three cubes": lambda: deck_of_file("input/three_cubes.inp"),
     "example contact": lambda: deck_of_file("doc/manual/examples/contact.inp"),
@@ -151,6 +158,8 @@ CASES: dict[str, Callable[[], str]] = {
     "coarse side first": lambda: deck_of_case("test_overlaps", "test_coarse_side_first"),
     "lap of rings": lambda: deck_of_case("test_plane_contact", "test_lap_of_rings"),
     "capstan": lambda: deck_of_case("test_sliding", "test_capstan"),
+    "block dragged at once": lambda: deck_of_case("test_sliding", "test_dragged_at_once", what="block", make=study().drag, mu=0.3, steps=2),
+    "cylinder dragged at once": lambda: deck_of_case("test_sliding", "test_dragged_at_once", what="cylinder", make=study().cylinder, mu=1.0, steps=3),
     "led by supports": lambda: deck_of_case("test_sliding", "test_led_by_supports"),
     "Mindlin in space": lambda: deck_of_case("test_partial_slip", "test_cattaneo_mindlin"),
     **{f"defaults, {name}": partial(default_deck, name) for name in ("pin_in_bush", "cold_fit", "gaskets", "in_a_corner", "wedge")},
