@@ -224,12 +224,13 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     integer, intent(out) :: verdict                !< VERDICT_...
-    logical :: has_contact
-    has_contact = any(state%new%slaves%status /= STATUS_OPEN)
+    logical :: is_contact                          ! what does not converge
+    is_contact = any(state%new%slaves%status /= STATUS_OPEN) .and. (all(model%materials%n_history == 0) .or. &
+      newton%forensics%hash(1) /= newton%forensics%hash(3))   ! bodies that begin to flow take their time
     verdict = judge(step%controls, newton%progress)
     if (newton%is_snapping .and. verdict /= VERDICT_CONVERGED .and. newton%progress%iteration < step%controls%i_c) &
       verdict = VERDICT_GO_ON                      ! through a snap imbalances grow
-    if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. has_contact .and. .not. newton%is_carried) &
+    if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. is_contact .and. .not. newton%is_carried) &
       call judge_early(newton%progress, verdict)
     if (step%line_search == SEARCH_AUTO) call watch_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)

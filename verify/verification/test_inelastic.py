@@ -14,8 +14,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
+from planes import flat_deck, flatten  # noqa: E402
 from proof import Case, observed_order  # noqa: E402
-from sheets import Floats, fix, step  # noqa: E402
+from sheets import Floats, between, fix, pair, step  # noqa: E402
+from sheets import sheet as grid  # noqa: E402
 from solids import node_set, pressure_on  # noqa: E402
 from test_bodies import octant  # noqa: E402
 from test_elements import Sheet, sheet, supports  # noqa: E402
@@ -341,4 +343,44 @@ def test_necking(proof: Proof) -> None:
     case.near("change of the neck's radius", shrinks[1], -3.74, 0.08, why="published solutions spread by 8 %", place="neck", time="the end")
     case.within("change from 5 x 15 to 10 x 30", abs(shrinks[1] / shrinks[0] - 1), (0.0, 0.15), why="the neck narrows with the mesh",
                 place="neck", time="the end")  # fmt: skip
+    case.done()
+
+
+# -------------------------------------------------------------------------------------------- a punch on yielding ground
+
+
+def ground(n: int) -> tuple[Floats, Floats]:
+    """Lines of half the ground, 8 wide and 6 deep: n to a half width of the punch near it, wider by 30 % from one to the next beyond."""
+    growth = np.cumsum(1.3 ** np.arange(1, 40)) / n
+    x = np.concatenate([between(0, 1.5, 3 * n // 2), 1.5 + growth])
+    y = np.concatenate([between(0, 1, n), 1 + growth])
+    return x[x < 8], -y[y < 6][::-1]
+
+
+def test_prandtl_punch(proof: Proof) -> None:
+    """The limit load of a smooth flat punch, whose contact is a pair."""
+    case = proof(
+        "prandtl-punch",
+        title="A flat punch on perfectly plastic ground (Prandtl)",
+        model="Half of a punch 2 wide (E = 1e7) pressed by 0.03 on ground (E = 1e5, nu = 0.3, yield stress 100, no hardening), 8 wide and 6 deep, plane "
+        "strain, small displacements, contact without friction; CPE4 with 4 and 8 to the half width, 10 increments.",
+        formula="The mean pressure at the limit is (2 + pi) k, k = 100/sqrt(3). Elements of the size h do not see the singular fan at the edge: the error "
+        "is of the first order in h, so 2 p(h/2) - p(h) has it no more.",
+        source="L. Prandtl, Nachr. Ges. Wiss. Goettingen (1920) 74-85",
+        proves="Exact contact of bodies that flow: elastic to the limit load in a few increments.",
+    )
+    limit = (2 + np.pi) * 100 / np.sqrt(3)
+    pressures = []
+    for n in (4, 8):
+        base, punch = flatten(grid("BASE", *ground(n))), flatten(grid("PUNCH", between(0, 1, n), between(0, 0.5, 2)))
+        held = fix("BASE_BOTTOM, 1, 2", "BASE_LEFT, 1", "BASE_RIGHT, 1", "PUNCH_LEFT, 1", "PUNCH_TOP, 1, 2", "PUNCH_TOP, 2, 2, -0.03")
+        deck = flat_deck([(punch, (1e7, 0.3)), (base, (1e5, 0.3))], "CPE4", pair("PUNCH_BOTTOM", "BASE_TOP", 0.0) + step(held, 10))
+        deck = deck.replace("*SOLID SECTION, ELSET=BASE", "*PLASTIC\n100., 0.\n*SOLID SECTION, ELSET=BASE", 1)
+        job = case.run(deck, f"{n} elements", asked=10)
+        force = -job.field("RF")[:, punch.node_sets["PUNCH_TOP"], 1].sum(axis=1)
+        case.near("growth in the last tenth of the way", force[-1] / force[-2], 1.0, 5e-3, why="the limit is reached", place="punch", time="the end")
+        pressures.append(force[-1] / limit)
+    case.within("pressure over (2 + pi) k, 4 elements", pressures[0], (1.0, 1.1), why="displacement elements are too stiff", place="punch", time="the end")
+    case.near("pressure over (2 + pi) k, extrapolated", 2 * pressures[1] - pressures[0], 1.0, 0.01, why="a tenth of what 4 elements are off", place="punch",
+              time="the end")  # fmt: skip
     case.done()
