@@ -473,3 +473,34 @@ def test_dragged_at_once(proof: Proof, what: str, make: Callable[[float, str, in
     pressing, shearing = (np.linalg.norm(job.last(name), axis=1).sum() for name in ("CNORMF", "CSHEARF"))
     case.near("friction over pressure", shearing / pressing, mu, 1e-6, why="Newton's tolerance", place="all slave nodes", time="the end")
     case.done()
+
+
+# --------------------------------------------------------------------------------------- compliant laws, soft and stiff
+
+
+@pytest.mark.parametrize(("slope", "stick"), [(2e6, 2e5), (1e8, 1e7), (1e10, 1e9)], ids=["10 E", "500 E", "50000 E"])
+def test_cubes_under_a_law(proof: Proof, slope: float, stick: float) -> None:
+    """Cubes pressed and sheared to and fro under LINEAR contact with a stick slope, as CalculiX's decks have it."""
+    case = proof(
+        f"cubes-under-a-law-{slope:.0e}".replace("+", ""),
+        title=f"Cubes sheared to and fro, slope {slope:.0e}",
+        model="A cube of 1 (4 x 4 x 4 C3D8, E = 210000, nu = 0.3) on a larger block, meshes that do not match, pressed by 0.01, sheared by 0.05 and then by "
+        f"-0.05, NLGEOM, 5 increments each; LINEAR with {slope:.0e} per unit of length, mu = 0.3 with the stick slope {stick:.0e}, node to surface.",
+        formula="All slide at the end of each way: the friction on the cube is mu times the pressure on it, and turns round with the motion.",
+        source="Coulomb's law",
+        proves="Compliant contact, soft and stiff, takes the iterations of exact contact.",
+    )
+    body = block(between(0, 1, 4), between(0, 1, 4), between(0, 1, 4), "BODY")
+    table = block(between(-0.13, 1.2, 5), between(-0.13, 1.3, 5), between(-1, 0, 4), "TABLE")
+    press = fix("TABLE_BOTTOM, 1, 3", "BODY_TOP, 1, 2", "BODY_TOP, 3, 3, -0.01")
+    loads = [press, fix("BODY_TOP, 1, 1, 0.05"), fix("BODY_TOP, 1, 1, -0.05")]
+    law = pair("BODY_BOTTOM", "TABLE_TOP", 0.3).replace("*FRICTION\n0.3\n", f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{slope}\n*FRICTION\n0.3, {stick}\n")
+    parts = [(body, (210000.0, 0.3)), (table, (210000.0, 0.3))]
+    job = case.run("** dialect: calculix\n" + solid_deck(parts, law, "".join(step(load, 5, True) for load in loads)), asked=15)
+    pressing, shearing = job.field("CNORMF")[:, :, 2].sum(axis=1), job.field("CSHEARF")[:, :, 0].sum(axis=1)
+    way = job.frame(2.0)
+    for time, frame, sign in (("2", way, -1.0), ("3", -1, 1.0)):
+        case.near("friction over pressure", shearing[frame] / pressing[frame], sign * 0.3, 2e-3, why="faces that tilt by up to 0.05", place="cube", time=time)
+    case.within("attempts that failed", float((job.history["is_converged"] == 0).sum()), (0.0, 2.0 if slope > 1e9 else 0.0), time="the end", place="the job",
+                why="a law that stiff jumps hardly less than exact contact")  # fmt: skip
+    case.done()
