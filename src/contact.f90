@@ -333,7 +333,7 @@ contains
     end do
     contact%mortar%is_soft = is_compliant(contact%laws)
     do p = 1, size(is_wanted)
-      if (is_wanted(p)) call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), x, &
+      if (is_wanted(p)) call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), is_start, x, &
         SEARCH_REACH * contact%edge(p))
     end do
     if (.not. contact%overlaps%has_corners .or. count(is_wanted) < 2) return

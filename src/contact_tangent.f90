@@ -16,8 +16,9 @@ module amontons_contact_tangent
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER
   use amontons_compliance, only: law_pressure, shear_most
   use amontons_rows, only: contact_row_type, relative_position
-  use amontons_cut_rates, only: facet_rates_type, row_rates_type, differentiate_row
-  use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector, origin_offset_rate, SEARCH_REACH
+  use amontons_cut_rates, only: facet_rates_type
+  use amontons_row_rates, only: row_rates_type, differentiate_row
+  use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector, origin_offset_rate
   use amontons_contact_forces, only: elastic_trial, is_cornered
   implicit none
   private
@@ -166,23 +167,20 @@ contains
     type(pair_rates_type), intent(inout) :: rates
     type(link_type), intent(inout) :: link
     type(row_rates_type) :: row
-    real(DP) :: by_area(3), height(link%n_weights)
+    real(DP) :: height(link%n_weights)
     integer :: j, n
     associate (mortar => contact%mortar(slave%pair))
       if (.not. allocated(rates%facets)) allocate (rates%facets(mortar%slave%n))
-      call differentiate_row(mortar, contact%facets(slave%pair), contact%search(slave%pair), x, &
-        SEARCH_REACH * contact%edge(slave%pair), slave%row, rates%facets, row)
+      call differentiate_row(mortar, contact%facets(slave%pair), x, slave%row, rates%facets, row)
     end associate
     n = link%n_weights
     call append_nodes(row%nodes(n + 1:), link)
     deallocate (link%d_weights)
     call move_alloc(row%d_weights, link%xi_nodes)
     height = matmul(slave%normal, x(:, link%nodes(:n)) - spread(x(:, link%node), 2, n))
-    by_area = link%force / slave%area
-    if (.not. link%is_spring) by_area = 0.0_DP
     do j = 1, size(link%nodes)
-      link%force_nodes(:, :, j) = outer(by_area, row%d_area(:, j))
       if (link%is_spring) then
+        link%force_nodes(:, :, j) = outer(link%force / slave%area, row%d_area(:, j))
         link%gap_nodes(:, j) = link%gap_nodes(:, j) + matmul(height, link%xi_nodes(:, :, j))
       else
         link%force_nodes(:, :, j) = outer(matmul(link%force_imbalance, contact%Rhat(:, link%slave)), row%d_factor(:, j))

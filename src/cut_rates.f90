@@ -1,4 +1,4 @@
-!> Cut rates: how the integrals over the cuts of a slave facet, and the rows made of them, change when the nodes move.
+!> Cut rates: how the integrals over the cuts of a slave facet change when the nodes move.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/contact.md, "Mortar". Everything is a function of the places of the nodes of the slave facet and of the
@@ -12,19 +12,16 @@ module amontons_cut_rates
   use amontons_topology, only: facet_kind, facet_kind_type, MAX_FACE_NODES
   use amontons_shapes, only: facet_shapes
   use amontons_facets, only: facets_type, facet_nodes, is_line
-  use amontons_search, only: search_type
   use amontons_polygons, only: clip_polygon, polygon_area, polygon_points, MAX_CORNERS, MAX_CUT_POINTS
   use amontons_dense, only: solve_small, DENSE_OK
   use amontons_dual, only: full_part, transform_shapes, transform_nodes
-  use amontons_segments, only: plane_type, segment_type, cover_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
-    order_for, natural_place
-  use amontons_rows, only: contact_row_type
-  use amontons_mortar, only: mortar_type, start_row, take_parts, fading
+  use amontons_segments, only: plane_type, segment_type, cover_type, in_plane, corners_in, depth_at, order_for
   implicit none
   private
-  public :: facet_rates_type, row_rates_type, differentiate_row
+  public :: facet_rates_type, outline_type, differentiate_cuts, turn_of, lay_outline, move_edge, MOST
 
   integer, parameter :: MOST = 6 * MAX_FACE_NODES  !< coordinates on which one cut depends
+  integer, parameter :: MOST_WAYS = 7              !< in which an integrand changes: weight, xi, eta, at
 
   !> The integrals over one slave facet and their derivatives by the coordinates of its nodes and of its masters'.
   type :: facet_rates_type
@@ -37,37 +34,31 @@ module amontons_cut_rates
     real(DP), allocatable :: d_block(:, :, :)      !< (n_slave, n, 3 n) [length]
   end type facet_rates_type
 
-  !> How a row changes.
-  type :: row_rates_type
-    integer, allocatable :: nodes(:)               !< (n) those of the row, then all others that it depends on
-    real(DP), allocatable :: d_weights(:, :, :)    !< (n_weights, 3, n) dw_k/dx_j [1/length]
-    real(DP), allocatable :: d_area(:, :)          !< (3, n) [length]
-    real(DP), allocatable :: d_factor(:, :)        !< (3, n) of the logarithm of the factor of the row's shares [1/length]
-  end type row_rates_type
-
-  !> Where a facet is in the plane of the cut, and how that changes with the coordinates of slave and master, (3, n_slave +
-  !! n_master).
+  !> Where a facet is in the plane of the cut, and how that changes with the coordinates of slave and master, 3 (n_slave +
+  !! n_master) of them.
   type :: outline_type
     integer :: kind = 0                            !< FACET_...
     integer :: n = 0                               !< nodes
     integer :: first = 0                           !< nodes before them among those of slave and master
     real(DP) :: x(3, MAX_FACE_NODES) = 0           !< [length]
-    real(DP) :: d_flat(2, MOST, MAX_FACE_NODES) = 0     !< of the places of the nodes in the plane [-]
+    real(DP) :: flat(2, MAX_FACE_NODES) = 0        !< places of the nodes in the plane [length]
+    real(DP) :: height(MAX_FACE_NODES) = 0         !< of the nodes above it [length]
+    real(DP) :: axes(3, 2) = 0                     !< of the plane; the second is no direction of a line
+    real(DP) :: d_flat(MOST, 2, MAX_FACE_NODES) = 0     !< of the places of the nodes [-]
     integer :: n_corners = 0
     real(DP) :: corners(2, 4) = 0                  !< counter-clockwise in the plane [length]
     integer :: node(4) = 0                         !< of each corner
   end type outline_type
 
-  !> A point of the integrals and its derivatives.
+  !> A point of the integrals and how it changes with the coordinates. The integrands are functions of xi, eta and `at`.
   type :: point_rates_type
     real(DP) :: weight = 0                         !< [length^2]
     real(DP) :: at(2) = 0                          !< in the plane [length]
-    real(DP) :: on_slave(MAX_FACE_NODES) = 0       !< N~_j [-]
-    real(DP) :: on_master(MAX_FACE_NODES) = 0      !< N_i [-]
+    real(DP) :: xi(2) = 0, eta(2) = 0              !< natural coordinates on slave and master [-]
+    real(DP) :: on_slave(0:2, MAX_FACE_NODES) = 0  !< N~_j and its derivatives by xi [-]
+    real(DP) :: on_master(0:2, MAX_FACE_NODES) = 0 !< N_i and its derivatives by eta [-]
     real(DP) :: d_weight(MOST) = 0
-    real(DP) :: d_at(2, MOST) = 0
-    real(DP) :: d_on_slave(MAX_FACE_NODES, MOST) = 0
-    real(DP) :: d_on_master(MAX_FACE_NODES, MOST) = 0
+    real(DP) :: d_xi(MOST, 2) = 0, d_eta(MOST, 2) = 0, d_at(MOST, 2) = 0
   end type point_rates_type
 
   !> Sums over the points of a facet: with e the functions of the basis (N~ or 1, y), and all derivatives.
@@ -81,30 +72,20 @@ module amontons_cut_rates
     real(DP), allocatable :: d_cross(:, :, :)      !< (n, n_nodes, 3 n_nodes)
   end type sums_type
 
-  !> How the part changes that a slave node gives to others.
-  type :: fade_type
-    integer :: node = 0                            !< mesh node
-    integer, allocatable :: at(:)                  !< (n) places of nodes of slave and master facet among those of the row
-    real(DP), allocatable :: rate(:, :)            !< (3, n) [1/length]
-  end type fade_type
-
 contains
 
   !> The integrals over a slave facet and how they change. Cost: points of the integrals times coordinates times functions.
-  subroutine differentiate_cuts(slave, f, depth, master, search, x, reach, rates)
+  subroutine differentiate_cuts(slave, f, master, x, cover, rates)
     type(facets_type), intent(in) :: slave, master
     integer, intent(in) :: f                       !< slave facet
-    real(DP), intent(in) :: depth                  !< of a line, as mortar%depth
-    type(search_type), intent(in) :: search        !< of the master's facets
-    real(DP), intent(in) :: x(:, :), reach         !< as `find_segments`
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
+    type(cover_type), intent(in) :: cover          !< its cuts there
     type(facet_rates_type), intent(out) :: rates
-    type(cover_type) :: cover
     type(facet_rates_type) :: other
     type(outline_type) :: own
-    real(DP) :: turn(2, MOST), d_area(MOST), area, d_cover, part, slope
+    real(DP) :: turn(MOST, 2), d_area(MOST), area, d_cover, part, slope
     integer :: i
     rates%is_made = .true.
-    call find_segments(slave, f, depth, master, search, x, reach, cover)
     call gather_nodes(slave, f, master, cover%segments(:cover%n), rates)
     if (cover%n == 0) return
     if (sum(cover%points%weight(:cover%points%n)) <= 0.0_DP) return
@@ -113,8 +94,8 @@ contains
     call differentiate_area(own, cover%plane, area, d_area)
     call full_part(slave%kind(f), sum(cover%points%weight(:cover%points%n)) / area, part, slope)
     other = rates
-    if (part < 1.0_DP) call differentiate_basis(slave, f, master, x, cover, turn, sqrt(area), .false., other)
-    if (part > 0.0_DP) call differentiate_basis(slave, f, master, x, cover, turn, sqrt(area), .true., rates)
+    if (part < 1.0_DP) call differentiate_basis(own, master, x, cover, turn, sqrt(area), .false., other)
+    if (part > 0.0_DP) call differentiate_basis(own, master, x, cover, turn, sqrt(area), .true., rates)
     if (part >= 1.0_DP) return
     if (part > 0.0_DP) then
       associate (covered => sum(rates%share))
@@ -148,7 +129,7 @@ contains
       next = modulo(k, own%n_corners) + 1
       across = 0.5_DP * [own%corners(2, next) - own%corners(2, before), own%corners(1, before) - own%corners(1, next)]
       do i = 1, 3 * own%n
-        d_area(i) = d_area(i) + depth * dot_product(across, own%d_flat(:, i, own%node(k)))
+        d_area(i) = d_area(i) + depth * dot_product(across, own%d_flat(i, :, own%node(k)))
       end do
     end do
     if (plane%depth >= 0.0_DP) return
@@ -157,12 +138,12 @@ contains
 
 
   !> The integrals with the dual functions of one basis, N~ or the linear functions of the place.
-  subroutine differentiate_basis(slave, f, master, x, cover, turn, unit, is_full, rates)
-    type(facets_type), intent(in) :: slave, master
-    integer, intent(in) :: f
+  subroutine differentiate_basis(own, master, x, cover, turn, unit, is_full, rates)
+    type(outline_type), intent(in) :: own
+    type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)
     type(cover_type), intent(in) :: cover
-    real(DP), intent(in) :: turn(2, MOST)
+    real(DP), intent(in) :: turn(MOST, 2)
     real(DP), intent(in) :: unit                   !< of the place [length]
     logical, intent(in) :: is_full
     type(facet_rates_type), intent(inout) :: rates
@@ -176,9 +157,9 @@ contains
     call begin_sums(merge(rates%n_slave, 3, is_full), size(rates%nodes), sums)
     do k = 1, cover%n
       if (all(cover%points%weight(cover%segments(k)%first:cover%segments(k)%last) <= 0.0_DP)) cycle
-      call add_cut(slave, f, master, cover%segments(k)%master, x, cover%plane, turn, rates, sums)
+      call add_cut(own, master, x, cover, k, turn, rates, sums)
     end do
-    call finish_blocks(slave, f, x, cover%plane, turn, rates, sums)
+    call finish_blocks(own, rates, sums)
   end subroutine differentiate_basis
 
 
@@ -219,7 +200,7 @@ contains
     integer, intent(in) :: f
     real(DP), intent(in) :: x(:, :)
     type(plane_type), intent(in) :: plane
-    real(DP) :: turn(2, MOST), side(3, 2), sign_of(2, 4), unit(3), d_m(3), length
+    real(DP) :: turn(MOST, 2), side(3, 2), sign_of(2, 4), unit(3), d_m(3), length
     type(facet_kind_type) :: shape
     integer :: i, a, n, nodes(MAX_FACE_NODES)
     call facet_nodes(slave, f, n, nodes)
@@ -243,45 +224,151 @@ contains
         unit = 0.0_DP
         unit(a) = 1.0_DP
         d_m = sign_of(1, i) * cross_product(unit, side(:, 2)) + sign_of(2, i) * cross_product(side(:, 1), unit)
-        turn(:, 3 * (i - 1) + a) = matmul(d_m, plane%axes) / length
+        turn(3 * (i - 1) + a, :) = matmul(d_m, plane%axes) / length
       end do
     end do
-    if (is_line(slave%kind(f))) turn(2, :) = 0.0_DP
+    if (is_line(slave%kind(f))) turn(:, 2) = 0.0_DP
   end function turn_of
 
 
-  !> One cut's part of all sums.
-  subroutine add_cut(slave, f, master, g, x, plane, turn, rates, sums)
-    type(facets_type), intent(in) :: slave, master
-    integer, intent(in) :: f, g                    !< slave and master facet
+  !> One cut's part of all sums: its rates are how its points change in each way, times how the integrands change with that.
+  subroutine add_cut(own, master, x, cover, k, turn, rates, sums)
+    type(outline_type), intent(in) :: own
+    type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)
-    type(plane_type), intent(in) :: plane
-    real(DP), intent(in) :: turn(2, MOST)
+    type(cover_type), intent(in) :: cover
+    integer, intent(in) :: k                       !< segment
+    real(DP), intent(in) :: turn(MOST, 2)
     type(facet_rates_type), intent(inout) :: rates
     type(sums_type), intent(inout) :: sums
-    type(outline_type) :: own, front
+    type(outline_type) :: front
     type(point_rates_type) :: point
-    real(DP) :: cut(2, MAX_CORNERS), d_cut(2, MOST, MAX_CORNERS), at(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
+    real(DP) :: cut(2, MAX_CORNERS), d_cut(MOST, 2, MAX_CORNERS), at(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
     real(DP) :: place(2, MAX_CUT_POINTS)
-    integer :: lines(MAX_CORNERS), corner(MAX_CUT_POINTS), n, q, n_points, map(2 * MAX_FACE_NODES), nd, i, nodes(MAX_FACE_NODES)
-    call lay_outline(slave, f, x, plane, turn, 0, .false., own)
-    call lay_outline(master, g, x, plane, turn, own%n, .true., front)
-    nd = 3 * (own%n + front%n)
-    call clip_polygon(own%corners(:, :own%n_corners), front%corners(:, :front%n_corners), cut, n, lines)
-    call move_corners(own, front, nd, lines, n, cut, d_cut)
-    call polygon_points(cut(:, :n), max(order_for(slave%kind(f), own%corners), order_for(master%kind(g), front%corners)), &
-      n_points, at, weight, corner, place)
+    real(DP), allocatable :: ways(:, :)            ! (coordinates, ways of all points)
+    real(DP), allocatable :: slopes(:, :)          ! (ways of all points, integrals)
+    real(DP), allocatable :: values(:)             ! (integrals)
+    integer :: lines(MAX_CORNERS), corner(MAX_CUT_POINTS), n, q, n_points, nd, m, i
+    associate (g => cover%segments(k)%master, first => cover%segments(k)%first, plane => cover%plane)
+      call lay_outline(master, g, x, plane, turn, own%n, .true., front)
+      nd = 3 * (own%n + front%n)
+      call clip_polygon(own%corners(:, :own%n_corners), front%corners(:, :front%n_corners), cut, n, lines)
+      call move_corners(own, front, nd, lines, n, cut, d_cut)
+      call polygon_points(cut(:, :n), max(order_for(own%kind, own%corners), order_for(front%kind, front%corners)), &
+        n_points, at, weight, corner, place)
+      allocate (values((sums%n * (sums%n + 1)) / 2 + sums%n * front%n + own%n), source=0.0_DP)
+      m = merge(MOST_WAYS - 2, MOST_WAYS, sums%is_full)     ! N~ does not know the place
+      allocate (ways(nd, m * n_points), slopes(m * n_points, size(values)))
+      do q = 1, n_points
+        point%at = at(:, q)
+        point%weight = weight(q)
+        point%xi = cover%points%xi(:, first + q - 1)
+        point%eta = cover%points%eta(:, first + q - 1)
+        call move_point(cut, d_cut, corner(q), place(:, q), nd, point)
+        call differentiate_point(own, front, plane, turn, nd, point)
+        i = m * (q - 1)
+        ways(:, i + 1) = point%d_weight(:nd)
+        ways(:, i + 2:i + 3) = point%d_xi(:nd, :)
+        ways(:, i + 4:i + 5) = point%d_eta(:nd, :)
+        if (.not. sums%is_full) ways(:, i + 6:i + 7) = point%d_at(:nd, :)
+        call differentiate_integrands(own%n, front%n, point, sums, slopes(i + 1:i + m, :))
+        values = values + point%weight * slopes(i + 1, :)
+      end do
+      call scatter_integrals(own, front, master, g, values, matmul(ways, slopes), rates, sums)
+    end associate
+  end subroutine add_cut
+
+
+  !> All integrands at a point, and how the weighted ones change: e_j e_l for j up to l, then e_j N_i, then N~_j.
+  pure subroutine differentiate_integrands(n_own, n_front, point, sums, slopes)
+    integer, intent(in) :: n_own, n_front
+    type(point_rates_type), intent(in) :: point
+    type(sums_type), intent(in) :: sums
+    real(DP), intent(out) :: slopes(:, :)          !< (n_ways, n_integrals): by the weight, xi, eta, at
+    real(DP) :: on_slave(MOST_WAYS, MAX_FACE_NODES), on_master(MOST_WAYS, MAX_FACE_NODES), basis(MOST_WAYS, MAX_FACE_NODES)
+    integer :: j, k, m, n
+    m = size(slopes, 1)                            ! product rule; the value stands first
+    on_slave = 0.0_DP
+    on_slave(:3, :) = point%on_slave
+    on_slave(2:3, :) = point%weight * on_slave(2:3, :)
+    on_master = 0.0_DP
+    on_master([1, 4, 5], :) = point%on_master
+    on_master(4:5, :) = point%weight * on_master(4:5, :)
+    if (sums%is_full) then
+      basis = on_slave
+    else
+      basis = 0.0_DP
+      basis(1, :3) = [1.0_DP, (point%at - sums%middle) / sums%unit]
+      basis(6, 2) = point%weight / sums%unit
+      basis(7, 3) = point%weight / sums%unit
+    end if
+    n = 0
+    do k = 1, sums%n
+      do j = 1, k
+        slopes(:, n + j) = basis(1, j) * basis(:m, k) + basis(1, k) * basis(:m, j)
+        slopes(1, n + j) = basis(1, j) * basis(1, k)
+      end do
+      n = n + k
+    end do
+    do k = 1, n_front
+      do j = 1, sums%n
+        slopes(:, n + j) = basis(1, j) * on_master(:m, k) + on_master(1, k) * basis(:m, j)
+        slopes(1, n + j) = basis(1, j) * on_master(1, k)
+      end do
+      n = n + sums%n
+    end do
+    slopes(:, n + 1:) = on_slave(:m, :n_own)
+  end subroutine differentiate_integrands
+
+
+  !> Adds the integrals over one cut and their rates to the sums.
+  pure subroutine scatter_integrals(own, front, master, g, values, d_values, rates, sums)
+    type(outline_type), intent(in) :: own, front
+    type(facets_type), intent(in) :: master
+    integer, intent(in) :: g                       !< master facet
+    real(DP), intent(in) :: values(:)              !< (n_integrals)
+    real(DP), intent(in) :: d_values(:, :)         !< (coordinates, n_integrals)
+    type(facet_rates_type), intent(inout) :: rates
+    type(sums_type), intent(inout) :: sums
+    integer :: map(2 * MAX_FACE_NODES), nodes(MAX_FACE_NODES), at(MOST), i, j, k, n
     call facet_nodes(master, g, n, nodes)
     map(:own%n) = [(i, i=1, own%n)]
     map(own%n + 1:own%n + n) = [(findloc(rates%nodes, nodes(i), dim=1), i=1, n)]
-    do q = 1, n_points
-      point%at = at(:, q)
-      point%weight = weight(q)
-      call move_point(cut, d_cut, corner(q), place(:, q), nd, point)
-      call differentiate_point(own, front, plane, turn, nd, point)
-      call add_point(own%n, front%n, nd, map, point, rates, sums)
+    do i = 1, size(d_values, 1)
+      at(i) = 3 * (map((i + 2) / 3) - 1) + modulo(i - 1, 3) + 1
     end do
-  end subroutine add_cut
+    n = 0
+    do k = 1, sums%n
+      do j = 1, k
+        n = n + 1
+        call add_to(sums%gram(j, k), sums%d_gram(j, k, :))
+        if (j < k) call add_to(sums%gram(k, j), sums%d_gram(k, j, :))
+      end do
+    end do
+    do k = 1, front%n
+      do j = 1, sums%n
+        n = n + 1
+        call add_to(sums%cross(j, map(own%n + k)), sums%d_cross(j, map(own%n + k), :))
+      end do
+    end do
+    do j = 1, own%n
+      n = n + 1
+      call add_to(rates%share(j), rates%d_share(j, :))
+    end do
+
+  contains
+
+    !> The integral n and its rates.
+    pure subroutine add_to(value, d_value)
+      real(DP), intent(inout) :: value, d_value(:)
+      integer :: c
+      value = value + values(n)
+      do c = 1, size(d_values, 1)
+        d_value(at(c)) = d_value(at(c)) + d_values(c, n)
+      end do
+    end subroutine add_to
+
+  end subroutine scatter_integrals
 
 
   !> A facet in the plane of the cut; the master's corners run the other way round.
@@ -290,7 +377,7 @@ contains
     integer, intent(in) :: f
     real(DP), intent(in) :: x(:, :)
     type(plane_type), intent(in) :: plane
-    real(DP), intent(in) :: turn(2, MOST)
+    real(DP), intent(in) :: turn(MOST, 2)
     integer, intent(in) :: first
     logical, intent(in) :: is_front
     type(outline_type), intent(out) :: outline
@@ -298,15 +385,18 @@ contains
     call facet_nodes(facets, f, outline%n, nodes)
     outline%kind = facets%kind(f)
     outline%first = first
+    outline%axes = plane%axes
+    if (is_line(outline%kind)) outline%axes(:, 2) = 0.0_DP
     do i = 1, outline%n
       outline%x(:, i) = x(:, nodes(i))
-      outline%d_flat(:, :, i) = -dot_product(plane%normal, outline%x(:, i) - plane%origin) * turn
+      outline%flat(:, i) = in_plane(plane, outline%x(:, i))
+      outline%height(i) = dot_product(plane%normal, outline%x(:, i) - plane%origin)
+      outline%d_flat(:, :, i) = -outline%height(i) * turn
       do a = 1, 3
-        associate (rate => outline%d_flat(:, 3 * (first + i - 1) + a, i))
-          rate = rate + plane%axes(a, :)
+        associate (rate => outline%d_flat(3 * (first + i - 1) + a, :, i))
+          rate = rate + outline%axes(a, :)
         end associate
       end do
-      if (is_line(outline%kind)) outline%d_flat(2, :, i) = 0.0_DP
     end do
     call corners_in(plane, facets, f, x, outline%corners, outline%n_corners)
     outline%node = [1, 2, 3, 4]
@@ -325,7 +415,7 @@ contains
     integer, intent(in) :: nd                      !< coordinates
     integer, intent(in) :: lines(MAX_CORNERS), n
     real(DP), intent(in) :: cut(2, MAX_CORNERS)
-    real(DP), intent(out) :: d_cut(2, MOST, MAX_CORNERS)
+    real(DP), intent(out) :: d_cut(MOST, 2, MAX_CORNERS)
     real(DP) :: across(2, 2), moved(MOST, 2), det
     integer :: k
     do k = 1, n
@@ -333,11 +423,11 @@ contains
       call move_line(own, front, nd, lines(modulo(k, n) + 1), cut(:, k), across(:, 2), moved(:, 2))
       det = across(1, 1) * across(2, 2) - across(2, 1) * across(1, 2)
       if (abs(det) > 1.0e-9_DP) then
-        d_cut(1, :nd, k) = (across(2, 2) * moved(:nd, 1) - across(2, 1) * moved(:nd, 2)) / det
-        d_cut(2, :nd, k) = (across(1, 1) * moved(:nd, 2) - across(1, 2) * moved(:nd, 1)) / det
+        d_cut(:nd, 1, k) = (across(2, 2) * moved(:nd, 1) - across(2, 1) * moved(:nd, 2)) / det
+        d_cut(:nd, 2, k) = (across(1, 1) * moved(:nd, 2) - across(1, 2) * moved(:nd, 1)) / det
       else                                         ! both edges on one line
-        d_cut(1, :nd, k) = across(1, 1) * moved(:nd, 1)
-        d_cut(2, :nd, k) = across(2, 1) * moved(:nd, 1)
+        d_cut(:nd, 1, k) = across(1, 1) * moved(:nd, 1)
+        d_cut(:nd, 2, k) = across(2, 1) * moved(:nd, 1)
       end if
     end do
   end subroutine move_corners
@@ -367,191 +457,141 @@ contains
     real(DP), intent(in) :: at(2)                  !< [length]
     real(DP), intent(out) :: across(2), moved(MOST)
     real(DP) :: edge(2), part
-    integer :: i
     edge = outline%corners(:, b) - outline%corners(:, a)
     part = dot_product(edge, at - outline%corners(:, a)) / max(dot_product(edge, edge), tiny(1.0_DP))
     across = [edge(2), -edge(1)] / max(norm2(edge), tiny(1.0_DP))
     moved = 0.0_DP
-    do i = 1, nd
-      moved(i) = dot_product(across, (1 - part) * outline%d_flat(:, i, outline%node(a)) &
-        + part * outline%d_flat(:, i, outline%node(b)))
-    end do
+    associate (d_a => outline%d_flat(:nd, :, outline%node(a)), d_b => outline%d_flat(:nd, :, outline%node(b)))
+      moved(:nd) = across(1) * ((1 - part) * d_a(:, 1) + part * d_b(:, 1)) + across(2) * ((1 - part) * d_a(:, 2) + part * d_b(:, 2))
+    end associate
   end subroutine move_edge
 
 
   !> Place and weight of a point go with the triangle in which it is.
   pure subroutine move_point(cut, d_cut, k, place, nd, point)
-    real(DP), intent(in) :: cut(2, MAX_CORNERS), d_cut(2, MOST, MAX_CORNERS)
+    real(DP), intent(in) :: cut(2, MAX_CORNERS), d_cut(MOST, 2, MAX_CORNERS)
     integer, intent(in) :: k                       !< of the triangle 1, k, k + 1
     real(DP), intent(in) :: place(2)               !< parts of k and k + 1 [-]
     integer, intent(in) :: nd
     type(point_rates_type), intent(inout) :: point
-    real(DP) :: a(2), b(2), d_a(2), d_b(2), twice
+    real(DP) :: a(2), b(2), share, d_a(2), d_b(2)
     integer :: i
     a = cut(:, k) - cut(:, 1)
     b = cut(:, k + 1) - cut(:, 1)
-    twice = a(1) * b(2) - a(2) * b(1)
+    share = point%weight / (a(1) * b(2) - a(2) * b(1))
     do i = 1, nd
-      d_a = d_cut(:, i, k) - d_cut(:, i, 1)
-      d_b = d_cut(:, i, k + 1) - d_cut(:, i, 1)
-      point%d_at(:, i) = d_cut(:, i, 1) + place(1) * d_a + place(2) * d_b
-      point%d_weight(i) = point%weight / twice * (d_a(1) * b(2) - d_a(2) * b(1) + a(1) * d_b(2) - a(2) * d_b(1))
+      d_a = d_cut(i, :, k) - d_cut(i, :, 1)
+      d_b = d_cut(i, :, k + 1) - d_cut(i, :, 1)
+      point%d_at(i, :) = d_cut(i, :, 1) + place(1) * d_a + place(2) * d_b
+      point%d_weight(i) = share * (d_a(1) * b(2) - d_a(2) * b(1) + a(1) * d_b(2) - a(2) * d_b(1))
     end do
   end subroutine move_point
 
 
   !> The functions of both facets at a point, and the weight of the slave's curved face, with their derivatives.
-  subroutine differentiate_point(own, front, plane, turn, nd, point)
+  pure subroutine differentiate_point(own, front, plane, turn, nd, point)
     type(outline_type), intent(in) :: own, front
     type(plane_type), intent(in) :: plane
-    real(DP), intent(in) :: turn(2, MOST)
+    real(DP), intent(in) :: turn(MOST, 2)
     integer, intent(in) :: nd
     type(point_rates_type), intent(inout) :: point
-    real(DP) :: xi(2), d_xi(2, MOST)
+    real(DP) :: ddN(3, MAX_FACE_NODES)
     integer :: i
-    call natural_place(front%kind, plane, front%x(:, :front%n), point%at, xi, point%on_master)
-    call differentiate_place(front, plane, nd, xi, point%d_at, d_xi, point%d_on_master)
-    call natural_place(own%kind, plane, own%x(:, :own%n), point%at, xi, point%on_slave)
-    call differentiate_place(own, plane, nd, xi, point%d_at, d_xi, point%d_on_slave)
-    call scale_weight(own, plane, turn, nd, xi, d_xi, point)
-    call transform_shapes(own%kind, point%on_slave)
-    do i = 1, nd
-      call transform_shapes(own%kind, point%d_on_slave(:, i))
+    call differentiate_place(front, turn, nd, point%eta, point%d_at, point%d_eta, point%on_master, ddN)
+    call differentiate_place(own, turn, nd, point%xi, point%d_at, point%d_xi, point%on_slave, ddN)
+    call scale_weight(own, plane, turn, nd, ddN, point)
+    do i = 0, 2
+      call transform_shapes(own%kind, point%on_slave(i, :))
     end do
   end subroutine differentiate_point
 
 
-  !> How the natural coordinates of a point of the plane and the functions there change: J d_xi = d_at - sum N_k d_flat_k.
-  pure subroutine differentiate_place(outline, plane, nd, xi, d_at, d_xi, d_N)
+  !> How the natural coordinates of a point of the plane change: J d_xi = d_at - sum N_k d_flat_k.
+  pure subroutine differentiate_place(outline, turn, nd, xi, d_at, d_xi, shapes, ddN)
     type(outline_type), intent(in) :: outline
-    type(plane_type), intent(in) :: plane
+    real(DP), intent(in) :: turn(MOST, 2)
     integer, intent(in) :: nd
-    real(DP), intent(in) :: xi(2), d_at(2, MOST)
-    real(DP), intent(out) :: d_xi(2, MOST), d_N(MAX_FACE_NODES, MOST)
-    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), J(2, 2), inverse(2, 2), r(2), det
+    real(DP), intent(in) :: xi(2), d_at(MOST, 2)
+    real(DP), intent(out) :: d_xi(MOST, 2)
+    real(DP), intent(out) :: shapes(0:2, MAX_FACE_NODES)   !< N and dN/dxi [-]
+    real(DP), intent(out) :: ddN(3, MAX_FACE_NODES)
+    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), J(2, 2), r(MOST, 2), height, det
     integer :: i, k
     call facet_shapes(outline%kind, xi, N, dN, ddN)
-    J = 0.0_DP
-    do k = 1, outline%n
-      r = in_plane(plane, outline%x(:, k))
-      J(:, 1) = J(:, 1) + r * dN(1, k)
-      J(:, 2) = J(:, 2) + r * dN(2, k)
-    end do
+    shapes(0, :) = N
+    shapes(1:2, :) = dN
+    J = matmul(outline%flat(:, :outline%n), transpose(dN(:, :outline%n)))
     if (is_line(outline%kind)) J = reshape([J(1, 1), 0.0_DP, 0.0_DP, 1.0_DP], [2, 2])
     det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
     d_xi = 0.0_DP
-    d_N = 0.0_DP
-    if (abs(det) <= tiny(1.0_DP)) return
-    inverse = reshape([J(2, 2), -J(2, 1), -J(1, 2), J(1, 1)], [2, 2]) / det
-    do i = 1, nd
-      r = d_at(:, i) - matmul(outline%d_flat(:, i, :outline%n), N(:outline%n))
-      d_xi(:, i) = matmul(inverse, r)
-      if (is_line(outline%kind)) d_xi(2, i) = 0.0_DP
-      do k = 1, outline%n
-        d_N(k, i) = dN(1, k) * d_xi(1, i) + dN(2, k) * d_xi(2, i)
-      end do
+    if (abs(det) <= tiny(1.0_DP)) then
+      shapes(1:2, :) = 0.0_DP
+      return
+    end if
+    height = dot_product(outline%height(:outline%n), N(:outline%n))
+    r(:nd, :) = d_at(:nd, :) + height * turn(:nd, :)
+    do k = 1, outline%n
+      i = 3 * (outline%first + k - 1)
+      r(i + 1:i + 3, :) = r(i + 1:i + 3, :) - N(k) * outline%axes
     end do
+    d_xi(:nd, 1) = (J(2, 2) * r(:nd, 1) - J(1, 2) * r(:nd, 2)) / det
+    if (is_line(outline%kind)) return
+    d_xi(:nd, 2) = (J(1, 1) * r(:nd, 2) - J(2, 1) * r(:nd, 1)) / det
   end subroutine differentiate_place
 
 
   !> The weight times the area of the slave's face over that in the plane, and times the depth of a line: as in `segments`.
-  pure subroutine scale_weight(own, plane, turn, nd, xi, d_xi, point)
+  pure subroutine scale_weight(own, plane, turn, nd, ddN, point)
     type(outline_type), intent(in) :: own
     type(plane_type), intent(in) :: plane
-    real(DP), intent(in) :: turn(2, MOST)
+    real(DP), intent(in) :: turn(MOST, 2)
     integer, intent(in) :: nd
-    real(DP), intent(in) :: xi(2), d_xi(2, MOST)
-    type(point_rates_type), intent(inout) :: point !< with N_j on the slave
-    real(DP) :: scale, d_scale
-    real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), t(3, 2), second(3, 3), d_t(3, 2)
-    real(DP) :: normal(3), d_normal(3), along, length, depth, d_along
-    integer :: i, k, a
-    call facet_shapes(own%kind, xi, N_i, dN, ddN)
-    associate (m => own%n)
-      t = matmul(own%x(:, :m), transpose(dN(:, :m)))
+    real(DP), intent(in) :: ddN(3, MAX_FACE_NODES) !< on the slave
+    type(point_rates_type), intent(inout) :: point !< with N_j, not N~_j on the slave
+    real(DP) :: d_scale(MOST), t(3, 2), second(3, 3), normal(3), by_normal(3), by_t(3, 2), by_xi(2), along, length, depth
+    integer :: i, k
+    associate (m => own%n, N => point%on_slave(0, :own%n), dN => point%on_slave(1:2, :own%n))
+      t = matmul(own%x(:, :m), transpose(dN))
       second = matmul(own%x(:, :m), transpose(ddN(:, :m)))
       if (is_line(own%kind)) t(:, 2) = [0.0_DP, 0.0_DP, 1.0_DP]
       normal = cross_product(t(:, 1), t(:, 2))
       length = norm2(normal)
       along = max(dot_product(normal, plane%normal), 0.1_DP * length)
-      depth = depth_at(plane, matmul(own%x(:, :m), point%on_slave(:m)))
+      depth = depth_at(plane, matmul(own%x(:, :m), N))
+      by_normal = normal / (length * along) - length / along**2 * plane%normal     ! of length/along
+      if (along <= 0.1_DP * length) by_normal = 0.0_DP
+      by_t(:, 1) = depth * cross_product(t(:, 2), by_normal)
+      by_t(:, 2) = depth * cross_product(by_normal, t(:, 1))
+      if (is_line(own%kind)) by_t(:, 2) = 0.0_DP
+      by_xi = [dot_product(by_t(:, 1), second(:, 1)) + dot_product(by_t(:, 2), second(:, 3)), &
+        dot_product(by_t(:, 1), second(:, 3)) + dot_product(by_t(:, 2), second(:, 2))]
+      if (plane%depth < 0.0_DP) by_xi = by_xi + 2 * PI * length / along * matmul(dN, own%x(1, :m))
+      d_scale(:nd) = by_xi(1) * point%d_xi(:nd, 1) + by_xi(2) * point%d_xi(:nd, 2)
+      if (along > 0.1_DP * length) d_scale(:nd) = d_scale(:nd) - depth * length / along**2 &
+        * matmul(turn(:nd, :), matmul(normal, plane%axes))
+      do k = 1, m
+        i = 3 * (own%first + k - 1)
+        d_scale(i + 1:i + 3) = d_scale(i + 1:i + 3) + matmul(by_t, dN(:, k))
+        if (plane%depth < 0.0_DP) d_scale(i + 1) = d_scale(i + 1) + 2 * PI * length / along * N(k)
+      end do
     end associate
-    scale = length / along * depth
-    do i = 1, nd
-      d_t(:, 1) = second(:, 1) * d_xi(1, i) + second(:, 3) * d_xi(2, i)
-      d_t(:, 2) = second(:, 3) * d_xi(1, i) + second(:, 2) * d_xi(2, i)
-      k = (i + 2) / 3 - own%first
-      a = modulo(i - 1, 3) + 1
-      if (k >= 1 .and. k <= own%n) d_t(a, :) = d_t(a, :) + dN(:, k)
-      if (is_line(own%kind)) d_t(:, 2) = 0.0_DP
-      d_normal = cross_product(d_t(:, 1), t(:, 2)) + cross_product(t(:, 1), d_t(:, 2))
-      d_along = dot_product(d_normal, plane%normal) + dot_product(matmul(plane%axes, turn(:, i)), normal)
-      if (along <= 0.1_DP * length) d_along = 0.1_DP * dot_product(normal, d_normal) / length
-      d_scale = depth * (dot_product(normal, d_normal) / (length * along) - length * d_along / along**2)
-      if (plane%depth < 0.0_DP) then
-        d_scale = d_scale + 2 * PI * length / along * dot_product(own%x(1, :own%n), point%d_on_slave(:own%n, i))
-        if (k >= 1 .and. k <= own%n .and. a == 1) d_scale = d_scale + 2 * PI * length / along * point%on_slave(k)
-      end if
-      point%d_weight(i) = point%d_weight(i) * scale + point%weight * d_scale
-    end do
-    point%weight = point%weight * scale
+    point%d_weight(:nd) = point%d_weight(:nd) * (length / along * depth) + point%weight * d_scale(:nd)
+    point%weight = point%weight * (length / along * depth)
   end subroutine scale_weight
 
 
-  !> One point's part of all sums.
-  pure subroutine add_point(n_own, n_front, nd, map, point, rates, sums)
-    integer, intent(in) :: n_own, n_front, nd
-    integer, intent(in) :: map(:)                  !< places of the nodes of slave and master in rates%nodes
-    type(point_rates_type), intent(in) :: point
-    type(facet_rates_type), intent(inout) :: rates
-    type(sums_type), intent(inout) :: sums
-    real(DP) :: e(max(sums%n, 3)), d_e(max(sums%n, 3)), d_w
-    integer :: i, j, k, at, m
-    m = sums%n
-    associate (w => point%weight, front => map(n_own + 1:n_own + n_front))
-      if (sums%is_full) e(:m) = point%on_slave(:m)
-      if (.not. sums%is_full) e = [1.0_DP, (point%at - sums%middle) / sums%unit]
-      rates%share = rates%share + w * point%on_slave(:n_own)
-      do j = 1, m
-        sums%gram(:, j) = sums%gram(:, j) + w * e(j) * e(:m)
-      end do
-      do k = 1, n_front
-        sums%cross(:, front(k)) = sums%cross(:, front(k)) + w * point%on_master(k) * e(:m)
-      end do
-      do i = 1, nd
-        at = 3 * (map((i + 2) / 3) - 1) + modulo(i - 1, 3) + 1
-        d_w = point%d_weight(i)
-        if (sums%is_full) d_e(:m) = point%d_on_slave(:m, i)
-        if (.not. sums%is_full) d_e = [0.0_DP, point%d_at(:, i) / sums%unit]
-        rates%d_share(:, at) = rates%d_share(:, at) + d_w * point%on_slave(:n_own) + w * point%d_on_slave(:n_own, i)
-        do j = 1, m
-          sums%d_gram(:, j, at) = sums%d_gram(:, j, at) + d_w * e(j) * e(:m) + w * (d_e(j) * e(:m) + e(j) * d_e(:m))
-        end do
-        do k = 1, n_front
-          sums%d_cross(:, front(k), at) = sums%d_cross(:, front(k), at) + (d_w * point%on_master(k) &
-            + w * point%d_on_master(k, i)) * e(:m) + w * point%on_master(k) * d_e(:m)
-        end do
-      end do
-    end associate
-  end subroutine add_point
-
-
   !> M_ji = d_j l_j' inv(G) C_i with l_j the unit vectors (the basis N~) or (1, y_j).
-  subroutine finish_blocks(slave, f, x, plane, turn, rates, sums)
-    type(facets_type), intent(in) :: slave
-    integer, intent(in) :: f
-    real(DP), intent(in) :: x(:, :)
-    type(plane_type), intent(in) :: plane
-    real(DP), intent(in) :: turn(2, MOST)
+  subroutine finish_blocks(own, rates, sums)
+    type(outline_type), intent(in) :: own
     type(facet_rates_type), intent(inout) :: rates
     type(sums_type), intent(in) :: sums
-    type(outline_type) :: own
-    real(DP), allocatable :: head(:, :), d_head(:, :), solved(:, :), by_unit(:, :), inverse(:, :), unit(:, :)
+    real(DP), allocatable :: head(:, :), solved(:, :), by_share(:, :), inverse(:, :), unit(:, :)
+    real(DP) :: rest(sums%n, size(rates%nodes)), moved(rates%n_slave, size(rates%nodes))
     real(DP) :: flat(2, rates%n_slave), d_flat(2, rates%n_slave)
-    integer :: i, m, n, status
+    integer :: i, j, k, m, n, status
     n = rates%n_slave
     m = sums%n
-    allocate (head(n, m), d_head(n, m), unit(m, m), inverse(m, m), source=0.0_DP)
+    allocate (head(n, m), unit(m, m), inverse(m, m), source=0.0_DP)
     do i = 1, m
       unit(i, i) = 1.0_DP
     end do
@@ -560,28 +600,33 @@ contains
       call finish_needle(rates, sums)
       return
     end if
-    call lay_outline(slave, f, x, plane, turn, 0, .false., own)
     if (sums%is_full) head = unit
     if (.not. sums%is_full) then
-      do i = 1, n
-        flat(:, i) = in_plane(plane, own%x(:, i))
-      end do
+      flat = own%flat(:, :n)
       call transform_nodes(own%kind, flat)
       head(:, 1) = 1.0_DP
       head(:, 2:) = (transpose(flat) - spread(sums%middle, 1, n)) / sums%unit
     end if
     solved = matmul(inverse, sums%cross)
-    rates%block = spread(rates%share, 2, size(rates%nodes)) * matmul(head, solved)
+    by_share = matmul(head, solved)
+    head = matmul(head, inverse)
+    rates%block = spread(rates%share, 2, size(rates%nodes)) * by_share
     do i = 1, 3 * size(rates%nodes)
-      by_unit = matmul(inverse, sums%d_cross(:, :, i) - matmul(sums%d_gram(:, :, i), solved))
-      d_head = 0.0_DP
+      rest = sums%d_cross(:, :, i)
+      do k = 1, m
+        do j = 1, m
+          rest(j, :) = rest(j, :) - sums%d_gram(j, k, i) * solved(k, :)
+        end do
+      end do
+      moved = matmul(head, rest)
       if (.not. sums%is_full .and. i <= 3 * n) then
-        d_flat = own%d_flat(:, i, :n)
+        d_flat = own%d_flat(i, :, :n)
         call transform_nodes(own%kind, d_flat)
-        d_head(:, 2:) = transpose(d_flat) / sums%unit
+        moved = moved + matmul(transpose(d_flat) / sums%unit, solved(2:, :))
       end if
-      rates%d_block(:, :, i) = spread(rates%d_share(:, i), 2, size(rates%nodes)) * matmul(head, solved) &
-        + spread(rates%share, 2, size(rates%nodes)) * (matmul(head, by_unit) + matmul(d_head, solved))
+      do k = 1, size(rates%nodes)
+        rates%d_block(:, k, i) = rates%d_share(:, i) * by_share(:, k) + rates%share * moved(:, k)
+      end do
     end do
   end subroutine finish_blocks
 
@@ -600,207 +645,5 @@ contains
       end do
     end do
   end subroutine finish_needle
-
-
-  !> How the row of a slave node changes with all nodes of the facets around it: as `mortar` fills it.
-  subroutine differentiate_row(mortar, master, search, x, reach, j, facet_rates, rates)
-    type(mortar_type), intent(in) :: mortar        !< as integrated at x
-    type(facets_type), intent(in) :: master
-    type(search_type), intent(in) :: search        !< of the master's facets
-    real(DP), intent(in) :: x(:, :), reach         !< as for `integrate_mortar`
-    integer, intent(in) :: j                       !< row, with a master in front
-    type(facet_rates_type), intent(inout) :: facet_rates(:)   !< (n_facets) those of the star of its vertex are made if they are not
-    type(row_rates_type), intent(out) :: rates
-    real(DP), allocatable :: sum_of(:, :, :)       ! of d_j T - M_ji, which is w_k times the area
-    real(DP), allocatable :: own_area(:, :)
-    type(fade_type), allocatable :: fades(:)
-    real(DP) :: taken(MAX_FACE_NODES), d_taken(MAX_FACE_NODES, MAX_FACE_NODES), own_share
-    integer, allocatable :: at(:)
-    integer :: s, f, own, i, k
-    associate (slave => mortar%slave, v => mortar%places(j)%vertex)
-      do s = slave%star_first(v), slave%star_first(v + 1) - 1
-        f = slave%star_facet(s)
-        if (.not. facet_rates(f)%is_made) call differentiate_cuts(slave, f, mortar%depth(f), master, search, x, reach, &
-          facet_rates(f))
-      end do
-    end associate
-    call gather_star(mortar, j, facet_rates, rates%nodes)
-    call gather_fades(mortar, master, x, j, rates%nodes, fades)
-    k = size(rates%nodes)
-    allocate (sum_of(size(mortar%rows(j)%nodes), 3, k), rates%d_area(3, k), own_area(3, k), source=0.0_DP)
-    own_share = 0.0_DP
-    associate (slave => mortar%slave, row => mortar%rows(j), area => mortar%places(j)%area)
-      do s = slave%star_first(mortar%places(j)%vertex), slave%star_first(mortar%places(j)%vertex + 1) - 1
-        f = slave%star_facet(s)
-        own = slave%star_local(s)
-        if (size(facet_rates(f)%nodes) == facet_rates(f)%n_slave) cycle   ! nothing in front
-        call take_parts(slave%kind(f), own, mortar%beyond(mortar%place_of(slave%first(f):slave%first(f + 1) - 1)), taken, d_taken)
-        at = [(findloc(rates%nodes, facet_rates(f)%nodes(i), dim=1), i=1, size(facet_rates(f)%nodes))]
-        own_share = own_share + facet_rates(f)%share(own)
-        do i = 1, size(at)
-          own_area(:, at(i)) = own_area(:, at(i)) + facet_rates(f)%d_share(own, 3 * i - 2:3 * i)
-        end do
-        call add_facet(mortar, facet_rates(f), taken, at, row, sum_of, rates%d_area)
-        call add_fades(mortar, facet_rates(f), d_taken, fades, at, row, sum_of, rates%d_area)
-      end do
-      allocate (rates%d_weights, mold=sum_of)
-      do i = 1, size(row%nodes)
-        rates%d_weights(i, :, :) = (sum_of(i, :, :) - row%weights(i) * rates%d_area) / area
-      end do
-      rates%d_factor = rates%d_area / area
-      if (.not. mortar%is_soft) rates%d_factor = rates%d_factor - own_area / own_share
-    end associate
-  end subroutine differentiate_row
-
-
-  !> The nodes of a row, then all others of the facets around it and of their masters.
-  pure subroutine gather_star(mortar, j, facet_rates, nodes)
-    type(mortar_type), intent(in) :: mortar
-    integer, intent(in) :: j
-    type(facet_rates_type), intent(in) :: facet_rates(:)
-    integer, allocatable, intent(out) :: nodes(:)
-    integer :: s, i
-    nodes = mortar%rows(j)%nodes
-    associate (slave => mortar%slave, v => mortar%places(j)%vertex)
-      do s = slave%star_first(v), slave%star_first(v + 1) - 1
-        associate (others => facet_rates(slave%star_facet(s))%nodes)
-          do i = 1, size(others)
-            if (all(nodes /= others(i))) nodes = [nodes, others(i)]
-          end do
-        end associate
-      end do
-    end associate
-  end subroutine gather_star
-
-
-  !> How the parts change that nodes around a row give, with the distance of each beyond the edge of its master; nodes on which that
-  !! depends are appended.
-  subroutine gather_fades(mortar, master, x, j, nodes, fades)
-    type(mortar_type), intent(in) :: mortar
-    type(facets_type), intent(in) :: master
-    real(DP), intent(in) :: x(:, :)
-    integer, intent(in) :: j                       !< row
-    integer, allocatable, intent(inout) :: nodes(:)
-    type(fade_type), allocatable, intent(out) :: fades(:)
-    type(fade_type) :: fade
-    integer :: s, i, k, n
-    allocate (fades(0))
-    if (.not. mortar%is_soft) return
-    associate (slave => mortar%slave, v => mortar%places(j)%vertex)
-      do s = slave%star_first(v), slave%star_first(v + 1) - 1
-        do i = slave%first(slave%star_facet(s)), slave%first(slave%star_facet(s) + 1) - 1
-          k = mortar%place_of(i)
-          if (mortar%beyond(k) <= 0.0_DP .or. mortar%beyond(k) >= 1.0_DP) cycle
-          if (any(fades%node == mortar%nodes(k))) cycle
-          call differentiate_fade(mortar, master, x, k, fade)
-          do n = 1, size(fade%at)                  ! mesh nodes to places
-            if (all(nodes /= fade%at(n))) nodes = [nodes, fade%at(n)]
-            fade%at(n) = findloc(nodes, fade%at(n), dim=1)
-          end do
-          fades = [fades, fade]
-        end do
-      end do
-    end associate
-  end subroutine gather_fades
-
-
-  !> How the part that a slave node gives changes with its slave facet and the master's edge beyond which it is.
-  subroutine differentiate_fade(mortar, master, x, k, fade)
-    type(mortar_type), intent(in) :: mortar
-    type(facets_type), intent(in) :: master
-    real(DP), intent(in) :: x(:, :)
-    integer, intent(in) :: k                       !< slave node
-    type(fade_type), intent(out) :: fade           !< at: mesh nodes
-    type(outline_type) :: own, front
-    type(plane_type) :: plane
-    real(DP) :: turn(2, MOST), across(2), moved(MOST), rate(MOST)
-    integer :: i, nd, n, nodes(MAX_FACE_NODES)
-    associate (f => mortar%edges(1, k), local => mortar%edges(2, k), g => mortar%edges(3, k), edge => mortar%edges(4, k))
-      call lay_plane(mortar%slave, f, x, plane)
-      turn = turn_of(mortar%slave, f, x, plane)
-      call lay_outline(mortar%slave, f, x, plane, turn, 0, .false., own)
-      call lay_outline(master, g, x, plane, turn, own%n, .true., front)
-      nd = 3 * (own%n + front%n)
-      call move_edge(front, nd, edge, modulo(edge, front%n_corners) + 1, in_plane(plane, own%x(:, local)), across, moved)
-      rate = 0.0_DP
-      do i = 1, nd
-        rate(i) = fading(mortar%beyond(k)) / mortar%slave%edge_length(f) * (dot_product(across, own%d_flat(:, i, local)) - moved(i))
-      end do
-      call facet_nodes(mortar%slave, f, n, nodes)
-      fade%node = mortar%nodes(k)
-      fade%at = nodes(:n)
-      call facet_nodes(master, g, n, nodes)
-      fade%at = [fade%at, nodes(:n)]
-      fade%rate = reshape(rate(:nd), [3, nd / 3])
-    end associate
-  end subroutine differentiate_fade
-
-
-  !> What one facet gives to the derivative of a row since the parts change that the row takes.
-  subroutine add_fades(mortar, facet, d_taken, fades, at, row, sum_of, d_area)
-    type(mortar_type), intent(in) :: mortar
-    type(facet_rates_type), intent(in) :: facet
-    real(DP), intent(in) :: d_taken(MAX_FACE_NODES, MAX_FACE_NODES)
-    type(fade_type), intent(in) :: fades(:)
-    integer, intent(in) :: at(:)                   !< places of the facet's nodes among those of the row's rates
-    type(contact_row_type), intent(in) :: row
-    real(DP), intent(inout) :: sum_of(:, :, :), d_area(:, :)
-    type(contact_row_type) :: part
-    real(DP) :: values(size(row%nodes)), rate(3)
-    integer :: i, j, k, q, local, node
-    do i = 1, facet%n_slave
-      if (all(abs(d_taken(i, :)) <= 0.0_DP)) cycle
-      node = findloc(mortar%nodes, facet%nodes(i), dim=1)
-      call start_row(mortar%nodes(node), mortar%corners(:, node), part)
-      values = 0.0_DP                              ! what the row has of it
-      do k = 1, size(part%nodes)
-        where (row%nodes == part%nodes(k)) values = values + facet%share(i) * part%weights(k)
-      end do
-      do k = facet%n_slave + 1, size(facet%nodes)
-        if (at(k) <= size(values)) values(at(k)) = values(at(k)) - facet%block(i, k)
-      end do
-      do q = 1, size(fades)
-        local = findloc(facet%nodes(:facet%n_slave), fades(q)%node, dim=1)
-        if (local == 0) cycle
-        do j = 1, size(fades(q)%at)
-          rate = d_taken(i, local) * fades(q)%rate(:, j)
-          d_area(:, fades(q)%at(j)) = d_area(:, fades(q)%at(j)) + facet%share(i) * rate
-          sum_of(:, :, fades(q)%at(j)) = sum_of(:, :, fades(q)%at(j)) + spread(values, 2, 3) * spread(rate, 1, size(values))
-        end do
-      end do
-    end do
-  end subroutine add_fades
-
-
-  !> What one facet gives to a row: d_i T_i for the functions that the row takes, less the master's part.
-  subroutine add_facet(mortar, facet, taken, at, row, sum_of, d_area)
-    type(mortar_type), intent(in) :: mortar
-    type(facet_rates_type), intent(in) :: facet
-    real(DP), intent(in) :: taken(MAX_FACE_NODES)
-    integer, intent(in) :: at(:)                   !< places of the facet's nodes among those of the row's rates
-    type(contact_row_type), intent(in) :: row
-    real(DP), intent(inout) :: sum_of(:, :, :), d_area(:, :)
-    type(contact_row_type) :: part
-    integer :: i, j, k, q, node
-    do i = 1, facet%n_slave
-      if (taken(i) <= 0.0_DP) cycle
-      node = findloc(mortar%nodes, facet%nodes(i), dim=1)
-      call start_row(mortar%nodes(node), mortar%corners(:, node), part)
-      do j = 1, size(facet%nodes)
-        d_area(:, at(j)) = d_area(:, at(j)) + taken(i) * facet%d_share(i, 3 * j - 2:3 * j)
-        do q = 1, size(part%nodes)
-          k = findloc(row%nodes, part%nodes(q), dim=1)
-          if (k > 0) sum_of(k, :, at(j)) = sum_of(k, :, at(j)) + taken(i) * part%weights(q) * facet%d_share(i, 3 * j - 2:3 * j)
-        end do
-      end do
-      do k = facet%n_slave + 1, size(facet%nodes)
-        q = at(k)                                  ! masters of the row stand among its nodes
-        if (q > size(row%nodes)) cycle
-        do j = 1, size(facet%nodes)
-          sum_of(q, :, at(j)) = sum_of(q, :, at(j)) - taken(i) * facet%d_block(i, k, 3 * j - 2:3 * j)
-        end do
-      end do
-    end do
-  end subroutine add_facet
 
 end module amontons_cut_rates

@@ -95,7 +95,8 @@ uses_compliance = kinds surfaces
 uses_areas = kinds topology mesh surfaces shapes
 uses_segments = kinds tensor topology facets search dual polygons
 uses_mortar = kinds errors topology mesh facets search gap rows dual polygons areas segments
-uses_cut_rates = kinds tensor dense topology shapes facets search rows dual polygons segments mortar
+uses_cut_rates = kinds tensor dense topology shapes facets dual polygons segments
+uses_row_rates = kinds topology facets rows segments mortar cut_rates
 
 # 5 system: unknowns, residual, matrix
 uses_state = kinds tensor topology mesh materials loads steps model shapes log_strain material_point slip
@@ -118,7 +119,7 @@ uses_contact = kinds errors profiles sparse topology surfaces steps model facets
 uses_contact_forces = kinds sparse surfaces model facets rows slip compliance state slaves user_contact overlaps contact
 uses_contact_start = kinds errors topology surfaces model search gap rows areas mortar state slaves overlaps contact
 uses_contact_points = kinds topology model shapes facets search rows facing mortar state contact
-uses_contact_tangent = kinds tensor surfaces model gap rows compliance cut_rates state constraints contact contact_forces
+uses_contact_tangent = kinds tensor surfaces model gap rows compliance cut_rates row_rates state constraints contact contact_forces
 uses_contact_matrices = kinds errors tensor sparse sprung contact_tangent
 uses_iterative = kinds sparse dense
 uses_reduced = kinds errors text posix sparse partition factor mesh steps constraints iterative

@@ -16,7 +16,7 @@ module amontons_mortar
   use amontons_gap, only: vertex_normal
   use amontons_polygons, only: polygon_area, beyond_polygon
   use amontons_dual, only: is_transformed, whole_share, ALPHA
-  use amontons_segments, only: plane_type, segment_type, cover_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
+  use amontons_segments, only: segment_type, cover_type, find_segments, in_plane, corners_in, depth_at, &
     integrate_segments
   use amontons_rows, only: contact_row_type, relative_position
   implicit none
@@ -43,6 +43,14 @@ module amontons_mortar
     real(DP) :: arm(3) = 0                         !< from the node to where its force acts, if nodes beside it have part [length]
   end type place_type
 
+  !> The cuts of a whole slave surface, and what is covered of it.
+  type :: cuts_type
+    real(DP), allocatable :: x(:, :)               !< (3, n_nodes) coordinates where they were made [length]
+    type(cover_type), allocatable :: covers(:)     !< (n_facets)
+    real(DP), allocatable :: area(:)               !< (n_vertices) what is covered of a vertex [length^2]
+    real(DP), allocatable :: whole(:)              !< (n_vertices) all of it [length^2]
+  end type cuts_type
+
   !> The slave surface of a pair with its rows.
   type :: mortar_type
     logical :: is_made = .false.                   !< the rows were integrated
@@ -61,21 +69,12 @@ module amontons_mortar
     logical, allocatable :: has_touched(:)         !< (n) closed when the increment began
     logical :: is_soft = .false.                   !< its law is compliant
     real(DP), allocatable :: beyond(:)             !< (n) what a node gives to others: 0 over the master, 1 beyond its edge [-]
+    type(cuts_type) :: cuts                        !< of which the rows are made
     integer, allocatable :: edges(:, :)            !< (4, n) where that is so in part: slave facet, its node, master facet, corner
                                                    !< before its edge
     integer, allocatable :: place_of(:)            !< (size(slave%nodes)) place in nodes(:) of each entry of the slave's facets
     type(contact_row_type), allocatable, private :: bases(:)   !< (n) own nodes and shares where no node beside is beyond the master
   end type mortar_type
-
-  !> The segments of a whole slave surface.
-  type :: cuts_type
-    integer :: n = 0
-    type(segment_type), allocatable :: segments(:) !< those of a slave facet side by side, facet after facet
-    integer, allocatable :: first(:)               !< (n_facets + 1) start of a slave facet's segments
-    real(DP), allocatable :: beyond(:)             !< (n) as mortar%beyond
-    real(DP), allocatable :: area(:)               !< (n_vertices) what is covered of a vertex [length^2]
-    real(DP), allocatable :: whole(:)              !< (n_vertices) all of it [length^2]
-  end type cuts_type
 
 contains
 
@@ -333,32 +332,48 @@ contains
 
 
   !> Places and rows of all slave nodes in a configuration. Cost: linear in the segments.
-  subroutine integrate_mortar(mortar, master, search, x, reach)
+  subroutine integrate_mortar(mortar, master, search, is_search_new, x, reach)
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
     type(search_type), intent(in) :: search        !< of the master's facets, with at least `search_margin`
+    logical, intent(in) :: is_search_new           !< it or the reach is not that of the last call
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
     real(DP), intent(in) :: reach                  !< facets farther apart do not see each other [length]
-    type(cuts_type) :: cuts
+    logical :: is_cut
     integer :: f
     if (.not. mortar%is_made) mortar%bases = mortar%rows
-    allocate (cuts%segments(64), cuts%first(mortar%slave%n + 1))
-    cuts%beyond = merge(0.0_DP, 1.0_DP, (mortar%has_touched .and. .not. mortar%is_soft) .or. .not. mortar%is_alone)
-    allocate (cuts%area(mortar%slave%n_vertices), cuts%whole(mortar%slave%n_vertices), source=0.0_DP)
+    is_cut = allocated(mortar%cuts%x) .and. .not. is_search_new
+    if (is_cut) is_cut = all(abs(mortar%cuts%x - x) <= 0.0_DP)
+    if (.not. is_cut) call cut_facets(mortar, master, search, x, reach)
+    mortar%beyond = merge(0.0_DP, 1.0_DP, (mortar%has_touched .and. .not. mortar%is_soft) .or. .not. mortar%is_alone)
     do f = 1, mortar%slave%n
-      cuts%first(f) = cuts%n + 1
-      call cut_facet(mortar%slave, f, mortar%depth(f), master, search, x, reach, cuts)
-      call mark_over(mortar, f, master, x, cuts)
+      call mark_over(mortar, f, master, x)
     end do
-    cuts%first(mortar%slave%n + 1) = cuts%n + 1
-    if (.not. mortar%is_soft) call keep_islands(mortar, cuts)
-    call fill_rows(mortar, master, x, cuts)
+    if (.not. mortar%is_soft) call keep_islands(mortar)
+    call fill_rows(mortar, master, x)
     do f = 1, size(mortar%twins, 2)
       call merge_twins(mortar, mortar%twins(1, f), mortar%twins(2, f))
     end do
-    mortar%beyond = cuts%beyond
     mortar%is_made = .true.
   end subroutine integrate_mortar
+
+
+  !> The cuts of all slave facets.
+  subroutine cut_facets(mortar, master, search, x, reach)
+    type(mortar_type), intent(inout) :: mortar
+    type(facets_type), intent(in) :: master
+    type(search_type), intent(in) :: search
+    real(DP), intent(in) :: x(:, :), reach
+    integer :: f
+    mortar%cuts%x = x
+    if (.not. allocated(mortar%cuts%covers)) allocate (mortar%cuts%covers(mortar%slave%n), &
+      mortar%cuts%area(mortar%slave%n_vertices), mortar%cuts%whole(mortar%slave%n_vertices))
+    mortar%cuts%area = 0.0_DP
+    mortar%cuts%whole = 0.0_DP
+    do f = 1, mortar%slave%n
+      call cut_facet(mortar%slave, f, mortar%depth(f), master, search, x, reach, mortar%cuts)
+    end do
+  end subroutine cut_facets
 
 
   !> The segments of one slave facet.
@@ -369,23 +384,22 @@ contains
     type(search_type), intent(in) :: search
     real(DP), intent(in) :: x(:, :), reach
     type(cuts_type), intent(inout) :: cuts
-    type(cover_type) :: cover
     real(DP) :: corners(2, 4), size_of
     integer :: k, k_own, n_own, v(MAX_FACE_NODES), nodes(MAX_FACE_NODES)
     call facet_nodes(slave, f, n_own, nodes)
     v(:n_own) = slave%vertex(slave%first(f):slave%first(f + 1) - 1)
-    call find_segments(slave, f, depth, master, search, x, reach, cover)
-    call corners_in(cover%plane, slave, f, x, corners, k_own)
-    size_of = polygon_area(corners(:, :k_own)) * depth_at(cover%plane, cover%plane%origin)
-    cuts%whole(v(:n_own)) = cuts%whole(v(:n_own)) + size_of * share_of(slave%kind(f), n_own)
-    if (cover%n == 0) return
-    call integrate_segments(slave, f, x, cover%plane, size_of, cover%points, cover%segments(:cover%n))
-    do k = 1, cover%n
-      if (cuts%n == size(cuts%segments)) cuts%segments = [cuts%segments, cuts%segments]
-      cuts%n = cuts%n + 1
-      cuts%segments(cuts%n) = cover%segments(k)
-      cuts%area(v(:n_own)) = cuts%area(v(:n_own)) + cover%segments(k)%share(:n_own)
-    end do
+    associate (cover => cuts%covers(f))
+      call find_segments(slave, f, depth, master, search, x, reach, cover)
+      call corners_in(cover%plane, slave, f, x, corners, k_own)
+      size_of = polygon_area(corners(:, :k_own)) * depth_at(cover%plane, cover%plane%origin)
+      cuts%whole(v(:n_own)) = cuts%whole(v(:n_own)) + size_of * share_of(slave%kind(f), n_own)
+      if (cover%n == 0) return
+      call integrate_segments(slave, f, x, cover%plane, size_of, cover%points, cover%segments(:cover%n))
+      deallocate (cover%points%on_slave, cover%points%on_master)
+      do k = 1, cover%n
+        cuts%area(v(:n_own)) = cuts%area(v(:n_own)) + cover%segments(k)%share(:n_own)
+      end do
+    end associate
   end subroutine cut_facet
 
 
@@ -400,49 +414,47 @@ contains
 
   !> Which nodes of a slave facet are over the masters that it was cut with: under exact contact it is or it is not, under a
   !! compliant law it fades, so that forces are continuous.
-  subroutine mark_over(mortar, f, master, x, cuts)
+  subroutine mark_over(mortar, f, master, x)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: f                       !< slave facet
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)
-    type(cuts_type), intent(inout) :: cuts
-    type(plane_type) :: plane
     real(DP) :: corners(2, 4), distance, part
     integer :: i, k, j, m, n, edge, nodes(MAX_FACE_NODES)
     call facet_nodes(mortar%slave, f, n, nodes)
-    call lay_plane(mortar%slave, f, x, plane)
-    do k = cuts%first(f), cuts%n
-      if (abs(sum(cuts%segments(k)%share)) <= 0.0_DP) cycle
-      call corners_in(plane, master, cuts%segments(k)%master, x, corners, m)
-      do i = 1, n
-        j = mortar%place_of(mortar%slave%first(f) + i - 1)
-        if (cuts%beyond(j) <= 0.0_DP) cycle
-        call beyond_polygon(corners(:, m:1:-1), in_plane(plane, x(:, nodes(i))), distance, edge)
-        distance = distance / mortar%slave%edge_length(f)
-        if (mortar%is_soft) then
-          part = min(max(distance / FADED, 0.0_DP), 1.0_DP)
-          if (part**2 * (3 - 2 * part) >= cuts%beyond(j)) cycle
-          cuts%beyond(j) = part**2 * (3 - 2 * part)
-          mortar%edges(:, j) = [f, i, cuts%segments(k)%master, edge]
-        else if (distance <= BEYOND) then
-          cuts%beyond(j) = 0.0_DP
-        end if
+    associate (cover => mortar%cuts%covers(f))
+      do k = 1, cover%n
+        if (abs(sum(cover%segments(k)%share)) <= 0.0_DP) cycle
+        call corners_in(cover%plane, master, cover%segments(k)%master, x, corners, m)
+        do i = 1, n
+          j = mortar%place_of(mortar%slave%first(f) + i - 1)
+          if (mortar%beyond(j) <= 0.0_DP) cycle
+          call beyond_polygon(corners(:, m:1:-1), in_plane(cover%plane, x(:, nodes(i))), distance, edge)
+          distance = distance / mortar%slave%edge_length(f)
+          if (mortar%is_soft) then
+            part = min(max(distance / FADED, 0.0_DP), 1.0_DP)
+            if (part**2 * (3 - 2 * part) >= mortar%beyond(j)) cycle
+            mortar%beyond(j) = part**2 * (3 - 2 * part)
+            mortar%edges(:, j) = [f, i, cover%segments(k)%master, edge]
+          else if (distance <= BEYOND) then
+            mortar%beyond(j) = 0.0_DP
+          end if
+        end do
       end do
-    end do
+    end associate
   end subroutine mark_over
 
 
   !> The nodes of a facet that has a master in front though none of its nodes is over it count as if they were.
-  pure subroutine keep_islands(mortar, cuts)
-    type(mortar_type), intent(in) :: mortar
-    type(cuts_type), intent(inout) :: cuts
-    logical :: is_over(size(cuts%beyond))
+  pure subroutine keep_islands(mortar)
+    type(mortar_type), intent(inout) :: mortar
+    logical :: is_over(size(mortar%beyond))
     integer :: f
-    is_over = cuts%beyond <= 0.0_DP
+    is_over = mortar%beyond <= 0.0_DP
     do f = 1, mortar%slave%n
-      if (cuts%first(f + 1) == cuts%first(f)) cycle
+      if (mortar%cuts%covers(f)%n == 0) cycle
       associate (nodes => mortar%place_of(mortar%slave%first(f):mortar%slave%first(f + 1) - 1))
-        if (.not. any(is_over(nodes))) cuts%beyond(nodes) = 0.0_DP
+        if (.not. any(is_over(nodes))) mortar%beyond(nodes) = 0.0_DP
       end associate
     end do
   end subroutine keep_islands
@@ -458,17 +470,17 @@ contains
 
 
   !> Places and rows of all slave nodes from the segments of the facets around them.
-  subroutine fill_rows(mortar, master, x, cuts)
+  subroutine fill_rows(mortar, master, x)
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)
-    type(cuts_type), intent(in) :: cuts
     integer, allocatable :: at(:)                  ! (n_nodes) place in the row that is filled, 0 outside
     real(DP) :: m(3)
     integer :: j, v
     allocate (at(size(x, 2)), source=0)
     do j = 1, size(mortar%nodes)
-      associate (vertices => mortar%vertices(mortar%first(j):mortar%first(j + 1) - 1), place => mortar%places(j))
+      associate (vertices => mortar%vertices(mortar%first(j):mortar%first(j + 1) - 1), place => mortar%places(j), &
+        cuts => mortar%cuts)
         place = place_type()
         call start_row(mortar%nodes(j), mortar%corners(:, j), mortar%rows(j))
         mortar%rows(j)%shares = mortar%bases(j)%shares
@@ -476,13 +488,13 @@ contains
         v = vertices(maxloc(cuts%area(vertices), dim=1))
         if (abs(cuts%area(v)) <= NOTHING * cuts%whole(v)) cycle
         m = vertex_normal(mortar%slave, x, v)
-        if (norm2(m) <= 0.0_DP .or. (.not. mortar%is_soft .and. cuts%beyond(j) >= 1.0_DP)) cycle
+        if (norm2(m) <= 0.0_DP .or. (.not. mortar%is_soft .and. mortar%beyond(j) >= 1.0_DP)) cycle
         place%vertex = v
         place%area = cuts%area(v)
         place%whole = cuts%whole(v)
         place%is_thin = place%area <= COVERED * place%whole
         place%normal = -m / norm2(m)
-        call add_masters(mortar, master, x, cuts, at, place, mortar%rows(j))
+        call add_masters(mortar, master, x, at, place, mortar%rows(j))
         if (mortar%is_soft) place%is_thin = place%area <= COVERED * place%whole
       end associate
     end do
@@ -505,11 +517,10 @@ contains
 
   !> The master's part of a row: -M_ji / D_j, in the order in which the segments bring the nodes. Nodes beside that are beyond the
   !! master's edge give their functions to the row: their part of the slave's side is there too.
-  subroutine add_masters(mortar, master, x, cuts, at, place, row)
+  subroutine add_masters(mortar, master, x, at, place, row)
     type(mortar_type), intent(in) :: mortar
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    type(cuts_type), intent(in) :: cuts
     integer, intent(inout) :: at(:)                !< (n_nodes) 0; left so
     type(place_type), intent(inout) :: place
     type(contact_row_type), intent(inout) :: row
@@ -521,7 +532,7 @@ contains
     associate (slave => mortar%slave)
       do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
         f = slave%star_facet(s)
-        n = n + MAX_FACE_NODES * (cuts%first(f + 1) - cuts%first(f) + 3)
+        n = n + MAX_FACE_NODES * (mortar%cuts%covers(f)%n + 3)
       end do
       n_head = size(row%nodes)
       allocate (nodes(n))
@@ -534,17 +545,19 @@ contains
       do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
         f = slave%star_facet(s)
         own = slave%star_local(s)
-        if (cuts%first(f + 1) == cuts%first(f)) cycle
-        call take_parts(slave%kind(f), own, cuts%beyond(mortar%place_of(slave%first(f):slave%first(f + 1) - 1)), taken, d_taken)
-        if (mortar%is_soft) own_area = own_area + taken(own) * sum(cuts%segments(cuts%first(f):cuts%first(f + 1) - 1)%share(own))
-        do k = cuts%first(f), cuts%first(f + 1) - 1
-          call add_segment(master, cuts%segments(k), taken, at, n, nodes, weights)
-          if (cuts%segments(k)%share(own) <= largest) cycle
-          largest = cuts%segments(k)%share(own)
-          place%facet = cuts%segments(k)%master
-          place%xi = cuts%segments(k)%centre
-        end do
-        call add_beside(mortar, f, own, taken, cuts%segments(cuts%first(f):cuts%first(f + 1) - 1))
+        if (mortar%cuts%covers(f)%n == 0) cycle
+        associate (segments => mortar%cuts%covers(f)%segments(:mortar%cuts%covers(f)%n))
+          call take_parts(slave%kind(f), own, mortar%beyond(mortar%place_of(slave%first(f):slave%first(f + 1) - 1)), taken, d_taken)
+          if (mortar%is_soft) own_area = own_area + taken(own) * sum(segments%share(own))
+          do k = 1, size(segments)
+            call add_segment(master, segments(k), taken, at, n, nodes, weights)
+            if (segments(k)%share(own) <= largest) cycle
+            largest = segments(k)%share(own)
+            place%facet = segments(k)%master
+            place%xi = segments(k)%centre
+          end do
+          call add_beside(mortar, f, own, taken, segments)
+        end associate
       end do
       at(nodes(:n)) = 0
     end associate

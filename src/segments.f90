@@ -48,11 +48,12 @@ module amontons_segments
     integer :: n = 0
     real(DP), allocatable :: weight(:)             !< [length^2]
     real(DP), allocatable :: at(:, :)              !< (2, :) in the plane [length]
+    real(DP), allocatable :: xi(:, :), eta(:, :)   !< (2, :) natural coordinates on the slave and on the master facet [-]
     real(DP), allocatable :: on_slave(:, :)        !< (MAX_FACE_NODES, :) N~_j [-]
     real(DP), allocatable :: on_master(:, :)       !< (MAX_FACE_NODES, :) N_i [-]
   end type points_type
 
-  !> All that a slave facet has in common with its masters.
+  !> All that a slave facet has in common with its masters. Once integrated it has no functions any more, which take the most room.
   type :: cover_type
     type(plane_type) :: plane
     type(points_type) :: points
@@ -270,6 +271,8 @@ contains
       points%at(:, points%n) = at(:, q)
       points%weight(points%n) = weight(q) * norm2(normal) / max(dot_product(normal, plane%normal), 0.1_DP * norm2(normal)) &
         * depth_at(plane, matmul(x(:, nodes(:n_slave)), N(:n_slave)))
+      points%xi(:, points%n) = xi
+      points%eta(:, points%n) = eta
       points%on_master(:, points%n) = M
       segment%distance = segment%distance + weight(q) * dot_product(plane%normal, matmul(x(:, fronts(:n_master)), M(:n_master)) &
         - matmul(x(:, nodes(:n_slave)), N(:n_slave)))
@@ -286,26 +289,33 @@ contains
   pure subroutine reserve(points, n)
     type(points_type), intent(inout) :: points
     integer, intent(in) :: n
-    real(DP), allocatable :: longer(:), wider(:, :)
+    real(DP), allocatable :: longer(:)
     integer :: room, m
     m = points%n
-    if (.not. allocated(points%weight)) then
-      allocate (points%weight(0), points%at(2, 0), points%on_slave(MAX_FACE_NODES, 0), points%on_master(MAX_FACE_NODES, 0))
-    end if
+    if (.not. allocated(points%weight)) allocate (points%weight(0), points%at(2, 0), points%xi(2, 0), points%eta(2, 0), &
+      points%on_slave(MAX_FACE_NODES, 0), points%on_master(MAX_FACE_NODES, 0))
     if (n <= size(points%weight)) return
     room = max(n, 2 * size(points%weight), 128)
     allocate (longer(room))
     longer(:m) = points%weight(:m)
     call move_alloc(longer, points%weight)
-    allocate (wider(2, room))
-    wider(:, :m) = points%at(:, :m)
-    call move_alloc(wider, points%at)
-    allocate (wider(MAX_FACE_NODES, room))
-    wider(:, :m) = points%on_slave(:, :m)
-    call move_alloc(wider, points%on_slave)
-    allocate (wider(MAX_FACE_NODES, room))
-    wider(:, :m) = points%on_master(:, :m)
-    call move_alloc(wider, points%on_master)
+    call widen(points%at)
+    call widen(points%xi)
+    call widen(points%eta)
+    call widen(points%on_slave)
+    call widen(points%on_master)
+
+  contains
+
+    !> More columns.
+    pure subroutine widen(values)
+      real(DP), allocatable, intent(inout) :: values(:, :)
+      real(DP), allocatable :: wider(:, :)
+      allocate (wider(size(values, 1), room))
+      wider(:, :m) = values(:, :m)
+      call move_alloc(wider, values)
+    end subroutine widen
+
   end subroutine reserve
 
 

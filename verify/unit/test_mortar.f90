@@ -228,7 +228,7 @@ contains
     call build_facets(mesh, [2], [2], master, error)
     call build_search(master, mesh%coordinates, search_margin(mortar, 1.0_DP), search)
     mortar%has_touched = has_touched
-    call integrate_mortar(mortar, master, search, mesh%coordinates, 1.0_DP)
+    call integrate_mortar(mortar, master, search, .true., mesh%coordinates, 1.0_DP)
     cut = SQUARE                                   ! in natural coordinates of the face, which runs along y first or along x
     expected = 0.0_DP
     cut(1, 2:3) = cover
