@@ -8,6 +8,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import itertools
 import random
 import re
 from dataclasses import dataclass
@@ -18,27 +19,45 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 #: Cards without numbers that have a unit.
-PLAIN = {"HEADING", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SURFACE INTERACTION", "CONTACT PAIR", "STEP", "STATIC", "END STEP", "CONTROLS", "NODE PRINT", "EL PRINT", "CONTACT PRINT", "NODE FILE", "EL FILE",
-         "CONTACT FILE", "NODE OUTPUT", "ELEMENT OUTPUT", "CONTACT OUTPUT", "OUTPUT", "LINE SEARCH", "AMPLITUDE", "CHANGE FRICTION",
-         "CHANGE SURFACE BEHAVIOR", "MODEL CHANGE", "EQUATION", "INCLUDE", "RIGID BODY", "EXPANSION", "INITIAL CONDITIONS",
-         "TEMPERATURE", "PLASTIC DATA", "RESTART", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING", "PRE-TENSION SECTION", "SECTION PRINT",
-         "TIME POINTS", "MPC", "DISTRIBUTING COUPLING", "KINEMATIC COUPLING", "CHANGE SOLID SECTION", "CHANGE MATERIAL", "PREPRINT", "PART",
-         "END PART", "ASSEMBLY", "END ASSEMBLY", "END INSTANCE", "NO ANALYSIS"}  # fmt: skip
-#: Card to the units of the numbers of a data line; the last one repeats. L length, F force, S stress, K stress per length, M moment, A area,
-#: Q force per length, R density, D damping of a volume, Z one over stress, 1 none.
-UNITS = {"NODE": "1L", "DSLOAD": "11S", "CONTACT INTERFERENCE": "11L", "FRICTION": "1K", "DENSITY": "R", "PLASTIC": "S1", "CHANGE PLASTIC": "S1",
-         "TRACTION": "S", "SOLID SECTION": "L", "MASS": "Q", "GAP": "L1111QF", "CYCLIC SYMMETRY MODEL": "L"}  # fmt: skip
-#: The same by a word of the card; the first that it holds counts.
-BY_WORD = {
+PLAIN = {"HEADING", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SURFACE INTERACTION", "CONTACT PAIR", "STEP", "STATIC", "VISCO", "END STEP", "CONTROLS",
+         "NODE PRINT", "EL PRINT", "CONTACT PRINT", "NODE FILE", "EL FILE", "CONTACT FILE", "NODE OUTPUT", "ELEMENT OUTPUT", "CONTACT OUTPUT", "OUTPUT",
+         "LINE SEARCH", "CHANGE FRICTION", "CHANGE SURFACE BEHAVIOR", "MODEL CHANGE", "EQUATION", "INCLUDE", "RIGID BODY", "EXPANSION", "TEMPERATURE",
+         "PLASTIC DATA", "RESTART", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING", "PRE-TENSION SECTION", "SECTION PRINT", "TIME POINTS", "MPC",
+         "DISTRIBUTING COUPLING", "KINEMATIC COUPLING", "CHANGE SOLID SECTION", "CHANGE MATERIAL", "PREPRINT", "PART", "END PART", "ASSEMBLY", "END ASSEMBLY",
+         "END INSTANCE", "NO ANALYSIS", "CLEARANCE", "NFILL", "ELGEN", "ELCOPY", "DISTRIBUTION", "MONITOR", "PRINT", "ENERGY PRINT", "SOLVER CONTROLS",
+         "CONTACT CONTROLS", "SECTION CONTROLS", "EL OUTPUT", "ENERGY FILE", "ENERGY OUTPUT"}  # fmt: skip
+#: Kinds of rubber to their constants; N their order.
+RUBBER = {"NEOHOOKE": "SZ1", "MOONEY": "SSZ1", "YEOH": "SSSZZZ1", "ARRUDA": "S1Z1",
+          **{f"OGDEN.*,N={n}": n * "S1" + n * "Z" + "1" for n in range(1, 7)}, "OGDEN": "S1Z1",
+          **{f"REDUCEDPOLYNOMIAL.*,N={n}": n * "S" + n * "Z" + "1" for n in range(1, 7)}, "REDUCEDPOLYNOMIAL": "SZ1",
+          **{f",N={n}": n * (n + 3) // 2 * "S" + n * "Z" + "1" for n in range(1, 4)}, "": "SSZ1"}  # fmt: skip
+#: Card to the units of the numbers of its data lines; the last one repeats, and more than eight go on in further lines. Where lines differ, the first
+#: pattern counts that is in "HEAD|LINE" (without blanks, with @ behind it for what `special` names). L length, F force, S stress, K stress per length,
+#: M moment, A area, Q force per length, R density, D damping of a volume, Z one over stress, C a creep rate over stress to the power that follows,
+#: X unit of an absolute amplitude, 1 none.
+UNITS = {
+    "NODE": {"SYSTEM=C": "1L1L", "SYSTEM=S": "1L1", "": "1L"},
+    "NGEN": "1111LLL1", "NCOPY": "LLLLLL1", "INSTANCE": "LLLLLL1",
+    "TRANSFORM": {"TYPE=C": "L", "": "1"}, "ORIENTATION": {"SYSTEM=C": "L", "": "1"}, "CYCLIC SYMMETRY MODEL": "L",
+    "ELASTIC": {"ORTHO": "SSSSSSSSS1", "ANISO": 21 * "S" + "1", "ENGINEERING": "SSS111SSS1", "": "S1"},
+    "HYPERELASTIC": RUBBER, "HYPERFOAM": {**{f",N={n}": n * "S1" + n * "1" + "1" for n in range(1, 7)}, "": "S111"},
+    "DENSITY": "R", "PLASTIC": "S1", "CHANGE PLASTIC": "S1", "CYCLIC HARDENING": "S1", "DEFORMATION PLASTICITY": "S1S1", "CREEP": "C1",
+    "SOLID SECTION": {"@": "A", "": "L"}, "MASS": "Q", "GAP": "L1111QF", "SPRING": {"NONLINEAR": "FL1Q", "": "Q1"},
+    "INITIAL CONDITIONS": {r"STRESS.*\|([^,]*,){7}[^,]": "11S", "STRESS": "1S", r"HARDENING.*\|([^,]*,){8}[^,]": "111S", "HARDENING": "11S",
+                           "TEMPERATURE|PLASTICSTRAIN|DISPLACEMENT": "1"},
+    "FRICTION": "1K", "CONTACT INTERFERENCE": "11L",
     "SURFACE BEHAVIOR": {"EXPONENTIAL": "LS", "TABULAR": "SL", "LINEAR": "KSL", "": "K"},
-    "ELASTIC": {"ORTHO": "S", "ANISO": "S", "ENGINEERING": "SSS111SSS1", "": "S1"},
-    "HYPERELASTIC": {"NEO": "SZ1", "MOONEY": "SSZ1", "YEOH": "SSSZZZ1", "ARRUDA": "S1Z1", "POLYNOMIAL,N=1": "SSZ1"},
-    "TRANSFORM": {"TYPE=C": "L", "": "1"},
-    "ORIENTATION": {"SYSTEM=C": "L", "": "1"},
-}
+    "BOUNDARY": {r"\|[^,]*,[456]\b|@": "1", "": "111L"}, "CLOAD": {r"\|[^,]*,[456],|@": "11M", "": "11F"},
+    "DLOAD": {",GRAV,": "11L1", ",CENTRIF,": "111LLL1", ",B[XYZ],": "11K", "": "11S1"}, "DSLOAD": "11S1",
+    "AMPLITUDE": {"PERIODIC": "111X1111X", "MODULATED": "XX1", "DECAY": "XX1", "EQUALLYSPACED": "X", "": "1X1X1X1X"},
+}  # fmt: skip
+#: Defaults that are numbers without a unit: thickness and area, stiffness and force of a gap.
+DEFAULTS = {"SOLID SECTION": "1.", "GAP": "0., , , , , 1e12, 1e-3"}
 #: Parameters that have a unit.
 PARAMETERS = {"CLEARANCE": {"VALUE": "L"}, "CONTACT PAIR": {"ADJUST": "L", "CLEARANCE": "L"}, "TIE": {"POSITION TOLERANCE": "L"}, "FRICTION": {"TAUMAX": "S"},
-              "STATIC": {"FACTOR": "D"}}  # fmt: skip
+              "STATIC": {"FACTOR": "D"}, "VISCO": {"FACTOR": "D"}, "SURFACE": {"FILLET RADIUS": "L"}, "AMPLITUDE": {"SHIFTY": "X"}}  # fmt: skip
+#: What a routine of the user or another job says has units that nobody knows here.
+REFUSED = {"SURFACE INTERACTION": ",USER", "FRICTION": ",USER", "AMPLITUDE": "DEFINITION=USER", "BOUNDARY": ",USER", "RESTART": ",READ", "NODE": ",INPUT="}
 #: Cards that belong to the card before them.
 FOLLOWERS = {"ELASTIC", "HYPERELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING"}
 #: Cards whose data lines begin with a node, all of whose numbers are nodes, or which hold them behind a label.
@@ -80,9 +99,10 @@ def keyword(card: list[str]) -> str:
 
 def scaled(deck: str, units: Units, tight: float = 1e-10) -> str:
     """The deck in other units, with controls so tight that what is left is below what is compared."""
-    special = angles(deck) | trusses(deck)
+    special = angles(deck) | sets_of("T3D|SPRINGA", deck)
+    absolute = amplitudes(deck)
     dialect = [line for line in deck.splitlines() if re.match(r"\*\*\s*dialect", line, flags=re.I)]
-    return "\n".join([*dialect, *(line for card in cards(deck) for line in scaled_card(card, units, tight, special))]) + "\n"
+    return "\n".join([*dialect, *(line for card in cards(deck) for line in scaled_card(card, units, tight, special, absolute))]) + "\n"
 
 
 def angles(deck: str) -> set[str]:
@@ -95,54 +115,76 @@ def angles(deck: str) -> set[str]:
     return found
 
 
-def trusses(deck: str) -> set[str]:
-    """The element sets of trusses, whose section is an area."""
-    heads = [card[0] for card in cards(deck) if keyword(card) == "ELEMENT"]
-    return {match[1].strip().upper() for head in heads if "T3D" in head.upper() and (match := re.search(r"ELSET\s*=\s*([^,]+)", head, flags=re.I))}
+def sets_of(kinds: str, deck: str) -> set[str]:
+    """The element sets of trusses, whose section is an area, or of springs along a line, whose data have no directions."""
+    heads = [card[0].upper() for card in cards(deck) if keyword(card) == "ELEMENT"]
+    return {value_of("ELSET", head) for head in heads if re.search(kinds, value_of("TYPE", head))}
 
 
-def scaled_card(card: list[str], units: Units, tight: float, special: set[str]) -> list[str]:
-    """One card. tight: what Newton's method may leave of forces and of corrections. special: nodes that bear angles, sets of trusses."""
+def amplitudes(deck: str) -> dict[str, str]:
+    """The unit of each absolute amplitude: that of the loads that name it. CalculiX passes ABSOLUTE over."""
+    loads = {value_of("AMPLITUDE", card[0]): card for card in cards(deck) if keyword(card) in {"BOUNDARY", "CLOAD", "DLOAD", "DSLOAD"}}
+    is_known = not re.search(r"^\*\*\s*dialect\s*[:=]\s*calculix", deck, flags=re.I | re.M)
+    names = [value_of("NAME", card[0]) for card in cards(deck) if keyword(card) == "AMPLITUDE" and "ABSOLUTE" in card[0].upper() and is_known]
+    return {name: letters_of(loads[name], loads[name][1], set())[3 if keyword(loads[name]) == "BOUNDARY" else 2] for name in names if name in loads}
+
+
+def value_of(word: str, head: str) -> str:
+    """Of a parameter, in upper case."""
+    found = re.search(rf",\s*{word}\s*=\s*([^,]+)", head, flags=re.I)
+    return found[1].strip().upper() if found else ""
+
+
+def scaled_card(card: list[str], units: Units, tight: float, special: set[str], absolute: dict[str, str]) -> list[str]:
+    """One card. tight: what Newton's method may leave of forces and of corrections. special: nodes that bear angles, sets of trusses and of springs along a
+    line. absolute: units of amplitudes."""
     name = keyword(card)
     head = card[0]
+    if re.search(REFUSED.get(name, "^$"), bare(head)):
+        refuse(name)
+    unit = absolute.get(value_of("NAME", head), "1")
     for word, letter in PARAMETERS.get(name, {}).items():
-        head = re.sub(rf"({word}\s*=\s*)([^,]+)", lambda m, letter=letter: m.group(1) + times(m.group(2).strip(), units.of(letter)), head, flags=re.I)
-    card = [head, *card[1:]]
-    if name == "STATIC":
-        return [*card, "*CONTROLS, PARAMETERS=FIELD", f"{tight:g}, {tight:g}, , , {tight:g}"]
-    if name == "CONTROLS" and "FIELD" in card[0].upper():
+        factor = units.of(letter.replace("X", unit))
+        head = re.sub(rf"({word}\s*=\s*)([^,]+)", lambda m, factor=factor: m.group(1) + times(m.group(2).strip(), factor), head, flags=re.I)
+    if name in {"STATIC", "VISCO"}:
+        return [head, *card[1:], "*CONTROLS, PARAMETERS=FIELD", f"{tight:g}, {tight:g}, , , {tight:g}"]
+    if name == "CONTROLS" and "FIELD" in head.upper():
         return []
-    if name == "CLEARANCE":
-        return card
-    if name == "AMPLITUDE" and "ABSOLUTE" in card[0].upper():
-        return [refuse(name)]
     if name == "SURFACE" and is_analytic(card):
-        head = re.sub(r"(FILLET RADIUS=)([^,]+)", lambda m: m.group(1) + times(m.group(2), units.of("L")), card[0])
         return [head, *(row(line, "L", units) for line in card[1:])]
-    if name == "SPRING":
-        return [card[0], card[1], *(row(line, "FL1" if "NONLINEAR" in card[0].upper() else "Q1", units) for line in card[2:])]
-    if name in BY_WORD:
-        letters = next((letters for word, letters in BY_WORD[name].items() if word in card[0].upper().replace(" ", "")), None)
-        return [card[0], *(row(line, letters, units) for line in card[1:])] if letters else [refuse(name)]
-    if name == "CLOAD":
-        return [card[0], *(row(line, "11M" if is_rotation(line, special) else "11F", units) for line in card[1:])]
-    if name == "SOLID SECTION" and set(re.findall(r"ELSET\s*=\s*([^,]+)", card[0].upper())) & special:
-        return [card[0], *(row(line, "A", units) for line in card[1:])]
-    if name == "INSTANCE":
-        return [card[0], *(row(line, "LLLLLL1", units) for line in card[1:])]
-    if name == "BOUNDARY":
-        return [card[0], *(row(line, "1111" if is_rotation(line, special) else "111L", units) for line in card[1:])]
-    if name == "DLOAD":
-        return [card[0], *(row(line, "11L111" if "GRAV" in line.upper() else "111LLL1" if "CENTRIF" in line.upper() else "11K" if re.search(r", *B[XYZ] *,", line.upper()) else "11S", units) for line in card[1:])]
-    if name in UNITS:
-        return [card[0], *(row(line, UNITS[name], units) for line in card[1:])]
-    return card if name in PLAIN else [refuse(name)]
+    if name in PLAIN:
+        return [head, *card[1:]]
+    if name not in UNITS:
+        refuse(name)
+    if name in DEFAULTS:
+        card = [head, *(filled(line, DEFAULTS[name]) for line in card[1:] or [""])]
+    n_kept = 2 if name == "SPRING" and value_of("ELSET", head) not in special else 1   # directions are numbers too
+    lines = [row(line, letters_of(card, line, special, i).replace("X", unit), units) for i, line in enumerate(card[n_kept:])]
+    return [head, *card[1:n_kept], *lines]
 
 
-def is_rotation(line: str, turning: set[str]) -> bool:
-    """Whether a line of *BOUNDARY or *CLOAD is about the degrees of freedom 4 to 6, or about a node that bears an angle."""
-    fields = [field.strip() for field in line.split(",")]
-    return len(fields) > 1 and (fields[1] in {"4", "5", "6"} or fields[0] in turning)
+def filled(line: str, default: str) -> str:
+    """A data line whose blank fields are what they stand for."""
+    pairs = itertools.zip_longest(line.split(","), default.split(","), fillvalue="")
+    return ", ".join(given.strip() or standard.strip() for given, standard in pairs)
+
+
+def letters_of(card: list[str], line: str, special: set[str], i: int = 0) -> str:
+    """The units of data line i of a card."""
+    rules = UNITS[keyword(card)]
+    first = line.split(",")[0].strip()
+    is_special = first.isdigit() and first in special or value_of("ELSET", card[0]) in special
+    text = bare(f"{card[0]}|{line}") + ("@" if is_special else "")
+    letters = rules if isinstance(rules, str) else next((rules[word] for word in rules if re.search(word, text)), "")
+    if not letters:
+        refuse(keyword(card))
+    n = -(-len(letters) // 8)
+    return letters[8 * (i % n) :]
+
+
+def bare(text: str) -> str:
+    """In upper case, without blanks."""
+    return re.sub(r"\s+", "", text.upper())
 
 
 def is_analytic(card: list[str]) -> bool:
@@ -150,23 +192,24 @@ def is_analytic(card: list[str]) -> bool:
     return bool(re.search(r"TYPE\s*=\s*(SEGMENTS|CYLINDER|REVOLUTION)", card[0].upper()))
 
 
-def refuse(name: str) -> str:
+def refuse(name: str) -> None:
     """What cannot be scaled."""
     raise ValueError(f"the units of *{name} are not known to scaling.py")
 
 
 def times(text: str, factor: float) -> str:
     """A number times a factor; a word as it is."""
-    try:
-        return f"{float(text) * factor:.17g}" if factor != 1.0 else text
-    except ValueError:
+    if factor == 1.0 or not re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)([ED][+-]?\d+)?", text, flags=re.I):
         return text
+    return f"{float(text.upper().replace('D', 'E')) * factor:.17g}"
 
 
 def row(line: str, letters: str, units: Units) -> str:
     """One data line."""
-    fields = line.split(",")
-    return ", ".join(times(text.strip(), units.of(letters[min(i, len(letters) - 1)])) for i, text in enumerate(fields))
+    fields = [text.strip() for text in line.split(",")]
+    if letters[0] == "C":
+        return ", ".join([times(fields[0], units.of("S") ** -float(fields[1])), *fields[1:]])
+    return ", ".join(times(text, units.of(letters[min(i, len(letters) - 1)])) for i, text in enumerate(fields))
 
 
 def shuffled(deck: str, seed: int) -> str:

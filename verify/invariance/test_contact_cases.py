@@ -14,17 +14,13 @@ import importlib
 import re
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import partial
 from inspect import signature
 from pathlib import Path
 from types import ModuleType
 
-import h5py
-import numpy as np
 import pytest
 from conftest import ROOT, Run
-from independent.results import Floats
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "decks"), str(HERE.parent / "verification"), str(HERE.parent / "library"), str(HERE)]
@@ -32,11 +28,8 @@ sys.path[:0] = [str(HERE.parent / "decks"), str(HERE.parent / "verification"), s
 import common  # noqa: E402  (finds the library and its Python package)
 import amontons  # noqa: E402
 from proof import Job  # noqa: E402
-from scaling import Units, angles, cards, keyword, renumbered, rotation, scaled, shuffled, turned  # noqa: E402
-from test_invariance import stress_back  # noqa: E402
-
-SYSTEMS = {"SI": Units(1e-3, 1.0), "m-kN": Units(1e-3, 1e-3), "inch-pound": Units(1 / 25.4, 0.22480894387096)}
-FIELDS = {"U": "L", "S": "S", "CPRESS": "S", "CNORMF": "F", "CSHEARF": "F"}
+from comparison import SYSTEMS, InUnits, View, same  # noqa: E402
+from scaling import Units, renumbered, rotation, scaled, shuffled, turned  # noqa: E402
 
 
 class TakenError(Exception):
@@ -164,8 +157,10 @@ CASES: dict[str, Callable[[], str]] = {
     "Mindlin in space": lambda: deck_of_case("test_partial_slip", "test_cattaneo_mindlin"),
     **{f"defaults, {name}": partial(default_deck, name) for name in ("pin_in_bush", "cold_fit", "gaskets", "in_a_corner", "wedge")},
 }
-#: Without contact, and the larger decks of input/: in other units only.
+#: Without contact, the examples of the manual, and the larger decks of input/: in other units only.
+EXAMPLES = ("assembly", "bar", "bolt", "bonds", "changes", "grid", "inelastic", "layers", "parts", "rubber", "sector", "springs")
 OTHERS: dict[str, Callable[[], str]] = {
+    **{f"example {name}": partial(deck_of_file, f"doc/manual/examples/{name}.inp") for name in EXAMPLES},
     "shear block": lambda: deck_of_file("input/shear_block.inp"),
     "Hertz octant": lambda: deck_of_file("input/hertz_octant.inp"),
     "ironing": lambda: deck_of_file("input/ironing.inp"),
@@ -207,95 +202,18 @@ def solve(run: Run, folder: Path, deck: str, threads: int = 1) -> Job:
     return Job(folder / "job.vtkhdf", "job")
 
 
-@dataclass
-class View:
-    """How to look at a job to see the plain one."""
-
-    units: Units = field(default_factory=Units)
-    turn: Floats = field(default_factory=lambda: np.eye(3))
-    label: dict[int, int] | None = None  #: the job's label of each node of the plain one
-
-    def of(self, job: Job, plain: Job, name: str) -> Floats:
-        """A field in the plain job's axes and units, node by node as `plain_field` has it."""
-        values = job.field(name) / self.units.of(FIELDS[name])
-        if name == "U":
-            turning = [int(label) for label in angles(deck_text(job))]
-            values[:, places(job, turning)] *= self.units.length   # angles have no unit
-        values = values[:, places(job, [(self.label or {}).get(label, label) for label in deck_labels(plain)])]
-        if name == "S":
-            return stress_back(values, self.turn)
-        return values @ self.turn if values.shape[-1] == 3 else values
-
-
-def plain_field(plain: Job, name: str) -> Floats:
-    """At the nodes of the deck in their order, then at those that bear the turning of a rigid body."""
-    return plain.field(name)[:, places(plain, deck_labels(plain))]
-
-
-def places(job: Job, wanted: list[int]) -> list[int]:
-    """Where the result file has nodes, and behind them the rotations of rigid bodies."""
-    place = {int(label): i for i, label in enumerate(labels(job))}
-    return [place[label] for label in wanted] + rotations(job)
-
-
-def rotations(job: Job) -> list[int]:
-    """Where the result file has the nodes that it adds to rigid bodies for their turning: the first ones behind those of the deck."""
-    n = sum(card[0].upper().startswith("*RIGID BODY") for card in cards(deck_text(job)))
-    behind = max(deck_labels(job))
-    place = {int(label): i for i, label in enumerate(labels(job))}
-    return [place[behind + 1 + i] for i in range(n)]
-
-
-def deck_text(job: Job) -> str:
-    """What was run."""
-    return job.path.with_suffix(".inp").read_text()
-
-
-def deck_labels(job: Job) -> list[int]:
-    """Of the nodes that the deck has; the program adds others, to turn rigid bodies and to draw analytic surfaces."""
-    return [int(line.split(",")[0]) for card in cards(deck_text(job)) if keyword(card) == "NODE" for line in card[1:] if line.strip()]
-
-
-def labels(job: Job) -> Floats:
-    """Of the nodes of the result file."""
-    with h5py.File(job.path) as file:
-        return file["AMONTONS/mesh/node_label"][:]
-
-
-def has(job: Job, name: str) -> bool:
-    """Whether there is such a field: a job without contact has no pressure."""
-    with h5py.File(job.path) as file:
-        return name in file["VTKHDF/PointData"]
-
-
-def same(job: Job, wanted: Job, tolerance: float, view: View | None = None) -> None:
-    """Fields of all frames, and iterations per step within one."""
-    view = view or View()
-    assert job.times.shape == wanted.times.shape and np.allclose(job.times, wanted.times, rtol=1e-12), "other increments"
-    names = [name for name in FIELDS if has(wanted, name)]
-    for name in names:
-        expected = plain_field(wanted, name)
-        like = ["CNORMF", "CSHEARF"] if name in ("CNORMF", "CSHEARF") else [name]
-        largest = max(np.abs(plain_field(wanted, other)).max() for other in like)
-        worst = np.abs(view.of(job, wanted, name) - expected).max()
-        assert worst <= tolerance * largest, f"{name} differs by {worst / largest:.1e} of its largest value, allowed {tolerance:.0e}"
-    for number in np.unique(wanted.history["step"]):
-        counts = [int(j.history["n_iterations"][j.history["step"] == number].sum()) for j in (job, wanted)]
-        assert abs(counts[0] - counts[1]) <= 1, f"iterations of step {number}: {counts[0]}, of the plain case {counts[1]}"
-
-
 SHORT = {"three cubes", "example contact", "example interference", "patch, 3 on 4", "patch by mortar", "slope in the plane",
          "pull-out of rings", "stack", "corner of three walls", "defaults, in_a_corner"}  # fmt: skip
 ALL = [pytest.param(case, marks=[] if case in SHORT else [pytest.mark.slow]) for case in CASES]
-IN_UNITS = [*ALL, *(pytest.param(case, marks=pytest.mark.slow) for case in OTHERS)]
+WITH_OTHERS = [*ALL, *(pytest.param(case, marks=[] if case.startswith("example") else [pytest.mark.slow]) for case in OTHERS)]
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
-@pytest.mark.parametrize("case", IN_UNITS)
+@pytest.mark.parametrize("case", WITH_OTHERS)
 def test_units(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str, system: str) -> None:
     """N and mm as N and m, kN and m, pound and inch: 1e-8."""
     units = SYSTEMS[system]
-    same(solve(run, tmp_path, said(case, units)), plain(case), 1e-8, View(units))
+    same(solve(run, tmp_path, said(case, units)), plain(case), 1e-8, InUnits(units))
 
 
 @pytest.mark.parametrize("case", ALL)

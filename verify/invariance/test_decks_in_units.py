@@ -1,4 +1,4 @@
-"""CalculiX's decks of contact, of a folder beside the repository, in other units: fields to 1e-8, iterations of each step within one.
+"""CalculiX's decks, of folders beside the repository, in other units: fields to 1e-8, iterations of each step within one.
 
 The decks are read in place, as the dialect of CalculiX. Two defaults there are numbers without a unit, K = 50 E of HARD and the stick slope E/2: they
 are written out before a deck is scaled, which alone must change no bit of a result.
@@ -16,22 +16,22 @@ import numpy as np
 import pytest
 from conftest import ROOT, Run
 from proof import Job
+from comparison import IN_UNITS, SYSTEMS, InUnits, has, same
 from scaling import Units, cards, keyword, scaled
-from test_contact_cases import FIELDS, SYSTEMS, View, has, plain_field, same
 
-DECKS = Path(os.environ.get("AMONTONS_DECKS", ROOT.parent / "shared" / "decks")) / "contact"
-FILES = sorted(DECKS.glob("*.inp"))
+DECKS = Path(os.environ.get("AMONTONS_DECKS", ROOT.parent / "shared" / "decks"))
+FILES = sorted([*DECKS.glob("contact/*.inp"), *DECKS.glob("static/*.inp")])
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(not FILES, reason=f"no decks in {DECKS}; AMONTONS_DECKS says where they are")]
 #: What Newton's method may leave: springs of K = 1e7 on bodies that are soft beside them make 6e-10 of the largest force by rounding.
 TIGHT = 1e-9
 #: A body that moves by 4e-9 of its size: its coordinates have seven digits of that, and springs of 50 E make pressures of the rest.
-TOLERANCE = {"contactdeleteelement": 1e-4}
+TOLERANCES = {"contactdeleteelement": 1e-4}
 
 
 def spelled(deck: str) -> str:
     """The deck with HARD and the missing stick slopes as the numbers that they stand for."""
     parts = cards(deck)
-    young = next(float(card[1].split(",")[0]) for card in parts if keyword(card) == "ELASTIC")
+    young = next((float(card[1].split(",")[0]) for card in parts if keyword(card) == "ELASTIC"), 0.0)
     for card in parts:
         if keyword(card) == "SURFACE BEHAVIOR" and "HARD" in card[0].upper():
             card[:] = [re.sub("HARD", "LINEAR", card[0], flags=re.I), f"{50 * young:.17g}"]
@@ -44,12 +44,14 @@ def solve(run: Run, folder: Path, deck: str) -> Job:
     """A job that has to finish."""
     folder.mkdir()
     (folder / "job.inp").write_text(deck)
-    done = run(["--quiet", "--dialect=calculix", "job"], cwd=folder)
+    done = run(["--quiet", "--no-checkpoint", "--dialect=calculix", "job"], cwd=folder)
+    if "USER goes with TYPE=SOLUTION alone" in done.stderr + done.stdout:
+        pytest.skip("stresses by a routine compiled into CalculiX")
     assert done.returncode == 0, done.stdout + done.stderr
     return Job(folder / "job.vtkhdf", "job")
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+@pytest.mark.parametrize("file", FILES, ids=lambda file: f"{file.parent.name}-{file.stem}")
 def test_deck(run: Run, tmp_path: Path, file: Path) -> None:
     """N and mm as N and m, kN and m, pound and inch."""
     deck = file.read_text()
@@ -57,7 +59,7 @@ def test_deck(run: Run, tmp_path: Path, file: Path) -> None:
     plain = solve(run, tmp_path / "plain", scaled(text, Units(), TIGHT))
     if text != "\n".join(line for card in cards(deck) for line in card) + "\n":
         whole = solve(run, tmp_path / "as it is", scaled(deck, Units(), TIGHT))
-        for name in (name for name in FIELDS if has(plain, name)):
-            assert np.array_equal(plain_field(plain, name), plain_field(whole, name)), name
+        for name in (name for name in IN_UNITS if has(plain, name)):
+            assert np.array_equal(plain.field(name), whole.field(name)), name
     for system, units in SYSTEMS.items():
-        same(solve(run, tmp_path / system, scaled(text, units, TIGHT)), plain, TOLERANCE.get(file.stem, 1e-8), View(units))
+        same(solve(run, tmp_path / system, scaled(text, units, TIGHT)), plain, TOLERANCES.get(file.stem, 1e-8), InUnits(units))

@@ -1,0 +1,87 @@
+"""Every deck of every case of the verification in three systems of units: fields to 1e-8, iterations of each step within one.
+
+The cases run as they are, but for their jobs: each deck is run with tight controls in its own units and in the other ones.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from inspect import signature
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from conftest import Run
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent / "verification"), str(HERE)]
+
+from comparison import SYSTEMS, InUnits, same  # noqa: E402
+from proof import Case, Job  # noqa: E402
+from scaling import Units, scaled  # noqa: E402
+
+#: What Newton's method may leave, where 1e-10 of the largest force is too much: of nearly incompressible sheets it moves the tip by 1e-8.
+TIGHT = {"cook-incompressible": 1e-12}
+
+
+class Compared(Case):
+    """A case whose jobs are compared, and whose own checks are not judged again."""
+
+    def run(self, deck: str, name: str = "job", asked: int = 0, threads: int = 1) -> Job:
+        """A deck in all systems of units; the job in its own."""
+        del asked, threads
+        tight = TIGHT.get(self.name, 1e-10)
+        plain = self.solve(scaled(deck, Units(), tight), self.work / name)
+        for system, units in SYSTEMS.items():
+            job = self.solve(scaled(deck, units, tight), self.work / f"{name} {system}")
+            same(job, plain, 1e-8, InUnits(units))
+        return plain
+
+    def solve(self, deck: str, folder: Path) -> Job:
+        """A job that has to finish."""
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "job.inp").write_text(deck)
+        done = self.runner(["--quiet", "--no-checkpoint", "job"], cwd=folder)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return Job(folder / "job.vtkhdf", folder.name)
+
+    def done(self) -> None:
+        """Nothing: verify/verification judges the case."""
+
+
+def cases() -> Iterator[object]:
+    """All tests of verify/verification that make a page, with each of their sets of values."""
+    for file in sorted((HERE.parent / "verification").glob("test_*.py")):
+        for name, function in vars(importlib.import_module(file.stem)).items():
+            if name.startswith("test_") and callable(function) and "proof" in signature(function).parameters:
+                for values in sets_of_values(function):
+                    words = "-".join(getattr(value, "__name__", str(value)) for value in values.values())
+                    yield pytest.param(function, values, id=f"{file.stem}-{name}[{words}]")
+
+
+def sets_of_values(function: Callable[..., None]) -> Iterator[dict[str, object]]:
+    """What pytest.mark.parametrize would call it with."""
+    tables: list[list[dict[str, object]]] = []
+    for mark in (mark for mark in getattr(function, "pytestmark", []) if mark.name == "parametrize"):
+        names: Sequence[str] = mark.args[0].replace(" ", "").split(",") if isinstance(mark.args[0], str) else mark.args[0]
+        rows = (row.values if hasattr(row, "marks") else row if len(names) > 1 else (row,) for row in mark.args[1])
+        tables.append([dict(zip(names, row, strict=True)) for row in rows])
+    for chosen in itertools.product(*tables):
+        yield {name: value for row in chosen for name, value in row.items()}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("case", "values"), list(cases()))
+def test_case(run: Run, tmp_path: Path, case: Callable[..., None], values: dict[str, object]) -> None:
+    """N and mm as N and m, kN and m, pound and inch."""
+
+    def proof(name: str, **words: str) -> Case:
+        return Compared(name, runner=run, work=tmp_path, pages=None, **words)
+
+    fixtures = {"proof": proof, "run": run, "tmp_path": tmp_path, "request": SimpleNamespace()}
+    case(**values, **{name: fixture for name, fixture in fixtures.items() if name in signature(case).parameters})
