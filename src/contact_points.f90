@@ -18,7 +18,9 @@ module amontons_contact_points
   use amontons_contact, only: contact_type, fit_contact, SEARCH_REACH
   implicit none
   private
-  public :: renew_points
+  public :: renew_points, nearest_of
+
+  real(DP), parameter :: EQUAL = 1.0e-9_DP         !< two distances in natural coordinates are one within this [-]
 
 contains
 
@@ -117,19 +119,32 @@ contains
     integer, intent(in) :: first(:)                !< (facets + 1) where those of a facet begin
     type(facing_type), intent(in) :: point
     type(slave_type), intent(out) :: slave
+    real(DP) :: places(2, first(point%slave + 1) - first(point%slave))
+    integer :: i, ahead
+    ahead = first(point%slave) - 1
+    do i = 1, size(places, 2)
+      places(:, i) = before(ahead + i)%at
+    end do
+    slave%is_started = size(before) > 0
+    if (size(places, 2) > 0) slave = before(ahead + nearest_of(places, point%at))
+  end subroutine remember
+
+
+  !> The place nearest to a point; of equally near ones, as symmetry makes them and rounding parts them, the first. 0: there is none.
+  pure integer function nearest_of(places, at) result(nearest)
+    real(DP), intent(in) :: places(:, :)           !< (2, n) natural coordinates [-]
+    real(DP), intent(in) :: at(2)                  !< [-]
     real(DP) :: distance, least
-    integer :: i, nearest
+    integer :: i
     nearest = 0
     least = huge(1.0_DP)
-    do i = first(point%slave), first(point%slave + 1) - 1
-      distance = norm2(before(i)%at - point%at)
-      if (distance >= least) cycle
+    do i = 1, size(places, 2)
+      distance = norm2(places(:, i) - at)
+      if (distance >= least - EQUAL) cycle
       least = distance
       nearest = i
     end do
-    slave%is_started = size(before) > 0
-    if (nearest > 0) slave = before(nearest)
-  end subroutine remember
+  end function nearest_of
 
 
   !> The row of a point: each node once, also where slave and master share it or a facet is collapsed.

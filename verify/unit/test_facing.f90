@@ -10,6 +10,7 @@ program test_facing
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_search, only: search_type, build_search
   use amontons_facing, only: facing_type, find_facing, face_normal
+  use amontons_contact_points, only: nearest_of
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -23,6 +24,7 @@ program test_facing
   call check_normal(FACET_QUAD4)
   call check_normal(FACET_QUAD8)
   call check_normal(FACET_TRI6)
+  call check_nearest()
   call suite%finish()
 
 contains
@@ -233,6 +235,22 @@ contains
     n = face_normal(master, mesh%coordinates, 1, [0.3_DP, 0.2_DP])
     call suite%near('normal of a face', norm2(n - [sin(0.3_DP), 0.0_DP, cos(0.3_DP)]), 0.0_DP, 1.0e-14_DP)
   end subroutine check_normal
+
+
+  !> Of two points that are equally near, on the two sides of a diagonal, the first, whatever the last digits say.
+  subroutine check_nearest()
+    real(DP), parameter :: AT(2) = [0.3_DP, 0.3_DP], FAR(2) = [0.9_DP, 0.8_DP]
+    real(DP) :: pair(2, 2)
+    integer :: i
+    pair = reshape([0.1_DP, 0.4_DP, 0.4_DP, 0.1_DP], [2, 2])
+    do i = -2, 2
+      pair(1, 2) = 0.4_DP + real(i, DP) * 1.0e-15_DP
+      call suite%that('the first of equally near points', nearest_of(reshape([FAR, pair], [2, 3]), AT) == 2)
+    end do
+    pair(1, 2) = 0.4_DP - 1.0e-6_DP
+    call suite%that('the nearer of two points', nearest_of(reshape([FAR, pair], [2, 3]), AT) == 3)
+    call suite%that('no point', nearest_of(pair(:, :0), AT) == 0)
+  end subroutine check_nearest
 
 
   include 'sample_surfaces.inc'
