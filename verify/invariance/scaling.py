@@ -41,7 +41,7 @@ UNITS = {
     "TRANSFORM": {"TYPE=C": "L", "": "1"}, "ORIENTATION": {"SYSTEM=C": "L", "": "1"}, "CYCLIC SYMMETRY MODEL": "L",
     "ELASTIC": {"ORTHO": "SSSSSSSSS1", "ANISO": 21 * "S" + "1", "ENGINEERING": "SSS111SSS1", "": "S1"},
     "HYPERELASTIC": RUBBER, "HYPERFOAM": {**{f",N={n}": n * "S1" + n * "1" + "1" for n in range(1, 7)}, "": "S111"},
-    "DENSITY": "R", "PLASTIC": "S1", "CHANGE PLASTIC": "S1", "CYCLIC HARDENING": "S1", "DEFORMATION PLASTICITY": "S1S1", "CREEP": "C1",
+    "DENSITY": "R1", "PLASTIC": "S1", "CHANGE PLASTIC": "S1", "CYCLIC HARDENING": "S1", "DEFORMATION PLASTICITY": "S1S1", "CREEP": "C1",
     "SOLID SECTION": {"@": "A", "": "L"}, "MASS": "Q", "GAP": "L1111QF", "SPRING": {"NONLINEAR": "FL1Q", "": "Q1"},
     "INITIAL CONDITIONS": {r"STRESS.*\|([^,]*,){7}[^,]": "11S", "STRESS": "1S", r"HARDENING.*\|([^,]*,){8}[^,]": "111S", "HARDENING": "11S",
                            "TEMPERATURE|PLASTICSTRAIN|DISPLACEMENT": "1"},
