@@ -192,6 +192,7 @@ contains
     self%matrix%value = 0
     self%matrix%value(self%target) = self%bulk%value
     shift = merge(abs(self%bulk%value(self%bulk%first(:n))), 0.0_DP, self%contact_of > 0)
+    where (self%contact_of > 0 .and. shift <= 0.0_DP) shift = maxval(shift)   ! a rigid body that contact alone holds
     deallocate (self%bulk%value)                   ! the values are not wanted again, and the factor needs the room
     call factorise(self%factor, self%matrix, status, shift, error)
     deallocate (self%matrix%value)

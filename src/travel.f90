@@ -4,7 +4,7 @@ module amontons_travel
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
   use amontons_state, only: slave_type, STATUS_OPEN
-  use amontons_rows, only: contact_row_type, relative_position
+  use amontons_rows, only: contact_row_type, facet_row, relative_position
   use amontons_analytic, only: bending_at
   use amontons_contact, only: contact_type, touching_row
   use amontons_tensor, only: cross_product
@@ -64,7 +64,7 @@ contains
 
 
   !> The first slave that has passed through its master within the increment; 0 if there is none. Two signs are looked for:
-  !! a node that stood before its master and is now out of sight behind the place where it stood, deeper than the search looks
+  !! a node that stood before its master and is now out of sight behind the point where it stood, deeper than the search looks
   !! (over the edge of the master too: the path between is not known); and a node that the search does not see, or sees
   !! before another side of the master, or that came from out of sight, whose straight way goes through a facet from the front.
   pure integer function passed_through(contact, x_old, x_new, old, new) result(found)
@@ -79,7 +79,7 @@ contains
       if (contact%is_removed(new(s)%pair)) cycle
       if (.not. contact%overlaps%is_kept(s)) cycle   ! the other side of a symmetric pair watches
       if (old(s)%facet > 0 .and. new(s)%facet == 0) then
-        call touching_row(contact, old(s), row)
+        call facet_row(contact%facets(old(s)%pair), old(s)%facet, old(s)%xi, old(s)%node, row)
         if (dot_product(old(s)%normal, relative_position(row, x_new)) < -OUT_OF_SIGHT * contact%edge(old(s)%pair)) return
       end if
       if (contact%is_small(new(s)%pair) .or. .not. is_suspect(old(s), new(s))) cycle

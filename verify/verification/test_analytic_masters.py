@@ -427,6 +427,36 @@ def test_turning_roller(proof: Proof) -> None:
     case.done()
 
 
+def test_clamped_by_a_force(proof: Proof) -> None:
+    """A sheet between a die, a punch and a holder that only the contact holds: the force goes through."""
+    force, mu = 50.0, 0.1
+    case = proof(
+        "analytic-clamped",
+        title="A sheet clamped by a holder under a force",
+        model="A sheet 60 x 1 (E = 70000, nu = 0.3, 90 x 3 CPE4, symmetric at x = 0) lies on an analytic die (x >= 26.5, corner rounded by 5) and touches a fixed punch above (x <= 25, rounded by 5). "
+        f"An analytic holder (x >= 26.5) is pressed on it by a force of {force:g} in 5 increments, NLGEOM, mu = {mu:g}.",
+        formula="The die bears what holder and punch press; under the holder the sheet gets thinner by p t (1 - nu^2)/E, p = F/33.5, where its ends are far.",
+        source="Equilibrium; Hooke's law in plane strain",
+        proves="A rigid tool without any stiffness of its own is part of the interface, so contact settles ahead: without that the nodes between punch and die chatter and no increment converges.",
+    )
+    sheet_between = flatten(sheet("SHEET", between(0, 60, 90), between(0, 1, 3)))
+    die = rigid("SEGMENTS", "START, 26.5, -60.\nLINE, 26.5, 0.\nLINE, 100., 0.\n", "26., 0.", "DIE", ", FILLET RADIUS=5.")
+    punch = rigid("SEGMENTS", "START, 25., 61.\nLINE, 25., 1.\nLINE, -1., 1.\n", "0., 1.", "PUNCH", ", FILLET RADIUS=5.")
+    holder = rigid("SEGMENTS", "START, 100., 1.\nLINE, 26.5, 1.\nLINE, 26.5, 40.\n", "30., 1.", "HOLDER", ", FILLET RADIUS=0.5")
+    tools = "".join(text.replace(str(REFERENCE), str(REFERENCE + k)) for k, text in enumerate((die, punch, holder)))
+    pairs = pair("SHEET_BOTTOM", "DIE", mu) + pair("SHEET_TOP", "PUNCH", mu) + pair("SHEET_TOP", "HOLDER", mu)
+    held = fix("SHEET_LEFT, 1", *(f"{REFERENCE + k}, 1, 6" for k in (0, 1)), f"{REFERENCE + 2}, 1", f"{REFERENCE + 2}, 6")
+    job = case.run(flat_deck([(sheet_between, (70000.0, NU))], "CPE4", tools + pairs + step(f"{held}*CLOAD\n{REFERENCE + 2}, 2, {-force:g}\n", 5, True)), asked=5)
+    pressed = job.last("CNORMF")[sheet_between.node_sets["SHEET_BOTTOM"]][:, 1].sum()
+    above = job.last("CNORMF")[sheet_between.node_sets["SHEET_TOP"]][:, 1].sum()
+    case.near("die and what is above, the difference", pressed + above, 0.0, 1e-6, why="Newton's tolerance", scale=force, place="all slave nodes", time="the end")
+    u = job.last("U")
+    middle = [sheet_between.along(name)[np.argmin(np.abs(sheet_between.nodes[sheet_between.along(name), 0] - 44.0))] for name in ("SHEET_BOTTOM", "SHEET_TOP")]
+    thinner = force / 33.5 * (1 - NU**2) / 70000.0
+    case.near("sheet under the middle of the holder, thinner by", u[middle[0]][1] - u[middle[1]][1], thinner, 0.02, why="the friction of the ends reaches in", place="x = 44", time="the end")
+    case.done()
+
+
 def test_drawn_equals_flat(proof: Proof) -> None:
     """The same roller drawn out across one layer of solids."""
     case = proof(

@@ -19,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "study"))
 
 from contact_table import cylinder, drag  # noqa: E402
 from make_decks import Mesh, _named_grid, block, graded, join, material_cards, mesh_cards  # noqa: E402
+from planes import Plane, flat_deck, flatten  # noqa: E402
 from proof import Case  # noqa: E402
 from sheets import Floats, between, fix, pair, plane_deck, rows_of, sheet, solid_deck, step  # noqa: E402
 
@@ -472,6 +473,47 @@ def test_dragged_at_once(proof: Proof, what: str, make: Callable[[float, str, in
               place="all slave nodes", time="the end")  # fmt: skip
     pressing, shearing = (np.linalg.norm(job.last(name), axis=1).sum() for name in ("CNORMF", "CSHEARF"))
     case.near("friction over pressure", shearing / pressing, mu, 1e-6, why="Newton's tolerance", place="all slave nodes", time="the end")
+    case.done()
+
+
+# ------------------------------------------------------------------------------------------- rollers between plates
+
+
+def roller(name: str, x: float) -> Plane:
+    """A disc of radius 2 about (x, 2), ten cells to a side; NAME_SKIN is its rim."""
+
+    def place(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        return x + 2 * s * np.sqrt(1 - t * t / 2), 2 + 2 * t * np.sqrt(1 - s * s / 2)
+
+    disc = flatten(sheet(name, between(-1, 1, 10), between(-1, 1, 10), place))
+    disc.surfaces[f"{name}_SKIN"] = [face for side in ("BOTTOM", "RIGHT", "TOP", "LEFT") for face in disc.surfaces[f"{name}_{side}"]]
+    return disc
+
+
+@pytest.mark.parametrize(("kind", "n"), [("NODE TO SURFACE", 30), ("SURFACE TO SURFACE", 10)], ids=["nodes", "surfaces"])
+def test_rollers_between_plates(proof: Proof, kind: str, n: int) -> None:
+    """Three bodies that nothing but contact holds roll between two plates: nodes come and go at both sides."""
+    way, mu = 1.5, 0.2
+    case = proof(
+        f"rollers-{kind.lower().replace(' ', '-')}",
+        title=f"Rollers between two plates, {kind.lower()}",
+        model="Three discs of radius 2 (40 CPE4 round the rim, E = 210000, nu = 0.3), 6 apart, between two plates 23 x 2 of the same steel: pressed together by 0.02 in 10 increments, then the upper "
+        f"plate goes by {way:g} in {n}, NLGEOM, mu = {mu:g}; the rims are slaves of both plates.",
+        formula="Each centre goes half the way of the upper plate: turned by half a turn about it, and seen from it, the motion is the same.",
+        source="Symmetry; rolling without slip at both plates",
+        proves="Nodes that come into contact and leave it while bodies roll; bodies without any support.",
+    )
+    rollers = [roller(f"R{k}", 6.0 * k) for k in range(3)]
+    low, up = (flatten(sheet(name, between(-5, 18, 46), between(y, y + 2, 3))) for name, y in (("LOW", -2), ("UP", 4)))
+    pairs = f"*SURFACE INTERACTION, NAME=STEEL\n*FRICTION\n{mu}\n" + "".join(
+        f"*CONTACT PAIR, INTERACTION=STEEL, TYPE={kind}\nR{k}_SKIN, {plate}\n" for k in range(3) for plate in ("LOW_TOP", "UP_BOTTOM")
+    )
+    parts = [*rollers, low, up]
+    steps = step(fix("LOW_BOTTOM, 1, 2", "UP_TOP, 1", "UP_TOP, 2, 2, -0.02"), 10, True) + step(fix(f"UP_TOP, 1, 1, {way}"), n, True)
+    job = case.run(flat_deck([(part, (210000.0, 0.3)) for part in parts], "CPE4", pairs + steps), asked=10 + n)
+    for k, disc in enumerate(rollers):
+        at = sum(len(other.nodes) for other in rollers[:k]) + int(np.argmin(np.linalg.norm(disc.nodes - [6.0 * k, 2.0], axis=1)))
+        case.near(f"way of the centre of roller {k + 1}", job.last("U")[at][0], 0.5 * way, 0.01, why="the plates end, and rims are polygons that dig in by 0.01", place="centre", time="the end")
     case.done()
 
 
