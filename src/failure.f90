@@ -5,7 +5,7 @@
 !! |---|---|---|
 !! | MATERIAL | an element turned inside out, or a material gave no answer | smaller increments |
 !! | LINEAR SOLVER | no direction, or a force that is not finite | constraints, numbers of the deck |
-!! | FREE BODY | a direction of many times the size of the model | supports |
+!! | FREE BODY | a direction of many times the size of the model, and supports alone do not hold all bodies | supports |
 !! | LEFT MASTER | closed slave nodes ran off their master | a larger master |
 !! | CYCLE, STICK-SLIP FLIP | the hash of all slave nodes returns | smaller increments, a finer master |
 !! | PENETRATION JUMP | a slave node went deep inside at once | smaller increments |
@@ -44,7 +44,10 @@ contains
     type(newton_type), intent(in) :: newton
     integer, intent(in) :: verdict                 !< VERDICT_... of the last iteration
     character(:), allocatable :: reason
-    if (newton%is_carried .and. newton%n_snapped == 0 .and. newton%farthest > 0 .and. &
+    logical :: is_away                             ! a body was carried in vain, and supports alone do not hold all bodies
+    is_away = newton%farthest > 0 .and. (newton%n_carried > newton%n_snapped .or. newton%trouble == TROUBLE_FREE)
+    if (is_away) is_away = .not. is_held_by_supports(model, system, state)
+    if (is_away .and. newton%is_carried .and. newton%n_snapped == 0 .and. &
       any(newton%trouble == [TROUBLE_NONE, TROUBLE_SOLVER])) then
       reason = free_body(model, state, newton)
       return
@@ -63,6 +66,7 @@ contains
     case (TROUBLE_FREE)
       reason = 'FREE BODY: nothing holds a body against its load; it would fly off at node ' // &
         text_of(model%mesh%node_label(max(1, newton%farthest))) // '.'
+      if (.not. is_away) reason = LIMIT_POINT
     case (TROUBLE_THROUGH)
       reason = 'PENETRATION JUMP: node ' // text_of(model%mesh%node_label(newton%gone_through)) // &
         ' passed through its master within the increment.'
@@ -71,9 +75,9 @@ contains
       if (max(newton%n_astray, newton%n_snapped) > 1 .and. newton%n_uphill <= 1 .and. index(reason, 'LEFT') == 0 .and. &
         index(reason, 'PENE') == 0) &
         reason = limit_of_contact(model, system, state)
-      if (reason == '' .and. (system%n_shifted > newton%n_shifted .or. newton%n_uphill > 1)) reason = LIMIT_POINT
-      if (newton%n_carried > newton%n_snapped .and. newton%farthest > 0 .and. index(reason, 'LEFT') == 0) &
-        reason = free_body(model, state, newton)
+      if (reason == '' .and. (system%n_shifted > newton%n_shifted .or. newton%n_uphill > 1 .or. &
+        newton%n_carried > newton%n_snapped)) reason = LIMIT_POINT
+      if (is_away .and. index(reason, 'LEFT') == 0) reason = free_body(model, state, newton)
       if (index(reason, 'FREE') == 0 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
         call look_for_free_motion(model, system, state, newton, reason)
       if (reason == '' .and. verdict == VERDICT_DIVERGES) &
@@ -81,6 +85,18 @@ contains
       if (reason == '') reason = 'SLOW: the force imbalance does not fall any more.'
     end select
   end function failure_reason
+
+
+  !> Whether no body could move if nothing touched: one that seems to fly off is led there by a stiffness that is not positive.
+  logical function is_held_by_supports(model, system, state) result(is_held)
+    type(model_type), intent(in) :: model
+    type(system_type), intent(in) :: system
+    type(state_type), intent(in) :: state
+    type(slave_type) :: apart(size(state%new%slaves))
+    apart = state%new%slaves
+    apart%status = STATUS_OPEN
+    is_held = free_motion(model, system%contact, apart, state%new%step) == ''
+  end function is_held_by_supports
 
 
   !> Contact that finds no balance: where it lets go, if any node is still closed.

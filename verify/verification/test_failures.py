@@ -140,6 +140,14 @@ def pressed_arch() -> str:
     return flat_deck([(flatten(stamp), (210000.0, 0.3)), (flatten(arch), (210000.0, 0.3))], "CPE4", cards)
 
 
+def held_by_supports() -> str:
+    """A block whose top is led by supports, dragged at once with mu = 1: its front digs in, and no direction leads on; nothing is free to fly off."""
+    body, table = sheet("BODY", between(0, 1, 6), between(0, 1, 6)), sheet("TABLE", between(-1, 4, 20), between(-1, 0, 4))
+    press = fix("TABLE_BOTTOM, 1, 2", "BODY_TOP, 1", "BODY_TOP, 2, 2, -0.05")
+    steps = "".join(f"*STEP, NLGEOM\n*STATIC, DIRECT\n1., 1.\n{load}*END STEP\n" for load in (press, fix("BODY_TOP, 1, 1, 2.")))
+    return flat_deck([(flatten(body), (210000.0, 0.3)), (flatten(table), (210000.0, 0.3))], "CPE4", pair("BODY_BOTTOM", "TABLE_TOP", 1.0) + steps)
+
+
 def shot(way: float, static: str) -> str:
     """A block that starts 2 before a thin plate (0.2 thick, 3 long) and is driven `way` towards it; both faces are master."""
     body = flatten(sheet("BODY", between(1.1, 1.9, 3), between(2, 2.5, 2)))
@@ -212,16 +220,18 @@ def test_turning_in_a_bore_is_no_fall(run: Run, tmp_path: Path) -> None:
         (flipping(), ("STICK-SLIP FLIP of length 2 at node 1.",), "smaller increments"),
         (thin_and_long(), ("CONTACT UNSETTLED: status or facet still changes at nodes",), "smaller increments"),
         (tipping(", DIRECT"), (f"FREE BODY: where contact is left, the {TIPS}",), "hold the body"),
+        (held_by_supports(), ("LIMIT POINT",), "damp the step"),
         (pressed_arch(), ("LIMIT POINT: the stiffness is not positive",), "prescribe displacements"),
         pytest.param(pulled_too_hard(), ("FREE BODY", "LIMIT POINT: contact finds no balance"), "friction", marks=pytest.mark.slow),
     ],
-    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "flip", "unsettled", "tipping", "arch", "too little friction"],
+    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "flip", "unsettled", "tipping", "held by supports", "arch", "too little friction"],
 )
 def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], advice: str) -> None:
     """Exit code 5, the reason in capitals, one remedy, the worst nodes with their contact; .cvg and the result file have the reason too.
 
     A failure costs no more factorisations an iteration than one of the stiffness as it is, two of parts that carry bodies or hold them, and one
-    where the equations have to be solved as a whole; too little friction is told with 250 in all.
+    where the equations have to be solved as a whole; twice as many where the stiffness is not positive, so that shifts are tried. Too little friction is told
+    with 250 in all.
     """
     (tmp_path / "job.inp").write_text(deck)
     done = run(["job"], cwd=tmp_path)
@@ -242,7 +252,7 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
     assert all(f"  ** {line}\n" in course for line in last if line), "the story in .cvg is that of the result file"
     assert all(f"  {line}\n" in done.stdout for line in last if line), "and that of the terminal"
     n_iterations, n_factorisations = (int(re.search(rf"{what} +(\d+)", done.stdout)[1]) for what in ("Newton iterations", "factorisations"))
-    assert n_factorisations <= min(4 * max(n_iterations, 1), 250), f"{n_factorisations} factorisations in {n_iterations} iterations"
+    assert n_factorisations <= min((8 if deck == held_by_supports() else 4) * max(n_iterations, 1), 250), f"{n_factorisations} factorisations in {n_iterations} iterations"
     if any(reason.startswith(("CYCLE", "STICK", "LEFT")) for reason in reasons):
         worst = re.findall(r"node \d+: imbalance .*, pair \S+ / \S+, gap \S+: ((?:open|stick|slip)\S*(?: \S+)*)", done.stdout)
         assert 1 <= len(worst) <= 10, done.stdout
