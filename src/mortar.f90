@@ -26,6 +26,7 @@ module amontons_mortar
 
   real(DP), parameter :: COVERED = 1.0e-3_DP       !< a slave node with less of its area in front of the master has no row [-]
   real(DP), parameter :: NOTHING = 1.0e-9_DP       !< with less than this it does not count at all [-]
+  real(DP), parameter :: ALIKE = 0.5_DP            !< of the best cover of the vertices of a node: another is covered like it [-]
   real(DP), parameter :: BEYOND = 0.1_DP           !< a slave node is over a master facet up to this part of an edge beyond it [-]
   real(DP), parameter :: FADED = 0.2_DP            !< under a compliant law its part goes over to others up to this one [-]
 
@@ -485,7 +486,7 @@ contains
         call start_row(mortar%nodes(j), mortar%corners(:, j), mortar%rows(j))
         mortar%rows(j)%shares = mortar%bases(j)%shares
         if (size(vertices) == 0) cycle
-        v = vertices(maxloc(cuts%area(vertices), dim=1))
+        v = facing_vertex(mortar, vertices)
         if (abs(cuts%area(v)) <= NOTHING * cuts%whole(v)) cycle
         m = vertex_normal(mortar%slave, x, v)
         if (norm2(m) <= 0.0_DP .or. (.not. mortar%is_soft .and. mortar%beyond(j) >= 1.0_DP)) cycle
@@ -499,6 +500,36 @@ contains
       end associate
     end do
   end subroutine fill_rows
+
+
+  !> The vertex of a slave node that is against the master: on a crease of the slave surface, as at the corner of a shank in its hole,
+  !! the one whose facets are nearest of those that are covered nearly as well as the best. The area alone would choose now this, now
+  !! that where faces on both sides are covered alike.
+  pure integer function facing_vertex(mortar, vertices) result(v)
+    type(mortar_type), intent(in) :: mortar
+    integer, intent(in) :: vertices(:)             !< of one node
+    real(DP) :: cover(size(vertices)), away(size(vertices)), area
+    integer :: i, s, k
+    associate (slave => mortar%slave, cuts => mortar%cuts)
+      v = vertices(maxloc(cuts%area(vertices), dim=1))
+      if (count(cuts%area(vertices) > NOTHING * cuts%whole(vertices)) < 2) return
+      cover = cuts%area(vertices) / cuts%whole(vertices)
+      away = 0.0_DP
+      do i = 1, size(vertices)
+        area = 0.0_DP
+        do s = slave%star_first(vertices(i)), slave%star_first(vertices(i) + 1) - 1
+          associate (facet => cuts%covers(slave%star_facet(s)))
+            do k = 1, facet%n
+              away(i) = away(i) + sum(facet%segments(k)%share) * facet%segments(k)%distance
+              area = area + sum(facet%segments(k)%share)
+            end do
+          end associate
+        end do
+        if (area > 0.0_DP) away(i) = away(i) / area
+      end do
+      v = vertices(minloc(away, dim=1, mask=cover >= ALIKE * maxval(cover)))
+    end associate
+  end function facing_vertex
 
 
   !> The slave's part of a row: x^_j.

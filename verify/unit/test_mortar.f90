@@ -32,6 +32,10 @@ program test_mortar
   call check_overhang(KIND_C3D8, 8, 'C3D8, in touch', 0.4_DP, .true., 4)
   call check_overhang(KIND_C3D20, 20, 'C3D20', 0.3_DP, .false., 3)
   call check_overhang(KIND_C3D20, 20, 'C3D20', 0.8_DP, .false., 5)
+  call check_crease(0.02_DP, 0.9_DP, 1)
+  call check_crease(0.3_DP, 0.9_DP, 3)
+  call check_crease(0.3_DP, 1.1_DP, 3)
+  call check_crease(0.02_DP, 0.2_DP, 3)
   call suite%finish()
 
 contains
@@ -269,5 +273,48 @@ contains
     b = corners(:, 4) - corners(:, 1)
     xi = 2 * [dot_product(a, at - corners(:, 1)), dot_product(b, at - corners(:, 1))] - 1
   end function place_on
+
+
+  !> A cube over a floor at the distance 0.1, beside a wall that is as high as `cover`: the nodes of its edge between belong to the side that is
+  !! nearer, unless that is covered by less than half as much.
+  subroutine check_crease(distance, cover, axis)
+    real(DP), intent(in) :: distance               !< of the wall [length]
+    real(DP), intent(in) :: cover                  !< how far up it goes [length]
+    integer, intent(in) :: axis                    !< of the normal there
+    type(mesh_type) :: mesh
+    type(mortar_type) :: mortar
+    type(facets_type) :: master
+    type(search_type) :: search
+    type(error_type), allocatable :: error
+    real(DP) :: xi(3, 20), gap
+    integer :: i
+    mesh%n_nodes = 24
+    mesh%n_elements = 3
+    mesh%kind = spread(KIND_C3D8, 1, 3)
+    mesh%material = [1, 1, 1]
+    mesh%first = [1, 9, 17, 25]
+    mesh%nodes = [(i, i=1, 24)]
+    mesh%element_label = [1, 2, 3]
+    mesh%node_label = mesh%nodes
+    allocate (mesh%node_sets(0), mesh%element_sets(0))
+    call node_coordinates(KIND_C3D8, xi)
+    allocate (mesh%coordinates(3, 24))
+    mesh%coordinates(:, :8) = 0.5_DP * (xi(:, :8) + 1)
+    mesh%coordinates(:, 9:16) = 3 * mesh%coordinates(:, :8) - 1                  ! the floor
+    mesh%coordinates(3, 9:16) = mesh%coordinates(3, :8) - 1.1_DP
+    mesh%coordinates(:, 17:) = 3 * mesh%coordinates(:, :8) - 1                   ! the wall
+    mesh%coordinates(1, 17:) = mesh%coordinates(1, :8) + 1 + distance
+    mesh%coordinates(3, 17:) = cover - 2 * (1 - mesh%coordinates(3, :8))
+    call finish_mesh(mesh)
+    call create_mortar(mesh, [1, 1], [1, 4], [1, 2, 3, 4, 6, 7], mortar, error)
+    call build_facets(mesh, [2, 3], [2, 6], master, error)
+    call build_search(master, mesh%coordinates, search_margin(mortar, 1.0_DP), search)
+    call integrate_mortar(mortar, master, search, .true., mesh%coordinates, 1.0_DP)
+    do i = 2, 3
+      gap = dot_product(mortar%places(i)%normal, relative_position(mortar%rows(i), mesh%coordinates))
+      call suite%that('normal at an edge', maxloc(abs(mortar%places(i)%normal), dim=1) == axis)
+      call suite%near('gap at an edge', gap, merge(distance, 0.1_DP, axis == 1), 1.0e-12_DP)
+    end do
+  end subroutine check_crease
 
 end program test_mortar
