@@ -508,28 +508,36 @@ contains
   pure integer function facing_vertex(mortar, vertices) result(v)
     type(mortar_type), intent(in) :: mortar
     integer, intent(in) :: vertices(:)             !< of one node
-    real(DP) :: cover(size(vertices)), away(size(vertices)), area
-    integer :: i, s, k
-    associate (slave => mortar%slave, cuts => mortar%cuts)
+    real(DP) :: cover(size(vertices)), away(size(vertices))
+    integer :: i
+    associate (cuts => mortar%cuts)
       v = vertices(maxloc(cuts%area(vertices), dim=1))
       if (count(cuts%area(vertices) > NOTHING * cuts%whole(vertices)) < 2) return
       cover = cuts%area(vertices) / cuts%whole(vertices)
-      away = 0.0_DP
-      do i = 1, size(vertices)
-        area = 0.0_DP
-        do s = slave%star_first(vertices(i)), slave%star_first(vertices(i) + 1) - 1
-          associate (facet => cuts%covers(slave%star_facet(s)))
-            do k = 1, facet%n
-              away(i) = away(i) + sum(facet%segments(k)%share) * facet%segments(k)%distance
-              area = area + sum(facet%segments(k)%share)
-            end do
-          end associate
-        end do
-        if (area > 0.0_DP) away(i) = away(i) / area
-      end do
+      away = [(distance_at(mortar, vertices(i)), i=1, size(vertices))]
       v = vertices(minloc(away, dim=1, mask=cover >= ALIKE * maxval(cover)))
     end associate
   end function facing_vertex
+
+
+  !> The mean distance of the facets around a vertex from their masters; 0 if there are none.
+  pure real(DP) function distance_at(mortar, v) result(distance)
+    type(mortar_type), intent(in) :: mortar
+    integer, intent(in) :: v                       !< vertex
+    real(DP) :: area
+    integer :: s, k
+    distance = 0.0_DP
+    area = 0.0_DP
+    do s = mortar%slave%star_first(v), mortar%slave%star_first(v + 1) - 1
+      associate (cover => mortar%cuts%covers(mortar%slave%star_facet(s)))
+        do k = 1, cover%n
+          distance = distance + sum(cover%segments(k)%share) * cover%segments(k)%distance
+          area = area + sum(cover%segments(k)%share)
+        end do
+      end associate
+    end do
+    if (area > 0.0_DP) distance = distance / area
+  end function distance_at
 
 
   !> The slave's part of a row: x^_j.
