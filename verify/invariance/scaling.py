@@ -98,7 +98,7 @@ def keyword(card: list[str]) -> str:
 
 
 def scaled(deck: str, units: Units, tight: float = 1e-10) -> str:
-    """The deck in other units, with controls so tight that what is left is below what is compared."""
+    """The deck in other units, with controls so tight that what is left is below what is compared; with 0 its own controls."""
     special = angles(deck) | sets_of("T3D|SPRINGA", deck)
     absolute = amplitudes(deck)
     dialect = [line for line in deck.splitlines() if re.match(r"\*\*\s*dialect", line, flags=re.I)]
@@ -146,9 +146,9 @@ def scaled_card(card: list[str], units: Units, tight: float, special: set[str], 
     for word, letter in PARAMETERS.get(name, {}).items():
         factor = units.of(letter.replace("X", unit))
         head = re.sub(rf"({word}\s*=\s*)([^,]+)", lambda m, factor=factor: m.group(1) + times(m.group(2).strip(), factor), head, flags=re.I)
-    if name in {"STATIC", "VISCO"}:
+    if name in {"STATIC", "VISCO"} and tight > 0:
         return [head, *card[1:], "*CONTROLS, PARAMETERS=FIELD", f"{tight:g}, {tight:g}, , , {tight:g}"]
-    if name == "CONTROLS" and "FIELD" in head.upper():
+    if name == "CONTROLS" and "FIELD" in head.upper() and tight > 0:
         return []
     if name == "SURFACE" and is_analytic(card):
         return [head, *(row(line, "L", units) for line in card[1:])]

@@ -1,4 +1,5 @@
-"""CalculiX's decks, of folders beside the repository, in other units: fields to 1e-8, iterations of each step within one.
+"""CalculiX's decks, of folders beside the repository, in other units: fields to 1e-8, iterations of each step within one, with
+tight controls and in inch and pound with the deck's own.
 
 The decks are read in place, as the dialect of CalculiX. Two defaults there are numbers without a unit, K = 50 E of HARD and the stick slope E/2: they
 are written out before a deck is scaled, which alone must change no bit of a result.
@@ -16,7 +17,7 @@ import numpy as np
 import pytest
 from conftest import ROOT, Run
 from proof import Job
-from comparison import IN_UNITS, SYSTEMS, InUnits, has, same
+from comparison import IN_UNITS, SYSTEMS, InUnits, has, same, same_counts
 from scaling import Units, cards, keyword, scaled
 
 DECKS = Path(os.environ.get("AMONTONS_DECKS", ROOT.parent / "shared" / "decks"))
@@ -63,3 +64,4 @@ def test_deck(run: Run, tmp_path: Path, file: Path) -> None:
             assert np.array_equal(plain.field(name), whole.field(name)), name
     for system, units in SYSTEMS.items():
         same(solve(run, tmp_path / system, scaled(text, units, TIGHT)), plain, TOLERANCES.get(file.stem, 1e-8), InUnits(units))
+    same_counts(solve(run, tmp_path / "own inch", scaled(text, SYSTEMS["inch-pound"], 0)), solve(run, tmp_path / "own", scaled(text, Units(), 0)))

@@ -1,6 +1,7 @@
 """Every deck of every case of the verification in three systems of units: fields to 1e-8, iterations of each step within one.
 
-The cases run as they are, but for their jobs: each deck is run with tight controls in its own units and in the other ones.
+The cases run as they are, but for their jobs: each deck is run with tight controls in its own units and in the other ones, and with its own
+controls in inch and pound, where the iterations are compared.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -21,7 +22,7 @@ from conftest import Run
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "verification"), str(HERE)]
 
-from comparison import SYSTEMS, InUnits, same  # noqa: E402
+from comparison import SYSTEMS, InUnits, same, same_counts  # noqa: E402
 from proof import Case, Job  # noqa: E402
 from scaling import Units, scaled  # noqa: E402
 
@@ -40,6 +41,7 @@ class Compared(Case):
         for system, units in SYSTEMS.items():
             job = self.solve(scaled(deck, units, tight), self.work / f"{name} {system}")
             same(job, plain, 1e-8, InUnits(units))
+        same_counts(self.solve(scaled(deck, SYSTEMS["inch-pound"], 0), self.work / f"{name} own inch"), self.solve(deck, self.work / f"{name} own"))
         return plain
 
     def solve(self, deck: str, folder: Path) -> Job:
