@@ -63,6 +63,7 @@ def course_cases() -> Iterator[tuple[str, str]]:
     yield "put-down-s", deck(two_blocks("C3D8"), LINEAR + RUB, FACES, [push(-0.002), push(0.001), push(-0.001, 0.001)])
     for kind in (NODES, FACES, MORTAR):
         yield f"some-increments-{kind[0].lower()}", deck(two_blocks("C3D8"), LINEAR, kind, [push()], "*STATIC, DIRECT\n.2, 1.\n", frequency=", FREQUENCY=2")
+    yield "gaps-m", deck(two_blocks("C3D8"), LINEAR, MORTAR, [push() + "*CONTACT FILE\nCDIS, CSTR\n"])
     for kind in (NODES, MORTAR):   # CalculiX: no force by faces
         yield f"table-{kind[0].lower()}", deck(two_blocks("C3D8"), TABULAR, kind, [push(-0.001), push(-0.0015)])
     yield "hard-drag-n", deck(two_blocks("C3D8"), HARD + RUB, NODES, [push(-0.001), push(-0.001, 0.003)], "*STATIC, DIRECT\n.25, 1.\n")

@@ -106,3 +106,18 @@ def test_deck(name: str, run: Callable[..., object], tmp_path: Path) -> None:
     bad = [f"{d.title} {d.set_name} t={d.time:g}: {d.deviation:.2e} of {d.largest:.3e} at {d.where}" for d in tables if not d.deviation <= limit]
     bad += [f"field {title}: {far:.2e}" for title, far in fields_apart(ours / "job.frd", tmp_path / "job.frd", "T3D" in text or "TYPE=CAX" in text) if not far <= limit]
     assert not bad, "\n".join(bad)
+
+
+def test_gaps_of_mortar(run: Callable[..., object], tmp_path: Path) -> None:
+    """CalculiX writes the gap of a mortar pair times the area of the node: 1/24, 1/12 and 1/6 of a face of 2 by 3 squares. Pressures are the same."""
+    (tmp_path / "ours").mkdir()
+    for folder in (tmp_path, tmp_path / "ours"):
+        (folder / "job.inp").write_text(CASES["gaps-m"])
+    run_peer(tmp_path)
+    run(["--dialect=calculix", "job"], cwd=tmp_path / "ours")
+    theirs, ours = (next(block for block in read_frd(folder / "job.frd") if block.title == "CONTACT") for folder in (tmp_path, tmp_path / "ours"))
+    assert len(theirs.rows) == 12
+    for node, row in theirs.rows.items():
+        assert row[3] == pytest.approx(ours.rows[node][3], rel=2e-3)
+        area = row[0] / ours.rows[node][0]
+        assert min(abs(area * 24 - share) for share in (1, 2, 4)) <= 0.01
