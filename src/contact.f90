@@ -71,7 +71,6 @@ module amontons_contact
     integer :: n_closed = 0
     integer :: n_changed = 0                      !< all changes of status, opened and closed included
     integer :: n_left = 0                         !< nodes that left their master
-    logical :: is_capped = .false.                !< a node that slips back sticks first
     real(DP) :: worst_gap = 0                     !< of the closed nodes, over the edge of the master's facet [-]
     integer :: worst_slave = 0
   end type contact_type

@@ -182,16 +182,13 @@ contains
   contains
 
     !> Trial traction and status. An open node that grazes its master stays open: it would only chatter. One that touches without
-    !! any force stays closed: rounding would choose. One whose trial friction is against the friction that it bears slips back past
-    !! where it stuck: where that is asked for it sticks first, as the cap of the slides has it.
+    !! any force stays closed: rounding would choose.
     subroutine ask_status()
       real(DP) :: gap
       associate (slave => fields%slaves(s))
         gap = slave%gap
         gap = gap + merge(GRAZE, -CLING, before == STATUS_OPEN) * contact%edge(slave%pair)
         call trial_traction(Rhat, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
-        if (contact%is_capped .and. before == STATUS_SLIP .and. mu > 0.0_DP .and. dot_product(trial%tau, trial%Rt) > 0.0_DP &
-          .and. trial%status == STATUS_SLIP) trial%status = STATUS_STICK
         slave%status = merge(before, trial%status, is_frozen)
       end associate
     end subroutine ask_status

@@ -51,7 +51,7 @@ module amontons_settle
 
 contains
 
-  !> Corrects a direction until contact has settled at its end; where it does not, otherwise (`settle_otherwise`).
+  !> Corrects a direction until contact has settled at its end; where it does not, in portions of the way.
   !!
   !! Only AUTO does so, and only with the condensed interface: the slides' line searches are to be seen as they are.
   !! After: du, and the memory of the slave nodes with which u + du is to be evaluated; the state stands at u as before.
@@ -64,59 +64,26 @@ contains
     type(slave_type), allocatable, intent(out) :: slaves(:)
     type(error_type), allocatable, intent(out) :: error
     type(place_type) :: start
-    type(end_type) :: best
-    real(DP), allocatable :: first(:, :)
+    type(end_type) :: best, there
     slaves = state%new%slaves
     if (step%line_search /= SEARCH_AUTO .or. .not. system%is_condensed) return
     start = place_of(system, state)
-    first = du
     call settle_at_once(system, model, step, start, state, du, best, error)
     if (allocated(error)) return
     system%n_rounds = system%n_rounds + best%n_rounds
     if (.not. best%is_settled .and. best%trouble == TROUBLE_NONE .and. system%carry <= 0.0_DP) then
-      call settle_otherwise(system, model, step, start, first, state, best, error)
+      call settle_in_portions(system, model, step, start, state, there, error)
       if (allocated(error)) return
+      system%n_rounds = system%n_rounds + there%n_rounds
+      if (there%is_settled) best = there
+      system%is_condensed = .true.                 ! whatever trouble there was on the way
+      system%is_unheld = .false.
     end if
     du = best%du
     slaves = best%slaves
     system%is_settled = best%is_settled            ! if not, the factor may be gone
     call return_to(system, model, step, start, state, error)
   end subroutine settle_contact
-
-
-  !> Contact that has not settled at the end of the direction: in portions of the way; where it does not in these either, once
-  !! more at the end, and nodes that slip back stick first.
-  subroutine settle_otherwise(system, model, step, start, first, state, best, error)
-    type(system_type), intent(inout), target :: system
-    type(model_type), intent(in) :: model
-    type(step_type), intent(in) :: step
-    type(place_type), intent(inout) :: start       !< u; out: nodes that keep to their edges are marked
-    real(DP), intent(in) :: first(:, :)            !< (3, n_nodes) the direction [length]
-    type(state_type), intent(inout) :: state
-    type(end_type), intent(inout) :: best          !< the best of the places found so far; out: where it settles, if it does
-    type(error_type), allocatable, intent(out) :: error
-    type(end_type) :: there
-    real(DP), allocatable :: du(:, :)
-    integer :: way
-    do way = 1, 2
-      if (way == 1) then
-        call settle_in_portions(system, model, step, start, state, there, error)
-      else
-        du = first
-        state%new%slaves = start%slaves
-        system%contact%is_capped = .true.
-        call settle_at_once(system, model, step, start, state, du, there, error)
-        system%contact%is_capped = .false.
-      end if
-      if (allocated(error)) return
-      system%n_rounds = system%n_rounds + there%n_rounds
-      system%is_condensed = .true.                 ! whatever trouble there was on the way
-      system%is_unheld = .false.
-      if (.not. there%is_settled) cycle
-      best = there
-      return
-    end do
-  end subroutine settle_otherwise
 
 
   !> All corrections at the end of the whole direction; the best of the places found.
