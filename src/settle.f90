@@ -25,7 +25,7 @@ module amontons_settle
 
   integer, parameter :: MOST_ROUNDS = 30           !< corrections of one direction
   integer, parameter :: MOST_HALVINGS = 4          !< of a correction
-  integer, parameter :: MOST_OF_LAWS = 14          !< of one where all contact is compliant: its forces have no jumps, but steep parts
+  integer, parameter :: MOST_OF_LAWS = 14          !< of one where all contact is compliant: steep, without jumps
   real(DP), parameter :: SETTLED = 1.0e-2_DP       !< part of the merit at u that may be left at u + du [-]
   real(DP), parameter :: NO_BETTER = 0.99_DP       !< of the merit before: not less [-]
   real(DP), parameter :: NEGLIGIBLE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any case [-]
@@ -65,19 +65,22 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(place_type) :: start
     type(end_type) :: best, there
+    logical :: is_condensed, is_unheld             ! where the whole direction ends
     slaves = state%new%slaves
     if (step%line_search /= SEARCH_AUTO .or. .not. system%is_condensed) return
     start = place_of(system, state)
     call settle_at_once(system, model, step, start, state, du, best, error)
     if (allocated(error)) return
     system%n_rounds = system%n_rounds + best%n_rounds
-    if (.not. best%is_settled .and. best%trouble == TROUBLE_NONE .and. system%carry <= 0.0_DP) then
+    if (.not. best%is_settled .and. system%carry <= 0.0_DP) then
+      is_condensed = system%is_condensed
+      is_unheld = system%is_unheld
       call settle_in_portions(system, model, step, start, state, there, error)
       if (allocated(error)) return
       system%n_rounds = system%n_rounds + there%n_rounds
       if (there%is_settled) best = there
-      system%is_condensed = .true.                 ! whatever trouble there was on the way
-      system%is_unheld = .false.
+      system%is_condensed = is_condensed .or. there%is_settled   ! whatever trouble there was on the way
+      system%is_unheld = is_unheld .and. .not. there%is_settled
     end if
     du = best%du
     slaves = best%slaves
