@@ -122,8 +122,9 @@ contains
   end subroutine iterate
 
 
-  !> The direction. Where too many led to no balance, running, bodies are carried on to the next one. That the next direction will not
-  !! do is known before it is made if no length of the last one was any good, or if a body drifts along a motion that hardly anything holds.
+  !> The direction. Where too many led to no balance, running, bodies are carried on to the next one. That the next direction will
+  !! not do is known before it is made if no length of the last one was any good, or if a body drifts along a motion that hardly
+  !! anything holds.
   subroutine choose_direction(newton, system, model, step, state, du, ahead, error)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(inout) :: system
