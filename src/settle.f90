@@ -25,7 +25,7 @@ module amontons_settle
 
   integer, parameter :: MOST_ROUNDS = 30           !< corrections of one direction
   integer, parameter :: MOST_HALVINGS = 4          !< of a correction
-  integer, parameter :: MOST_OF_LAWS = 14          !< of one where all contact is compliant: steep, without jumps
+  integer, parameter :: MOST_OF_LAWS = 14          !< where all is compliant, node by node: steep, without jumps
   real(DP), parameter :: SETTLED = 1.0e-2_DP       !< part of the merit at u that may be left at u + du [-]
   real(DP), parameter :: NO_BETTER = 0.99_DP       !< of the merit before: not less [-]
   real(DP), parameter :: NEGLIGIBLE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any case [-]
@@ -262,7 +262,7 @@ contains
     type(slave_type), allocatable :: slaves(:)
     real(DP) :: before, least, length, chosen
     integer :: halving, most
-    most = merge(MOST_OF_LAWS, MOST_HALVINGS, all(is_compliant(system%contact%laws)))
+    most = merge(MOST_OF_LAWS, MOST_HALVINGS, all(is_compliant(system%contact%laws) .and. .not. model%pairs%is_mortar))
     before = system%merit
     slaves = state%new%slaves
     least = huge(1.0_DP)
