@@ -243,6 +243,9 @@ contains
       law%table_overclosure = [0.0_DP]
     end if
     if (reader%dialect == DIALECT_ABAQUS) law%clearance = max(0.0_DP, -law%table_overclosure(1))
+    if (reader%dialect == DIALECT_CALCULIX .and. law%table_overclosure(1) < 0.0_DP) call note(reader, row%line, &
+      'The table begins before bodies touch. Under the calculix dialect contact acts from where they touch on, as in ' // &
+      'CalculiX: its pressure jumps there, and there may be no balance. Begin with 0., 0. or use the abaqus dialect.')
   end subroutine read_table
 
 

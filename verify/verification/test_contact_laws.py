@@ -131,6 +131,14 @@ def test_tabular(bench: Bench) -> None:
     assert -answer.gap[-1] == pytest.approx(0.015, rel=1e-7)
 
 
+def test_table_that_begins_before_touch(bench: Bench) -> None:
+    """Under the calculix dialect its pressure jumps where bodies touch: the deck's reader says so, and says nothing of a table that begins at 0."""
+    for first, is_told in (("0., -0.01\n4., 0.", True), ("0., 0.", False)):
+        bench.solve(f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR\n{first}\n12., 0.02", step(pressed(10.0)), gap=-0.001)
+        done = bench.run(["--check", "job.inp"], cwd=bench.folder)
+        assert ("The table begins before bodies touch" in done.stdout + done.stderr) == is_told, done.stdout + done.stderr
+
+
 def test_tied_pulls(bench: Bench) -> None:
     """A spring both ways, from where the surfaces were; it shears with the stick slope and never slips."""
     law = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1.e4\n*FRICTION\n0.1, 500."
