@@ -4,6 +4,7 @@
 !! Theory: doc/theory/contact.md, section 1.
 module amontons_contact
   use amontons_kinds, only: DP
+  use amontons_tensor, only: IDENTITY
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_topology, only: N_SOLID_KINDS
   use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
@@ -462,13 +463,18 @@ contains
   end subroutine set_origin
 
 
-  !> What d was at the origin and is to stay; with the rows of a mortar pair that slides it turns with the normal.
+  !> What d was at the origin and is to stay. Under finite sliding it turns with the normal: of nodes on facets it is the gap that
+  !! interference and clearance leave, along the normal where the node is now, as the gap itself is measured.
   pure function origin_offset_of(contact, slave) result(offset)
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slave
     real(DP) :: offset(3)
     offset = slave%origin_offset
-    if (slave%row == 0 .or. contact%is_small(slave%pair)) return
+    if (contact%is_small(slave%pair)) return
+    if (slave%row == 0) then
+      offset = -slave%offset * slave%normal
+      return
+    end if
     offset = turned_with(offset, contact%mortar(slave%pair)%origin_normal(:, slave%row), slave%normal)
   end function origin_offset_of
 
@@ -479,7 +485,11 @@ contains
     type(slave_type), intent(in) :: slave
     real(DP) :: rate(3, 3)                         !< [length]
     rate = 0.0_DP
-    if (slave%row == 0 .or. contact%is_small(slave%pair)) return
+    if (contact%is_small(slave%pair)) return
+    if (slave%row == 0) then
+      rate = -slave%offset * IDENTITY
+      return
+    end if
     rate = turned_rate(slave%origin_offset, contact%mortar(slave%pair)%origin_normal(:, slave%row), slave%normal)
   end function origin_offset_rate
 

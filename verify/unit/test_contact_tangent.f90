@@ -28,6 +28,7 @@ program test_contact_tangent
   call check_tangent('small sliding', 0.15_DP, 0.3_DP, .true., .true.)
   call check_tangent('small displacements', 0.1_DP, 0.5_DP, .false., .true.)
   call check_tangent('curved master, normals in planes of symmetry', 0.15_DP, 0.4_DP, .true., .false., is_symmetric=.true.)
+  call check_tangent('clearance', 0.15_DP, 0.4_DP, .true., .false., shared=5)
   call check_laws()
   call check_mortar()
   call check_planes()
@@ -112,7 +113,8 @@ contains
     type(interaction_type), intent(in), optional :: law   !< with its behaviour; hard without it
     integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
     integer, intent(in), optional :: shared     !< 1: with the pair the other way round first; 2: with a second master; 3: none, but
-                                                   !< surface to surface; 4: the same, with a fourteenth of the outer facets covered
+                                                   !< surface to surface; 4: the same, with a fourteenth of the outer facets covered;
+                                                   !< 5: none, and a CLEARANCE of nothing, whatever the mesh says
     logical, intent(in), optional :: is_symmetric  !< planes of symmetry take the x of every other vertex normal
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
@@ -128,7 +130,8 @@ contains
       call two_blocks(model, sag, friction, is_nlgeom, is_small)
     end if
     if (present(shared)) then
-      if (shared >= 3) model%pairs(1)%is_mortar = .true.
+      if (shared == 3 .or. shared == 4) model%pairs(1)%is_mortar = .true.
+      if (shared == 5) model%pairs(1)%has_clearance = .true.
       if (shared < 3) call share_nodes(model, shared)
     end if
     if (present(law)) model%interactions(1) = law
