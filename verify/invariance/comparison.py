@@ -126,7 +126,7 @@ def rounding(job: Job) -> dict[str, float]:
     spring = float(contact["stiffness"].max(initial=0.0)) if contact else 0.0
     bed = float((contact["stiffness"] / np.maximum(contact["area"], shortest**2)).max(initial=0.0)) if contact else 0.0
     loads = max(np.abs(job.history[name]).max(initial=0.0) for name in ("applied_force", "reaction_force", "contact_force"))
-    stress, force = stiffness * strain, 2 * np.pi * stiffness * strain * shortest * size + np.finfo(float).eps * loads   # around an axis
+    stress, force = stiffness * strain, 2 * np.pi * stiffness * strain * shortest * size + 10 * np.finfo(float).eps * loads   # around an axis
     return {"L": d, "1": max(strain, bed * d / stiffness if stiffness > 0 else 0.0), "S": max(stress, bed * d), "F": max(force, spring * d)}
 
 

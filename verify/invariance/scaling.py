@@ -106,19 +106,23 @@ def scaled(deck: str, units: Units, tight: float = 1e-10) -> str:
 
 
 def angles(deck: str) -> set[str]:
-    """The labels of nodes whose displacement is an angle: of ROT NODE and of *MPC, MEANROT."""
+    """The labels of nodes whose displacement is an angle, of ROT NODE and of *MPC, MEANROT, and the sets of nothing else."""
     found = set(re.findall(r"ROT NODE\s*=\s*(\d+)", deck, flags=re.I))
     for card in cards(deck):
         words = [word.strip() for line in card[1:] for word in line.split(",") if word.strip()]
         if keyword(card) == "MPC" and words[0].upper() == "MEANROT":
             found.add(words[-1])
+    for card in cards(deck):
+        members = [line.split(",")[0].strip() for line in card[1:]] if keyword(card) == "NODE" else [v.strip() for v in ",".join(card[1:]).split(",")]
+        if keyword(card) in {"NODE", "NSET"} and value_of("NSET", card[0]) and {v for v in members if v} <= found:
+            found.add(value_of("NSET", card[0]))
     return found
 
 
 def sets_of(kinds: str, deck: str) -> set[str]:
     """The element sets of trusses, whose section is an area, or of springs along a line, whose data have no directions."""
     heads = [card[0].upper() for card in cards(deck) if keyword(card) == "ELEMENT"]
-    return {value_of("ELSET", head) for head in heads if re.search(kinds, value_of("TYPE", head))}
+    return {"ELSET " + value_of("ELSET", head) for head in heads if re.search(kinds, value_of("TYPE", head))}
 
 
 def amplitudes(deck: str) -> dict[str, str]:
@@ -158,7 +162,7 @@ def scaled_card(card: list[str], units: Units, tight: float, special: set[str], 
         refuse(name)
     if name in DEFAULTS:
         card = [head, *(filled(line, DEFAULTS[name]) for line in card[1:] or [""])]
-    n_kept = 2 if name == "SPRING" and value_of("ELSET", head) not in special else 1   # directions are numbers too
+    n_kept = 2 if name == "SPRING" and "ELSET " + value_of("ELSET", head) not in special else 1   # directions are numbers too
     lines = [row(line, letters_of(card, line, special, i).replace("X", unit), units) for i, line in enumerate(card[n_kept:])]
     return [head, *card[1:n_kept], *lines]
 
@@ -172,8 +176,7 @@ def filled(line: str, default: str) -> str:
 def letters_of(card: list[str], line: str, special: set[str], i: int = 0) -> str:
     """The units of data line i of a card."""
     rules = UNITS[keyword(card)]
-    first = line.split(",")[0].strip()
-    is_special = first.isdigit() and first in special or value_of("ELSET", card[0]) in special
+    is_special = line.split(",")[0].strip().upper() in special or "ELSET " + value_of("ELSET", card[0]) in special
     text = bare(f"{card[0]}|{line}") + ("@" if is_special else "")
     letters = rules if isinstance(rules, str) else next((rules[word] for word in rules if re.search(word, text)), "")
     if not letters:
