@@ -130,7 +130,7 @@ contains
   end subroutine remember
 
 
-  !> The place nearest to a point; of equally near ones, as symmetry makes them and rounding parts them, the first. 0: there is none.
+  !> The place nearest to a point; of equally near ones (symmetry makes them, rounding parts them) the first. 0: there is none.
   pure integer function nearest_of(places, at) result(nearest)
     real(DP), intent(in) :: places(:, :)           !< (2, n) natural coordinates [-]
     real(DP), intent(in) :: at(2)                  !< [-]

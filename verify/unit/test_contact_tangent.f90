@@ -113,7 +113,7 @@ contains
     type(interaction_type), intent(in), optional :: law   !< with its behaviour; hard without it
     integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
     integer, intent(in), optional :: shared     !< 1: with the pair the other way round first; 2: with a second master; 3: none, but
-                                                   !< surface to surface; 4: the same, with a fourteenth of the outer facets covered;
+                                                   !< surface to surface; 4: the same, with a fourteenth of the outer facets covered
                                                    !< 5: none, and a CLEARANCE of nothing, whatever the mesh says
     logical, intent(in), optional :: is_symmetric  !< planes of symmetry take the x of every other vertex normal
     real(DP), parameter :: H = 1.0e-6_DP
