@@ -83,19 +83,18 @@ contains
     call stop_clock(system, clock, PHASE_FACTOR)
     system%n_before = system%n_factorisations
     system%is_settled = .false.
-    call solve_direction(system, floor_of(system, step), .true., du, trouble, error)
+    call solve_direction(system, floor_of(system, step), du, trouble, error)
     if (trouble == TROUBLE_SOLVER .and. .not. system%is_condensed .and. system%reduced%is_iterative) then
       call give_up_iterative(system%reduced)
       call factorise_whole(system, model, trouble, error)
       if (allocated(error) .or. trouble /= TROUBLE_NONE) return
-      call solve_direction(system, floor_of(system, step), .true., du, trouble, error)
+      call solve_direction(system, floor_of(system, step), du, trouble, error)
     end if
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine find_direction
 
 
-  !> The direction from a place that was foreseen, with the tangent of the bulk as it is. Another correction follows: one that GMRES
-  !! does not find is not worth a factorisation of the whole.
+  !> The direction from a place that was foreseen, with the tangent of the bulk as it is.
   subroutine correct_direction(system, model, step, state, share, du, trouble, error)
     type(system_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
@@ -114,7 +113,7 @@ contains
     call factorise_condensed(system, model, step, state, error)
     if (allocated(error) .or. .not. system%is_condensed) return
     call stop_clock(system, clock, PHASE_FACTOR)
-    call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, .false., du, trouble, error)
+    call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, du, trouble, error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine correct_direction
 
@@ -355,10 +354,9 @@ contains
 
 
   !> Solves J dv = C' (R - (K - dF_c) c) and gives du = C dv + c.
-  subroutine solve_direction(system, floor, is_exact, du, trouble, error)
+  subroutine solve_direction(system, floor, du, trouble, error)
     type(system_type), intent(inout), target :: system
     real(DP), intent(in) :: floor                  !< residual that is small enough [force]
-    logical, intent(in) :: is_exact                !< a factor with pivoting, where GMRES does not arrive
     real(DP), intent(out) :: du(:, :)
     integer, intent(out) :: trouble
     type(error_type), allocatable, intent(out) :: error
@@ -369,7 +367,7 @@ contains
     flat = system%whole%offset
     call right_hand_side(system, flat, b)
     if (system%whole%n_free > 0) then
-      call iterate_direction(system, floor, is_exact, b, v, trouble, error)
+      call iterate_direction(system, floor, b, v, trouble, error)
       if (allocated(error)) return
       call multiply(system%whole%map, v, start)
       flat = flat + start
@@ -379,10 +377,9 @@ contains
 
 
   !> J v = b: by conjugate gradients where J is A and that is not factorised, else by GMRES.
-  subroutine iterate_direction(system, floor, is_exact, b, v, trouble, error)
+  subroutine iterate_direction(system, floor, b, v, trouble, error)
     type(system_type), intent(inout), target :: system
     real(DP), intent(in) :: floor                  !< residual that is small enough [force]
-    logical, intent(in) :: is_exact                !< a factor with pivoting, where GMRES does not arrive
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(inout) :: v(:)                !< (n_free) [length]
     integer, intent(out) :: trouble
@@ -414,11 +411,8 @@ contains
     if (report%status == KRYLOV_CONVERGED) return
     if (report%status == KRYLOV_STAGNATED .and. is_to_rounding(system, report%residual * norm2(b), v)) return
     if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! to rounding: a slender body allows no more
-    if (is_iterative .or. .not. is_exact) then
-      trouble = TROUBLE_SOLVER
-    else
-      call solve_whole(system, b, v, trouble, error)
-    end if
+    if (is_iterative) trouble = TROUBLE_SOLVER
+    if (.not. is_iterative) call solve_whole(system, b, v, trouble, error)
   end subroutine iterate_direction
 
 

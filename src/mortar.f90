@@ -502,9 +502,9 @@ contains
   end subroutine fill_rows
 
 
-  !> The vertex of a slave node that is against the master: on a crease of the slave surface, as at the corner of a shank in its hole,
-  !! the one whose facets are nearest of those that are covered nearly as well as the best. The area alone would choose now this, now
-  !! that where faces on both sides are covered alike.
+  !> The vertex of a slave node that is against the master: on a crease of the slave surface, as at the corner of a shank in its
+  !! hole, the one whose facets are nearest of those that are covered nearly as well as the best. The area alone would choose now
+  !! this, now that where faces on both sides are covered alike.
   pure integer function facing_vertex(mortar, vertices) result(v)
     type(mortar_type), intent(in) :: mortar
     integer, intent(in) :: vertices(:)             !< of one node

@@ -1,4 +1,4 @@
-!> Row rates: how the row of a slave node of a mortar pair, made of the integrals over the facets around it, changes when the nodes move.
+!> Row rates: how the row of a slave node of a mortar pair, made of integrals over the facets around it, changes when nodes move.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/contact.md, "Mortar".

@@ -275,8 +275,8 @@ contains
   end function place_on
 
 
-  !> A cube over a floor at the distance 0.1, beside a wall that is as high as `cover`: the nodes of its edge between belong to the side that is
-  !! nearer, unless that is covered by less than half as much.
+  !> A cube over a floor at the distance 0.1, beside a wall that is as high as `cover`: the nodes of its edge between belong to the
+  !! side that is nearer, unless that is covered by less than half as much.
   subroutine check_crease(distance, cover, axis)
     real(DP), intent(in) :: distance               !< of the wall [length]
     real(DP), intent(in) :: cover                  !< how far up it goes [length]
