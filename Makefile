@@ -200,7 +200,8 @@ study: programs $(VENV)/installed ## Iterations of all line searches by friction
 	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons
 	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons --direction SYMMETRIC --seconds 60
 	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons --direction LAGGED --seconds 60
-	@$(PY) verify/study/contact_table.py --program $(BIN)/amontons
+	@$(PY) verify/study/contact_table.py --program $(BIN)/amontons --runs $(B)/study.csv
+	@$(PY) verify/study/contact_table.py --show $(B)/study.csv
 
 # --- the documentation --------------------------------------------------------------------------------------------
 doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, and the pages of the source into build/site/api

@@ -78,3 +78,19 @@ def test_study_figure_comes_from_its_table(tmp_path: Path) -> None:
     drawn, kept = (np.asarray(Image.open(file).convert("L").resize((350, 200)), dtype=float) for file in
                    (tmp_path / "line_search.png", ROOT / "doc" / "study" / "line_search.png"))  # fmt: skip
     assert np.abs(drawn - kept).mean() < 3, "draw it again: python verify/study/line_search_table.py --draw doc/study/line_search.md"
+
+
+def test_study_tables_come_from_its_runs(tmp_path: Path) -> None:
+    """Each table over all contact cases in doc/study/line_search.md, and its figure, are those of doc/study/runs.csv."""
+    sys.path.insert(0, str(ROOT / "verify" / "study"))
+    from contact_table import DIRECTIONS, FRICTIONS, MODES, PROBLEMS, SIZES, draw, read_runs, show
+
+    runs = read_runs(ROOT / "doc" / "study" / "runs.csv")
+    assert len(runs) == len(DIRECTIONS) * len(PROBLEMS) * len(FRICTIONS) * len(SIZES) * len(MODES)
+    page = (ROOT / "doc" / "study" / "line_search.md").read_text()
+    for table in show(runs).split("\n\n"):
+        assert table in page, "write it again: python verify/study/contact_table.py --show doc/study/runs.csv"
+    draw(runs, tmp_path / "contact_table.png")
+    drawn, kept = (np.asarray(Image.open(file).convert("L").resize((350, 150)), dtype=float) for file in
+                   (tmp_path / "contact_table.png", ROOT / "doc" / "study" / "contact_table.png"))  # fmt: skip
+    assert np.abs(drawn - kept).mean() < 3, "draw it again: the same with --figure doc/study/contact_table.png"
