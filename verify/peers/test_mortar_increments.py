@@ -68,7 +68,11 @@ def test_end_does_not_depend_on_increments(run: Callable, tmp_path: Path) -> Non
     assert theirs[50][0] == pytest.approx(ours[50][0], rel=0.02)
 
 
-FREE = [("C3D10", 9, -0.5), ("C3D8", 6, -1.0), ("C3D8I", 6, -1.0), ("C3D20", 5, -0.5)]
+BY_CHANCE = pytest.mark.xfail(strict=False, reason="nodes run off the end of the block: the ninth digit of the load decides whether the job ends")
+FREE = [
+    ("C3D10", 9, -0.5), ("C3D8", 6, -1.0), ("C3D8I", 6, -1.0), ("C3D20", 5, -0.5),
+    pytest.param("C3D10", 6, -1.0, marks=BY_CHANCE), pytest.param("C3D8", 9, -1.0, marks=BY_CHANCE),
+]
 """Beams that are free across, and where their tips go."""
 
 
