@@ -13,7 +13,7 @@ module amontons_audit_motion
   use amontons_lookup, only: integer_list_type
   use amontons_tensor, only: cross_product
   use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
-  use amontons_dense, only: symmetric_eigen, DENSE_OK
+  use amontons_null_space, only: find_null_space, find_null_vectors
   use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, direction_of
@@ -23,6 +23,7 @@ module amontons_audit_motion
   use amontons_audit_bodies, only: complain, warn, step_list, joined, body_type, bodies_type, body_name, &
     find_bodies, find_root, unite
   use amontons_audit_contact, only: is_closed, may_meet_later
+  use amontons_motions, only: simplify, motion_list, is_translation, CLEAN
   implicit none
   private
   public :: check_motions, free_motion
@@ -31,7 +32,6 @@ module amontons_audit_motion
   ! contacts it is the square of a slope: the normals carry the rounding of the coordinates in the deck.
   real(DP), parameter :: SUPPORT_TOLERANCE = 1.0e-12_DP
   real(DP), parameter :: CONTACT_TOLERANCE = 1.0e-10_DP
-  real(DP), parameter :: CLEAN = 1.0e-3_DP         !< a part of a motion smaller than this is not told [-]
 
   !> The motions that the supports of a step leave to each body.
   type :: bases_type
@@ -287,20 +287,6 @@ contains
       if (.not. is_used(k)) gram(k, k) = 1.0_DP
     end do
   end subroutine hold_unused
-
-
-  !> Orthonormal vectors that a Gram matrix maps to (nearly) zero, in the first n columns.
-  subroutine find_null_space(gram, tolerance, n, vectors)
-    real(DP), intent(in) :: gram(:, :)             !< (m, m)
-    real(DP), intent(in) :: tolerance              !< of an eigenvalue over the largest [-]
-    integer, intent(out) :: n
-    real(DP), intent(out) :: vectors(:, :)         !< (m, m)
-    real(DP) :: values(size(gram, 1))
-    integer :: status
-    call symmetric_eigen(gram, values, vectors, status)
-    n = 0
-    if (status == DENSE_OK) n = count(values <= tolerance * values(size(values)))
-  end subroutine find_null_space
 
 
   !> Adds a'u(node) to the row in the making.
@@ -590,111 +576,12 @@ contains
     do i = 1, size(scale)
       gram(:, i) = scale * scale(i) * gram(:, i)
     end do
-    call factorise_pivoted(gram, n, vectors)
+    call find_null_vectors(gram, CONTACT_TOLERANCE, n, vectors)
     do i = 1, n
       vectors(:, i) = scale * vectors(:, i)
       vectors(:, i) = vectors(:, i) / maxval(abs(vectors(:, i)))
     end do
   end subroutine find_scaled_null_space
-
-
-  !> Null vectors of a Gram matrix by Cholesky with the largest pivot first: L11 L11' x1 = -L11 L21' x2 for unit x2.
-  !!
-  !! In a tower of n bodies the smallest pivot falls as 1/n^3, the smallest eigenvalue as 1/n^4: pivots tell a weak hold
-  !! from none in longer towers. Reference: N. J. Higham, Analysis of the Cholesky decomposition of a semi-definite
-  !! matrix, in: Reliable numerical computation, Oxford 1990.
-  pure subroutine factorise_pivoted(gram, n, vectors)
-    real(DP), intent(inout) :: gram(:, :)          !< (m, m), diagonal at most 1; used up: L in the lower triangle
-    integer, intent(out) :: n                      !< m less the rank
-    real(DP), intent(out) :: vectors(:, :)         !< (m, m) the first n columns are set
-    real(DP) :: x(size(gram, 1))
-    integer :: order(size(gram, 1)), m, rank, i, j, k
-    m = size(gram, 1)
-    order = [(i, i=1, m)]
-    do rank = 0, m - 1
-      k = rank + 1
-      i = k - 1 + maxloc([(gram(j, j), j=k, m)], dim=1)
-      if (gram(i, i) <= CONTACT_TOLERANCE) exit
-      order([k, i]) = order([i, k])
-      call exchange(gram, k, i)
-      gram(k:, k) = gram(k:, k) / sqrt(gram(k, k))
-      do j = k + 1, m
-        gram(j:, j) = gram(j:, j) - gram(j, k) * gram(j:, k)
-      end do
-    end do
-    n = m - rank
-    do i = 1, n
-      x = 0.0_DP
-      x(rank + i) = 1.0_DP
-      do k = rank, 1, -1
-        x(k) = -dot_product(gram(k + 1:, k), x(k + 1:)) / gram(k, k)
-      end do
-      vectors(order, i) = x
-    end do
-  end subroutine factorise_pivoted
-
-
-  !> Exchanges two rows and columns, k < i, of a symmetric matrix of which the lower triangle is kept.
-  pure subroutine exchange(a, k, i)
-    real(DP), intent(inout) :: a(:, :)
-    integer, intent(in) :: k, i
-    real(DP) :: row(k - 1), low(size(a, 1) - i), mid(max(i - k - 1, 0)), corner
-    if (k == i) return
-    row = a(k, :k - 1)
-    a(k, :k - 1) = a(i, :k - 1)
-    a(i, :k - 1) = row
-    mid = a(k + 1:i - 1, k)
-    a(k + 1:i - 1, k) = a(i, k + 1:i - 1)
-    a(i, k + 1:i - 1) = mid
-    low = a(i + 1:, k)
-    a(i + 1:, k) = a(i + 1:, i)
-    a(i + 1:, i) = low
-    corner = a(k, k)
-    a(k, k) = a(i, i)
-    a(i, i) = corner
-  end subroutine exchange
-
-
-  !> Takes combinations of the motions that are simple to tell: reduced echelon form, body by body, translations first.
-  pure subroutine simplify(motions)
-    real(DP), intent(inout) :: motions(:, :)       !< (6 members, n) columns
-    real(DP), parameter :: LEAST(2) = [0.1_DP, 0.0_DP]   ! part of a column that its pivot must have, in two passes
-    integer :: pass, row, n
-    n = 0
-    do pass = 1, 2
-      do row = 1, size(motions, 1)
-        if (n == size(motions, 2)) return
-        call take_pivot(row, LEAST(pass), n, motions)
-      end do
-    end do
-  end subroutine simplify
-
-
-  !> Makes a row the pivot of the next motion, if a motion has enough of it: there it is 1, elsewhere 0.
-  pure subroutine take_pivot(row, least, n, motions)
-    integer, intent(in) :: row
-    real(DP), intent(in) :: least                  !< part of the largest entry of the motion
-    integer, intent(inout) :: n                    !< motions that have a pivot
-    real(DP), intent(inout) :: motions(:, :)
-    real(DP) :: column(size(motions, 1)), part, best
-    integer :: j, k
-    best = max(least, CLEAN)
-    k = 0
-    do j = n + 1, size(motions, 2)
-      part = abs(motions(row, j)) / max(maxval(abs(motions(:, j))), tiny(1.0_DP))
-      if (part <= best) cycle
-      best = part
-      k = j
-    end do
-    if (k == 0) return
-    n = n + 1
-    column = motions(:, k) / motions(row, k)
-    motions(:, k) = motions(:, n)
-    motions(:, n) = column
-    do j = 1, size(motions, 2)
-      if (j /= n) motions(:, j) = motions(:, j) - motions(row, j) * column
-    end do
-  end subroutine take_pivot
 
 
   !> One finding for each set of bodies that moves together.
@@ -772,93 +659,6 @@ contains
         'that is held (only friction holds it along the surface).'
     end if
   end function remedy
-
-
-  !> 'move along x and turn about z through its centre': translations first.
-  function motion_list(body, motions, is_listed) result(text)
-    type(body_type), intent(in) :: body
-    real(DP), intent(in) :: motions(:, :)          !< (6, n) t, r
-    logical, intent(in) :: is_listed(:)            !< (n)
-    character(:), allocatable :: text
-    logical :: is_turn(size(is_listed))
-    integer, allocatable :: list(:)
-    integer :: i
-    text = ''
-    if (count(is_listed) == 6) then
-      text = 'move and turn freely'
-      return
-    end if
-    is_turn = [(is_listed(i) .and. .not. is_translation(motions(:, i)), i=1, size(is_listed))]
-    list = [(i, i=1, size(is_listed))]
-    list = [pack(list, is_listed .and. .not. is_turn), pack(list, is_turn)]
-    do i = 1, size(list)
-      text = joined(text, motion_text(body, motions(:, list(i))), i == size(list))
-    end do
-  end function motion_list
-
-
-  !> Whether a motion turns the body by (nearly) nothing.
-  pure logical function is_translation(motion)
-    real(DP), intent(in) :: motion(6)              !< t, r
-    is_translation = norm2(motion(4:)) <= CLEAN * norm2(motion(:3))
-  end function is_translation
-
-
-  !> One motion in words: a translation, or a turn about an axis, or a screw. The axis of u = t + w x (x - c) goes
-  !! through c + (w x t)/w^2.
-  function motion_text(body, motion) result(text)
-    type(body_type), intent(in) :: body
-    real(DP), intent(in) :: motion(6)              !< t, r
-    character(:), allocatable :: text
-    real(DP) :: t(3), axis(3), turn, offset(3)
-    t = motion(:3)
-    turn = norm2(motion(4:)) / body%size
-    if (is_translation(motion)) then
-      text = 'move along ' // direction_text(t / norm2(t))
-      return
-    end if
-    axis = motion(4:) / norm2(motion(4:))
-    offset = cross_product(axis, t) / turn
-    text = 'turn about ' // direction_text(axis)
-    if (norm2(offset) <= CLEAN * body%size) then
-      text = text // ' through its centre'
-    else
-      text = text // ' through the point ' // vector_text(body%centre + offset, 1.0e-3_DP * body%size)
-    end if
-    if (abs(dot_product(axis, t)) > CLEAN * turn * body%size) text = text // ' while it moves along it'
-  end function motion_text
-
-
-  !> 'x', 'y', 'z', or '(0.6, 0.8, 0)'.
-  function direction_text(direction) result(text)
-    real(DP), intent(in) :: direction(3)           !< unit vector
-    character(:), allocatable :: text
-    integer :: k
-    k = maxloc(abs(direction), dim=1)
-    if (abs(direction(k)) > 1 - 0.5_DP * CLEAN**2) then
-      text = 'xyz'
-      text = text(k:k)
-    else
-      text = vector_text(sign(1.0_DP, direction(k)) * direction, 1.0e-3_DP)
-    end if
-  end function direction_text
-
-
-  !> '(1, 2.5, 0)', each number rounded to a power of ten not larger than the unit.
-  function vector_text(vector, unit) result(text)
-    real(DP), intent(in) :: vector(3)
-    real(DP), intent(in) :: unit                   !< about what matters
-    character(:), allocatable :: text
-    real(DP) :: step
-    integer :: k
-    step = 10.0_DP**floor(log10(unit) + 1.0e-9_DP)
-    text = '('
-    do k = 1, 3
-      text = text // text_of(step * anint(vector(k) / step))
-      if (k < 3) text = text // ', '
-    end do
-    text = text // ')'
-  end function vector_text
 
 
   !> Adds a finding, or its step to one that says the same.

@@ -18,6 +18,7 @@ uses_journal = kinds errors text history posix
 uses_sparse = kinds errors
 uses_blas = kinds
 uses_dense = kinds blas
+uses_null_space = kinds dense
 uses_partition = errors sparse
 uses_factor = kinds errors sparse
 uses_krylov = kinds errors sparse
@@ -127,7 +128,8 @@ uses_system = kinds errors history posix sparse surfaces steps model rows symmet
 uses_direction = kinds errors history sparse factor krylov sprung steps model state constraints condensed skew assembly applied bonds damping contact_tangent contact_matrices reduced system
 uses_audit_bodies = kinds errors text topology mesh model element
 uses_audit_contact = kinds errors text lookup topology surfaces loads model state contact audit_bodies
-uses_audit_motion = kinds errors text lookup tensor dense topology surfaces steps model rows state contact audit_bodies audit_contact
+uses_motions = kinds text tensor audit_bodies
+uses_audit_motion = kinds errors text lookup tensor null_space topology surfaces steps model rows state contact audit_bodies audit_contact motions
 uses_audit = kinds errors text lookup topology loads steps model element rows state constraints bonds contact audit_bodies audit_contact audit_motion
 
 # 6 solution: the increment, the steps, the results
