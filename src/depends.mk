@@ -145,8 +145,10 @@ uses_stepper = kinds steps converge
 uses_columns = kinds errors history store
 uses_inventory = kinds errors version profiles history store topology mesh materials surfaces steps model analytic columns
 uses_results = kinds errors tensor history store mesh materials steps model state derived columns inventory
-uses_printed = kinds errors text tensor history posix topology mesh materials steps model state derived
-uses_frd = kinds errors version text lookup history posix dense topology mesh steps model shapes state derived printed
+uses_dat_surfaces = kinds text tensor topology steps model state derived
+uses_dat = kinds text tensor topology mesh materials steps model state derived dat_surfaces
+uses_printed = kinds errors history posix steps model state dat
+uses_frd = kinds errors version text lookup history posix dense topology mesh steps model shapes state derived dat_surfaces dat
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state reduced system newton stepper

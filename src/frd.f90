@@ -28,7 +28,8 @@ module amontons_frd
   use amontons_state, only: inelastic_strain, inner_variables, n_inner_variables, fields_type, slave_type, STATUS_OPEN
   use amontons_derived, only: average_at_nodes, estimate_error, list_followers, mechanical_strain, nodal_slaves, n_nodal_slaves, &
     show_sides, shown_density, shown_energy, shown_slip, turn_trusses
-  use amontons_printed, only: contact_axes, in_axes, in_directions, printed_forces
+  use amontons_dat, only: in_axes, in_directions, printed_forces
+  use amontons_dat_surfaces, only: contact_axes
   use amontons_version, only: VERSION
   implicit none
   private
