@@ -28,6 +28,7 @@ module amontons_mortar
   real(DP), parameter :: NOTHING = 1.0e-9_DP       !< with less than this it does not count at all [-]
   real(DP), parameter :: ALIKE = 0.5_DP            !< of the best cover of the vertices of a node: another is covered like it [-]
   real(DP), parameter :: BEYOND = 0.1_DP           !< a slave node is over a master facet up to this part of an edge beyond it [-]
+  real(DP), parameter :: LEFT = 0.2_DP             !< one that was over it in the increment, up to this part [-]
   real(DP), parameter :: FADED = 0.2_DP            !< under a compliant law its part goes over to others up to this one [-]
 
   !> Where a slave node is against its master.
@@ -68,6 +69,7 @@ module amontons_mortar
     logical :: is_alone = .true.                   !< its nodes are slaves of no other exact pair
     integer, allocatable :: twins(:, :)            !< (2, n) rows of nodes, and of those that are bound to them by an equation
     logical, allocatable :: has_touched(:)         !< (n) closed when the increment began
+    logical, allocatable :: was_over(:)            !< (n) over a master in the increment
     logical :: is_soft = .false.                   !< its law is compliant
     real(DP), allocatable :: beyond(:)             !< (n) what a node gives to others: 0 over the master, 1 beyond its edge [-]
     type(cuts_type) :: cuts                        !< of which the rows are made
@@ -96,7 +98,7 @@ contains
     n = size(nodes)
     mortar%nodes = nodes
     allocate (mortar%places(n), mortar%rows(n), mortar%origins(n))
-    allocate (mortar%has_touched(n), source=.false.)
+    allocate (mortar%has_touched(n), mortar%was_over(n), source=.false.)
     allocate (mortar%twins(2, 0))
     of_node = 0
     of_node(nodes) = [(k, k=1, n)]
@@ -350,6 +352,7 @@ contains
     do f = 1, mortar%slave%n
       call mark_over(mortar, f, master, x)
     end do
+    mortar%was_over = mortar%was_over .or. mortar%beyond <= 0.0_DP
     if (.not. mortar%is_soft) call keep_islands(mortar)
     call fill_rows(mortar, master, x)
     do f = 1, size(mortar%twins, 2)
@@ -437,7 +440,7 @@ contains
             if (part**2 * (3 - 2 * part) >= mortar%beyond(j)) cycle
             mortar%beyond(j) = part**2 * (3 - 2 * part)
             mortar%edges(:, j) = [f, i, cover%segments(k)%master, edge]
-          else if (distance <= BEYOND) then
+          else if (distance <= merge(LEFT, BEYOND, mortar%was_over(j))) then
             mortar%beyond(j) = 0.0_DP
           end if
         end do
