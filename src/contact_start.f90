@@ -5,7 +5,7 @@ module amontons_contact_start
   use amontons_topology, only: MAX_FACE_NODES
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, state_type, create_state
+  use amontons_state, only: fields_type, slave_type, GRIP_FIRM, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, state_type, create_state
   use amontons_rows, only: facet_weights
   use amontons_areas, only: face_area, depth_of, sum_shares
   use amontons_gap, only: excess_over_edges
@@ -76,6 +76,8 @@ contains
         call ramp_interference(contact, is_step_start, fields, slave)
         if (is_new .and. slave%facet > 0 .and. slave%gap <= TOUCH * contact%edge(p)) slave%status = STATUS_STICK
         slave%scenario = 0
+        if (slave%grip /= GRIP_FIRM .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! where it slid to
+        slave%grip = GRIP_FIRM
         slave%slip_increment = 0.0_DP
         slave%origin_facet = 0
         if (slave%status /= STATUS_OPEN) call set_origin(contact, model, fields%u, slave%facet, slave%xi, slave)

@@ -4,10 +4,11 @@ module amontons_slaves
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type, is_compliant
   use amontons_compliance, only: law_pressure
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, GRIP_FIRM, GRIP_LOOSE, &
+    GRIP_LOST, GRIP_TRIED, GRIP_GONE
   implicit none
   private
-  public :: slip_view_type, lose_master, set_force, set_view, rounding_force, commit_slip
+  public :: slip_view_type, lose_master, loosen_grip, is_grip_lost, set_force, set_view, rounding_force, commit_slip
 
   !> What the slip procedure looks at, for all slave nodes at one configuration.
   type :: slip_view_type
@@ -30,6 +31,28 @@ contains
     slave%shear = 0.0_DP
     slave%energy = 0.0_DP
   end subroutine lose_master
+
+
+  !> A node of surfaces that never slip is pulled off: the second time in an increment it has lost its grip, and after that was tried
+  !! again for good.
+  elemental subroutine loosen_grip(slave)
+    type(slave_type), intent(inout) :: slave
+    select case (slave%grip)
+    case (GRIP_FIRM)
+      slave%grip = GRIP_LOOSE
+    case (GRIP_LOOSE)
+      slave%grip = GRIP_LOST
+    case (GRIP_TRIED)
+      slave%grip = GRIP_GONE
+    end select
+  end subroutine loosen_grip
+
+
+  !> Whether a node of surfaces that never slip has lost its grip in this increment: where it touches it slides without friction.
+  elemental logical function is_grip_lost(slave)
+    type(slave_type), intent(in) :: slave
+    is_grip_lost = slave%grip == GRIP_LOST .or. slave%grip == GRIP_GONE
+  end function is_grip_lost
 
 
   !> Normal and tangential contact force on the slave by its status.
