@@ -133,7 +133,7 @@ uses_audit_motion = kinds errors text lookup tensor null_space topology surfaces
 uses_audit = kinds errors text lookup topology loads steps model element rows state constraints bonds contact audit_bodies audit_contact audit_motion
 
 # 6 solution: the increment, the steps, the results
-uses_travel = kinds tensor topology model facets analytic rows state contact
+uses_travel = kinds tensor topology model facets search analytic rows state contact
 uses_converge = kinds steps
 uses_forensics = kinds state
 uses_cycles = kinds surfaces gap state contact forensics

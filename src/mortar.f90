@@ -47,7 +47,8 @@ module amontons_mortar
 
   !> The cuts of a whole slave surface, and what is covered of it.
   type :: cuts_type
-    real(DP), allocatable :: x(:, :)               !< (3, n_nodes) coordinates where they were made [length]
+    integer, allocatable :: nodes(:)               !< of both surfaces, each once
+    real(DP), allocatable :: x(:, :)               !< (3, size(nodes)) their coordinates where the cuts were made [length]
     type(cover_type), allocatable :: covers(:)     !< (n_facets)
     real(DP), allocatable :: area(:)               !< (n_vertices) what is covered of a vertex [length^2]
     real(DP), allocatable :: whole(:)              !< (n_vertices) all of it [length^2]
@@ -346,7 +347,7 @@ contains
     integer :: f
     if (.not. mortar%is_made) mortar%bases = mortar%rows
     is_cut = allocated(mortar%cuts%x) .and. .not. is_search_new
-    if (is_cut) is_cut = all(abs(mortar%cuts%x - x) <= 0.0_DP)
+    if (is_cut) is_cut = all(abs(mortar%cuts%x - x(:, mortar%cuts%nodes)) <= 0.0_DP)
     if (.not. is_cut) call cut_facets(mortar, master, search, x, reach)
     mortar%beyond = merge(0.0_DP, 1.0_DP, (mortar%has_touched .and. .not. mortar%is_soft) .or. .not. mortar%is_alone)
     do f = 1, mortar%slave%n
@@ -368,8 +369,15 @@ contains
     type(facets_type), intent(in) :: master
     type(search_type), intent(in) :: search
     real(DP), intent(in) :: x(:, :), reach
+    logical :: is_used(size(x, 2))
     integer :: f
-    mortar%cuts%x = x
+    if (.not. allocated(mortar%cuts%nodes)) then
+      is_used = .false.
+      is_used(mortar%slave%nodes) = .true.
+      is_used(master%nodes) = .true.
+      mortar%cuts%nodes = pack([(f, f=1, size(is_used))], is_used)
+    end if
+    mortar%cuts%x = x(:, mortar%cuts%nodes)
     if (.not. allocated(mortar%cuts%covers)) allocate (mortar%cuts%covers(mortar%slave%n), &
       mortar%cuts%area(mortar%slave%n_vertices), mortar%cuts%whole(mortar%slave%n_vertices))
     mortar%cuts%area = 0.0_DP

@@ -9,6 +9,7 @@ module amontons_travel
   use amontons_contact, only: contact_type, touching_row
   use amontons_tensor, only: cross_product
   use amontons_facets, only: facets_type, facet_nodes, is_line
+  use amontons_search, only: search_type, build_search, near_facets
   use amontons_topology, only: MAX_FACE_NODES, FACET_TRI3, FACET_TRI6
   implicit none
   private
@@ -67,12 +68,13 @@ contains
   !! a node that stood before its master and is now out of sight behind the point where it stood, deeper than the search looks
   !! (over the edge of the master too: the path between is not known); and a node that the search does not see, or sees
   !! before another side of the master, or that came from out of sight, whose straight way goes through a facet from the front.
-  pure integer function passed_through(contact, x_old, x_new, old, new) result(found)
+  integer function passed_through(contact, x_old, x_new, old, new) result(found)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) at the start and at the end of the increment [length]
     type(slave_type), intent(in) :: old(:)         !< (n_slaves) at the start of the increment
     type(slave_type), intent(in) :: new(:)         !< (n_slaves) at its end
     type(contact_row_type) :: row
+    type(search_type) :: search(size(contact%facets))
     integer :: s
     do found = 1, size(new)
       s = found
@@ -83,10 +85,48 @@ contains
         if (dot_product(old(s)%normal, relative_position(row, x_new)) < -OUT_OF_SIGHT * contact%edge(old(s)%pair)) return
       end if
       if (contact%is_small(new(s)%pair) .or. .not. is_suspect(old(s), new(s))) cycle
-      if (has_crossed(contact%facets(new(s)%pair), x_old, x_new, new(s)%node)) return
+      associate (facets => contact%facets(new(s)%pair), near => search(new(s)%pair))
+        if (allocated(facets%profile)) cycle       ! it has no facets of this kind; nothing crosses it here
+        if (.not. allocated(near%first)) call build_search(facets, x_new, &
+          farthest_way(facets, pack(new%node, new%pair == new(s)%pair), x_old, x_new), near)
+        if (has_crossed(facets, near, x_old, x_new, new(s)%node)) return
+      end associate
     end do
     found = 0
   end function passed_through
+
+
+  !> How far from a facet a node may end at most that has crossed it: what both moved, apart from the mean motion of the facets, and
+  !! what the mean planes of facets are beside their corners.
+  pure real(DP) function farthest_way(facets, nodes, x_old, x_new) result(farthest)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: nodes(:)                !< slave nodes
+    real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) [length]
+    real(DP) :: mean(3), warp
+    integer :: f
+    mean = sum(x_new(:, facets%nodes) - x_old(:, facets%nodes), dim=2) / real(size(facets%nodes), DP)
+    warp = 0.0_DP
+    do f = 1, facets%n
+      if (n_corners(facets%kind(f)) < 4) cycle
+      associate (corner => x_new(:, facets%nodes(facets%first(f):facets%first(f) + 3)))
+        warp = max(warp, norm2(corner(:, 1) - corner(:, 2) + corner(:, 3) - corner(:, 4)) / 4)
+      end associate
+    end do
+    farthest = warp + longest_way(facets%nodes) + longest_way(nodes)
+
+  contains
+
+    !> The longest way of some nodes beside the mean one.
+    pure real(DP) function longest_way(some) result(longest)
+      integer, intent(in) :: some(:)
+      integer :: i
+      longest = 0.0_DP
+      do i = 1, size(some)
+        longest = max(longest, norm2(x_new(:, some(i)) - x_old(:, some(i)) - mean))
+      end do
+    end function longest_way
+
+  end function farthest_way
 
 
   !> Whether a node may have passed through its master: it does not touch, and is not on the side where it stood.
@@ -98,16 +138,17 @@ contains
 
 
   !> Whether a point stood clearly before a facet and has come behind it, through it: straight, as the facet moves with its middle.
-  !! Cost: linear in the facets. An analytic master has no facets of this kind; nothing crosses it here.
-  pure logical function has_crossed(facets, x_old, x_new, node)
+  logical function has_crossed(facets, search, x_old, x_new, node)
     type(facets_type), intent(in) :: facets
+    type(search_type), intent(in) :: search        !< at x_new, with the margin `farthest_way`
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) coordinates [length]
     integer, intent(in) :: node                    !< the point
-    integer :: f
+    integer, allocatable :: list(:)
+    integer :: i, n
+    call near_facets(search, x_new(:, node), list, n)
     has_crossed = .false.
-    if (allocated(facets%profile)) return
-    do f = 1, facets%n
-      has_crossed = crosses_facet(facets, x_old, x_new, node, f)
+    do i = 1, n
+      has_crossed = crosses_facet(facets, x_old, x_new, node, list(i))
       if (has_crossed) return
     end do
   end function has_crossed
