@@ -243,34 +243,41 @@ contains
     type(slave_type), allocatable, intent(inout) :: slaves(:)
     real(DP), allocatable :: area_vector(:, :), area(:)
     integer, allocatable :: corners(:, :)          ! (2, n_nodes) the corners of a mid-side node
-    type(slave_type) :: slave
-    integer :: i, f, node
+    logical, allocatable :: follows(:)             ! (n_nodes) it is a follower of another pair
+    integer, allocatable :: followers(:)           ! of this pair
+    type(slave_type), allocatable :: added(:)
+    integer :: i, f, n, node, memory
     logical :: is_soft
     is_soft = is_compliant(contact%laws(pair)) .or. model%pairs(pair)%is_mortar
     associate (mesh => model%mesh, surface => model%surfaces(model%pairs(pair)%slave))
       allocate (area_vector(3, mesh%n_nodes), area(mesh%n_nodes), source=0.0_DP)
       allocate (corners(2, mesh%n_nodes), source=0)
+      allocate (follows(mesh%n_nodes), source=.false.)
+      follows(contact%follower(1, :)) = .true.
+      allocate (followers(0), added(size(surface%nodes)))
       if (.not. surface%is_node_based) then
         do f = 1, size(surface%element)
           call add_face_areas(mesh, surface%element(f), surface%face(f), is_soft, area_vector, area, corners)
         end do
       end if
+      memory = amplitude_memory(model)
+      if (size(slaves) > 0) memory = slaves(size(slaves))%memory + contact%laws(slaves(size(slaves))%pair)%n_statev
+      n = 0
       do i = 1, size(surface%nodes)
         node = surface%nodes(i)
         if (is_soft .and. .not. surface%is_node_based .and. area(node) <= 0.0_DP .and. .not. model%pairs(pair)%is_mortar) cycle
-        if (corners(1, node) > 0) then
-          if (any(contact%follower(1, :) == node)) cycle   ! of another pair
-          contact%follower = reshape([contact%follower, [node, corners(:, node)]], [3, size(contact%follower, 2) + 1])
-          cycle
-        end if
-        slave = slave_type(pair=pair, node=node, area=merge(1.0_DP, area(node), surface%is_node_based))
-        if (model%pairs(pair)%is_mortar) slave%row = i
-        slave%memory = amplitude_memory(model)
-        if (size(slaves) > 0) slave%memory = slaves(size(slaves))%memory + contact%laws(slaves(size(slaves))%pair)%n_statev
-        slaves = [slaves, slave]
-        contact%slave_normal = reshape([contact%slave_normal, &
-          area_vector(:, node) / max(norm2(area_vector(:, node)), tiny(1.0_DP))], [3, size(slaves)])
+        if (corners(1, node) > 0) cycle
+        n = n + 1
+        added(n) = slave_type(pair=pair, node=node, area=merge(1.0_DP, area(node), surface%is_node_based), memory=memory)
+        if (model%pairs(pair)%is_mortar) added(n)%row = i
+        memory = memory + contact%laws(pair)%n_statev
       end do
+      followers = pack(surface%nodes, corners(1, surface%nodes) > 0 .and. .not. follows(surface%nodes))
+      contact%follower = reshape([contact%follower, [(followers(i), corners(:, followers(i)), i=1, size(followers))]], &
+        [3, size(contact%follower, 2) + size(followers)])
+      slaves = [slaves, added(:n)]
+      contact%slave_normal = reshape([contact%slave_normal, (area_vector(:, added(i)%node) &
+        / max(norm2(area_vector(:, added(i)%node)), tiny(1.0_DP)), i=1, n)], [3, size(slaves)])
     end associate
   end subroutine append_slaves
 
