@@ -150,10 +150,23 @@ contains
       if (is_card(reader, c, 'KINEMATICCOUPLING')) call read_kinematic(reader, model, c)
       if (is_card(reader, c, 'TIE')) call read_tie(reader, model, c)
     end do
+    call free_idle(model)
     call check_carried(reader, model)
     if (allocated(model%frame_of)) model%frame_of = [model%frame_of, &
       spread(0, 1, model%mesh%n_nodes - size(model%frame_of))]
   end subroutine read_bonds
+
+
+  !> Nodes of plane and axisymmetric elements do not leave their plane: the body that binds them alone has nothing that could hold
+  !! its reference node there, and need not bind them.
+  subroutine free_idle(model)
+    type(model_type), intent(inout) :: model
+    integer :: i
+    do i = 1, size(model%bonds)
+      if (model%bonds(i)%kind /= BOND_BODY .or. allocated(model%bonds(i)%axes)) cycle
+      if (all(model%mesh%is_idle(3, model%bonds(i)%node))) model%bonds(i)%is_bound(3) = .false.
+    end do
+  end subroutine free_idle
 
 
   !> RIGID BODY: the nodes of a node set or of an element set, and a reference node.

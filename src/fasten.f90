@@ -4,11 +4,12 @@ module amontons_fasten
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_tensor, only: cross_product, invert, IDENTITY
-  use amontons_topology, only: kind_type, element_kind, MAX_FACE_NODES
+  use amontons_topology, only: kind_type, element_kind, MAX_FACE_NODES, FAMILY_AXISYMMETRIC
+  use amontons_areas, only: node_areas, depth_of
   use amontons_loads, only: equation_type
   use amontons_ties, only: tie_type, spread_type
   use amontons_model, only: model_type, append_equation
-  use amontons_shapes, only: facet_shapes, facet_quadrature, MAX_FACET_POINTS
+  use amontons_shapes, only: facet_shapes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_search, only: search_type, build_search
   use amontons_gap, only: projection_type, find_projection, fixed_point, PROJECT_ON
@@ -244,22 +245,27 @@ contains
     real(DP) :: centre(3), arm(3), mean(3, 3)
     integer, allocatable :: nodes(:), node(:), dof(:)
     integer :: i, k, n
-    logical :: is_ok
+    logical :: is_ok, is_plane
     nodes = model%surfaces(spread_out%surface)%nodes
     n = size(nodes)
     call share_area(model, spread_out%surface, weight)
-    call mean_rotation(model%mesh%coordinates(:, nodes), weight, centre, turn, is_ok)
+    is_plane = all(model%mesh%is_idle(3, nodes))
+    call mean_rotation(model%mesh%coordinates(:, nodes), weight, is_plane, centre, turn, is_ok)
     if (.not. is_ok) then
       call set_error(error, EXIT_SETUP, 'The nodes of the surface of a *DISTRIBUTING coupling lie on a line; a ' // &
         'rotation cannot be spread over them.')
-      return
+    else if (is_axisymmetric(model, spread_out%surface)) then
+      call set_error(error, EXIT_SETUP, 'A *DISTRIBUTING coupling is of a surface of axisymmetric elements, which ' // &
+        'have no mean rigid motion but along their axis; an *EQUATION can bind the mean displacement along it.')
     end if
+    if (allocated(error)) return
     arm = model%mesh%coordinates(:, spread_out%reference) - centre
     node = [0, [(spread(nodes(i), 1, 3), i=1, n)]]
     dof = [0, [(1, 2, 3, i=1, n)]]
     coefficient = [(1.0_DP, i=0, 3 * n)]
     do k = 1, 6
       if (k > 3 .and. .not. spread_out%is_bound(modulo(k - 1, 3) + 1)) cycle
+      if (is_plane .and. any(k == [3, 4, 5])) cycle
       node(1) = merge(spread_out%reference, spread_out%rotation, k <= 3)
       dof(1) = modulo(k - 1, 3) + 1
       do i = 1, n
@@ -272,15 +278,28 @@ contains
   end subroutine fasten_spread
 
 
+  !> Whether a surface has axisymmetric elements.
+  pure logical function is_axisymmetric(model, surface)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: surface
+    type(kind_type) :: kind
+    integer :: i
+    is_axisymmetric = .false.
+    do i = 1, size(model%surfaces(surface)%element)
+      kind = element_kind(model%mesh%kind(model%surfaces(surface)%element(i)))
+      is_axisymmetric = is_axisymmetric .or. kind%family == FAMILY_AXISYMMETRIC
+    end do
+  end function is_axisymmetric
+
+
   !> The share of each node of a surface in its area, by the shape functions.
   subroutine share_area(model, surface, weight)
     type(model_type), intent(in) :: model
     integer, intent(in) :: surface
     real(DP), allocatable, intent(out) :: weight(:)   !< of surface%nodes, sum 1
     type(kind_type) :: kind
-    real(DP) :: of_node(model%mesh%n_nodes), xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
-    real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), area
-    integer :: i, q, n, n_points, e
+    real(DP) :: of_node(model%mesh%n_nodes)
+    integer :: i, e
     integer, allocatable :: nodes(:)
     of_node = 0.0_DP
     associate (faces => model%surfaces(surface), mesh => model%mesh)
@@ -289,14 +308,7 @@ contains
         kind = element_kind(mesh%kind(e))
         associate (local => kind%face_nodes(:, faces%face(i)), facet => kind%face_kind(faces%face(i)))
           nodes = mesh%nodes(mesh%first(e) - 1 + pack(local, local > 0))
-          n = size(nodes)
-          call facet_quadrature(facet, n_points, xi, w)
-          do q = 1, n_points
-            call facet_shapes(facet, xi(:, q), N_i, dN, ddN)
-            area = w(q) * norm2(cross_product(matmul(mesh%coordinates(:, nodes), dN(1, :n)), &
-              matmul(mesh%coordinates(:, nodes), dN(2, :n))))
-            of_node(nodes) = of_node(nodes) + area * N_i(:n)
-          end do
+          of_node(nodes) = of_node(nodes) + node_areas(mesh%coordinates(:, nodes), facet, depth_of(mesh, e))
         end associate
       end do
       weight = of_node(faces%nodes) / sum(of_node(faces%nodes))
@@ -315,10 +327,11 @@ contains
   end function turned_cross
 
 
-  !> The centre of weighted nodes, and the matrices with mean rotation t = sum turn_i u_i.
-  pure subroutine mean_rotation(x, weight, centre, turn, is_ok)
+  !> The centre of weighted nodes, and the matrices with mean rotation t = sum turn_i u_i. In the plane nodes turn about z alone.
+  pure subroutine mean_rotation(x, weight, is_plane, centre, turn, is_ok)
     real(DP), intent(in) :: x(:, :)              !< (3, n) [length]
     real(DP), intent(in) :: weight(:)            !< (n) sum 1
+    logical, intent(in) :: is_plane
     real(DP), intent(out) :: centre(3)
     real(DP), allocatable, intent(out) :: turn(:, :, :)   !< (3, 3, n) [1/length]
     logical, intent(out) :: is_ok
@@ -333,6 +346,7 @@ contains
         J_matrix(:, k) = J_matrix(:, k) - weight(i) * r * r(k)
       end do
     end do
+    if (is_plane) J_matrix = J_matrix(3, 3) * IDENTITY
     size2 = J_matrix(1, 1) + J_matrix(2, 2) + J_matrix(3, 3)
     call invert(J_matrix, inverse, det)
     allocate (turn(3, 3, size(weight)))

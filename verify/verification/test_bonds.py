@@ -189,6 +189,54 @@ def two_cubes(shift: float) -> str:
     )
 
 
+PLANE_CUBE = """*NODE, NSET=ALL
+1, 0., 0.
+2, 1., 0.
+3, 1., 1.
+4, 0., 1.
+9, 0.5, 2.
+*ELEMENT, TYPE=%s, ELSET=E
+1, 1, 2, 3, 4
+*NSET, NSET=TOP
+3, 4
+*SURFACE, NAME=UP
+1, S3
+"""
+IN_THE_PLANE = {
+    "rigid body": "*RIGID BODY, NSET=TOP, REF NODE=9\n",
+    "kinematic": "*COUPLING, CONSTRAINT NAME=C, REF NODE=9, SURFACE=UP\n*KINEMATIC\n",
+    "distributing": "*COUPLING, CONSTRAINT NAME=C, REF NODE=9, SURFACE=UP\n*DISTRIBUTING\n",
+}
+
+
+def plane_job(card: str, kind: str) -> str:
+    """A square on two supports with a reference node above it, which is pushed to the side and down; nothing holds it along z."""
+    loads = "*BOUNDARY\n1, 1, 2\n2, 1, 2\n*CLOAD\n9, 1, 5.\n9, 2, -3.\n"
+    step = f"*STEP\n*STATIC\n{TIGHT}{loads}{PRINT.replace('SHOWN', 'ALL')}*END STEP\n"
+    return f"{PLANE_CUBE % kind}{IN_THE_PLANE[card]}{MATERIAL}1.\n{step}"
+
+
+@pytest.mark.parametrize("kind", ["CPE4", "CPS4"])
+@pytest.mark.parametrize("card", IN_THE_PLANE)
+def test_reference_node_of_a_plane_model(run_deck: Run, tmp_path: Path, card: str, kind: str) -> None:
+    """It moves with the mean rigid motion of the top, u = u_c + t x (X - c), and its load comes to the supports by statics."""
+    assert run_deck("** dialect: abaqus\n" + plane_job(card, kind)).returncode == 0
+    u, force = read_rows(tmp_path, "displacements"), read_rows(tmp_path, "forces")
+    t = u[3][1] - u[4][1]
+    expected = [(u[3][0] + u[4][0]) / 2 - t, (u[3][1] + u[4][1]) / 2, 0.0]
+    assert u[9] == pytest.approx(expected, abs=TOLERANCE * abs(u[9][0]))
+    assert force[1][0] + force[2][0] == pytest.approx(-5.0, rel=TOLERANCE)
+    assert force[2][1] == pytest.approx(3.0 / 2 + 5.0 * 2, rel=TOLERANCE)  # moment about node 1: 3 x 0.5 + 5 x 2
+    assert force[1][1] == pytest.approx(3.0 / 2 - 5.0 * 2, rel=TOLERANCE)
+
+
+def test_distributing_of_axisymmetric_faces(run_deck: Run) -> None:
+    """They have no mean rigid motion."""
+    run = run_deck("** dialect: abaqus\n" + plane_job("distributing", "CAX4"))
+    assert run.returncode != 0
+    assert "DISTRIBUTING coupling is of a surface of axisymmetric elements" in run.stdout + run.stderr
+
+
 def test_tie(run_deck: Run, tmp_path: Path) -> None:
     """Two cubes tied, turned rigidly and pulled by displacement: tied nodes are on the facet, also after ADJUST."""
     cards = two_cubes(0.01) + "*TIE, NAME=T\nLOW, UP\n"
