@@ -17,6 +17,7 @@ module amontons_travel
 
   real(DP), parameter :: OUT_OF_SIGHT = 3.0_DP    !< a node deeper than this times the longest edge of its master is not found [-]
 
+  real(DP), parameter :: ALONG = 0.25_DP           !< a way less steep than this that ends beyond the border led over it [-]
   real(DP), parameter :: IN_FRONT = 1.0e-3_DP      !< nearer than this times its edge a point did not stand before it [-]
 
 contains
@@ -67,7 +68,8 @@ contains
   !> The first slave that has passed through its master within the increment; 0 if there is none. Two signs are looked for:
   !! a node that stood before its master and is now out of sight behind the point where it stood, deeper than the search looks
   !! (over the edge of the master too: the path between is not known); and a node that the search does not see, or sees
-  !! before another side of the master, or that came from out of sight, whose straight way goes through a facet from the front.
+  !! before another side of the master, or that came from out of sight, whose straight way goes through a facet from the front
+  !! (but for one that slides along the master and over its edge, see ALONG).
   integer function passed_through(contact, x_old, x_new, old, new) result(found)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) at the start and at the end of the increment [length]
@@ -145,23 +147,29 @@ contains
     integer, intent(in) :: node                    !< the point
     integer, allocatable :: list(:)
     integer :: i, n
+    real(DP) :: steepness
     call near_facets(search, x_new(:, node), list, n)
     has_crossed = .false.
     do i = 1, n
-      has_crossed = crosses_facet(facets, x_old, x_new, node, list(i))
-      if (has_crossed) return
+      steepness = crossing(facets, list(i), x_old, x_new, node)
+      if (steepness <= 0.0_DP) cycle
+      if (steepness < ALONG .and. .not. is_over(facets, list(:n), x_new, node)) cycle
+      has_crossed = .true.
+      return
     end do
   end function has_crossed
 
 
-  !> The same of one facet: through the mean plane of its corners, and behind it by more than the facet is bent or warped.
-  pure logical function crosses_facet(facets, x_old, x_new, node, f) result(does)
+  !> The same of one facet: through the mean plane of its corners, and behind it by more than the facet is bent or warped. The part
+  !! of the way that leads along the normal [-]; 0 where it does not cross the facet.
+  pure real(DP) function crossing(facets, f, x_old, x_new, node) result(steepness)
     type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)
-    integer, intent(in) :: node, f
+    integer, intent(in) :: node
     real(DP) :: start(3), way(3), normal(3), centre(3), before, behind, corner(3, 4)
     integer :: n, m, nodes(MAX_FACE_NODES)
-    does = .false.
+    steepness = 0.0_DP
     call facet_nodes(facets, f, n, nodes)
     m = n_corners(facets%kind(f))
     corner(:, :m) = x_new(:, nodes(:m))
@@ -175,8 +183,29 @@ contains
     behind = -dot_product(normal, x_new(:, node) - centre)
     if (before <= IN_FRONT * facets%edge_length(f)) return
     if (behind <= maxval(abs(matmul(normal, x_new(:, nodes(:n)) - spread(centre, 2, n))))) return
-    does = is_inside(start + before / (before + behind) * way, corner(:, :m), normal, is_line(facets%kind(f)))
-  end function crosses_facet
+    if (is_inside(start + before / (before + behind) * way, corner(:, :m), normal, is_line(facets%kind(f)))) &
+      steepness = (before + behind) / norm2(way)
+  end function crossing
+
+
+  !> Whether a point is before or behind one of some facets: along its normal it meets the facet.
+  pure logical function is_over(facets, list, x, node)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: list(:)
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    integer, intent(in) :: node                    !< the point
+    real(DP) :: corner(3, 4)
+    integer :: i, m, n, nodes(MAX_FACE_NODES)
+    is_over = .false.
+    do i = 1, size(list)
+      call facet_nodes(facets, list(i), n, nodes)
+      m = n_corners(facets%kind(list(i)))
+      corner(:, :m) = x(:, nodes(:m))
+      is_over = is_inside(x(:, node), corner(:, :m), plane_normal(corner(:, :m), is_line(facets%kind(list(i)))), &
+        is_line(facets%kind(list(i))))
+      if (is_over) return
+    end do
+  end function is_over
 
 
   !> Unit normal of the mean plane of the corners, outward; 0 where they have no area [-].

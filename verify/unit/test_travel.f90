@@ -45,11 +45,13 @@ contains
   end subroutine make_pair
 
 
-  !> Ways of all lengths and directions, with a master that moves too: through its plane within its border, and from the front.
+  !> Ways of all lengths and directions, with a master that moves too: through its plane within its border, and from the front. One
+  !! that runs along it, by less than a quarter of its length towards it, and ends beyond the border, led over the border.
   subroutine check_ways(suite, kind, motion)
     type(suite_type), intent(inout) :: suite
     integer, intent(in) :: kind
     real(DP), intent(in) :: motion(3)              !< of the master [length]
+    real(DP), parameter :: EXTENT(2) = [9.0_DP, 7.0_DP]   ! of the master [length]
     real(DP), parameter :: SIZE_OF(3) = [12.0_DP, 10.0_DP, 8.0_DP], CORNER(3) = [1.5_DP, 1.5_DP, 4.0_DP]   ! of where ways are [length]
     type(mesh_type) :: mesh
     type(contact_type) :: contact
@@ -71,7 +73,8 @@ contains
       if (min(abs(from(3)), abs(to(3))) < 0.01_DP) cycle   ! nearer than that a node did not stand before a facet
       part = from(3) / (from(3) - to(3))
       place = from(:2) + part * (to(:2) - from(:2))
-      is_through = from(3) > 0.0_DP .and. to(3) < 0.0_DP .and. all(place > 0.0_DP .and. place < [9.0_DP, 7.0_DP])
+      is_through = from(3) > 0.0_DP .and. to(3) < 0.0_DP .and. all(place > 0.0_DP .and. place < EXTENT)
+      if (from(3) - to(3) < 0.25_DP * norm2(to - from)) is_through = is_through .and. all(to(:2) > 0.0_DP .and. to(:2) < EXTENT)
       x_old(:, n) = from
       x_new(:, n) = to + motion
       if ((passed_through(contact, x_old, x_new, [slave], [slave]) > 0) .neqv. is_through) n_wrong = n_wrong + 1

@@ -302,6 +302,20 @@ def test_nodes_that_leave_their_master_are_told(run: Run, tmp_path: Path) -> Non
     assert all(line in done.stdout and line in course for line in lines), done.stdout
 
 
+@pytest.mark.parametrize("kind", ["NODE TO SURFACE", "SURFACE TO SURFACE"])
+def test_sliding_over_the_edge_is_no_jump(run: Run, tmp_path: Path, kind: str) -> None:
+    """A block pressed on a table narrower than itself and drawn over it without friction: nodes slide off its end and sink beside it, none goes through."""
+    table = block(between(0.4, 0.9, 2), between(-0.1, 1.1, 4), between(-0.5, 0, 2), "TABLE")
+    body = block(between(0, 1.5, 6), between(0, 1, 4), between(0, 0.5, 2), "BODY")
+    press = "*STEP, NLGEOM\n*STATIC\n1., 1.\n" + fix("TABLE_BOTTOM, 1, 3", "BODY_TOP, 1, 2", "BODY_TOP, 3, 3, -0.005")
+    drag = "*END STEP\n*STEP, NLGEOM\n*STATIC, DIRECT\n1., 1.\n" + fix("BODY_TOP, 1, 1, 0.8") + "*END STEP\n"
+    deck = solid_deck([(body, (10000.0, 0.3)), (table, (10000.0, 0.3))], pair("BODY_BOTTOM", "TABLE_TOP", 0.0), press + drag)
+    (tmp_path / "job.inp").write_text(deck.replace("*CONTACT PAIR", f"*CONTACT PAIR, TYPE={kind}"))
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert read_history(tmp_path / "job.vtkhdf")["attempt"].max() == 1, done.stdout
+
+
 def test_cycle_is_acted_on(run: Run, tmp_path: Path) -> None:
     """A gasket as wide as its plates: a node at the edge goes off its master and back; it alone is acted on, and the job finishes."""
     parts, kind, cards, _, _ = gasket_at_edges()
