@@ -29,7 +29,8 @@ module amontons_analysis
   use amontons_system, only: plan_solver, create_system, begin_step, begin_increment
   use amontons_audit, only: audit_model, audit_summary
   use amontons_converge, only: VERDICT_GO_ON, VERDICT_CONVERGED
-  use amontons_newton, only: begin_newton, iterate, SNAP_LATE
+  use amontons_course, only: be_patient
+  use amontons_newton, only: begin_newton, iterate
   use amontons_derived, only: add_inelastic_work
   use amontons_forensics, only: n_changed_since_first
   use amontons_stepper, only: course_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
@@ -258,7 +259,7 @@ contains
         dt = min(propose_time(analysis%stepper, step), until - analysis%stepper%step_time)
         call begin_trial(analysis, dt, error)
         analysis%newton%may_be_cut = may_cut(analysis%stepper, step, dt)
-        if (analysis%newton%may_be_cut .and. analysis%stepper%attempt == 1) analysis%newton%patience = SNAP_LATE
+        if (analysis%newton%may_be_cut .and. analysis%stepper%attempt == 1) call be_patient(analysis%newton%course)
         do
           call iterate_trial(analysis, journal, verdict, error)
           if (allocated(error)) return
@@ -341,8 +342,8 @@ contains
     real(DP) :: damped
     associate (record => analysis%records(analysis%n_records))
       record%is_converged = .true.
-      record%n_carried = analysis%newton%n_carried
-      record%n_snapped = analysis%newton%n_snapped
+      record%n_carried = analysis%newton%course%n_carried
+      record%n_snapped = analysis%newton%course%n_snapped
       record%story = edge_lines(analysis%model, analysis%state)
       call close_damping(analysis%system%share, step, analysis%state, damped)
       call close_ledger(analysis%model, analysis%state, record, damped)

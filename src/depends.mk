@@ -140,7 +140,8 @@ uses_cycles = kinds surfaces gap state contact forensics
 uses_settle = kinds errors surfaces steps model state system direction forensics cycles
 uses_line_search = kinds sparse steps model slip state condensed reduced system travel
 uses_carry = kinds errors mesh steps model rows state contact system direction settle
-uses_newton = kinds errors history mesh steps model state contact system direction travel converge forensics cycles settle line_search carry
+uses_course = kinds errors steps model state system direction converge settle carry
+uses_newton = kinds errors history mesh steps model state contact system direction travel converge forensics cycles line_search course
 uses_stepper = kinds steps converge
 uses_columns = kinds errors history store
 uses_inventory = kinds errors version profiles history store topology mesh materials surfaces steps model analytic columns
@@ -152,11 +153,11 @@ uses_frd = kinds errors version text lookup history posix dense topology mesh st
 
 # 7 roof: the job
 uses_restart = kinds errors posix store model state reduced system newton stepper
-uses_failure = kinds text history model state system audit_motion converge forensics newton
+uses_failure = kinds text history model state system audit_motion converge forensics course newton
 uses_user_job = kinds errors journal user materials surfaces model user_material state user_state
 uses_drive = kinds errors text loads steps model
 uses_job = kinds errors history store archive model state derived system newton stepper results printed frd restart drive
-uses_analysis = kinds errors version text history posix journal dense factor archive steps model deck state user_state changes damping fasten slaves derived contact_start system audit converge forensics newton stepper printed restart failure user_job drive job
+uses_analysis = kinds errors version text history posix journal dense factor archive steps model deck state user_state changes damping fasten slaves derived contact_start system audit converge forensics course newton stepper printed restart failure user_job drive job
 uses_values = kinds errors text topology mesh materials state constraints derived columns results drive analysis
 uses_library = kinds errors text posix journal sparse model slip state skew system direction converge stepper user_job drive analysis values
 uses_capi = kinds errors version text posix sparse model library

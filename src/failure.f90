@@ -21,6 +21,7 @@ module amontons_failure
   use amontons_audit_motion, only: free_motion
   use amontons_forensics, only: most_held, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
   use amontons_converge, only: VERDICT_DIVERGES
+  use amontons_course, only: is_lost, COURSE_NEWTON
   use amontons_newton, only: newton_type
   use amontons_system, only: system_type, TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE, &
     TROUBLE_FREE, TROUBLE_THROUGH
@@ -45,9 +46,9 @@ contains
     integer, intent(in) :: verdict                 !< VERDICT_... of the last iteration
     character(:), allocatable :: reason
     logical :: is_away                             ! a body was carried in vain, and supports alone do not hold all bodies
-    is_away = newton%farthest > 0 .and. (newton%n_carried > newton%n_snapped .or. newton%trouble == TROUBLE_FREE)
+    is_away = newton%farthest > 0 .and. (newton%course%n_carried > newton%course%n_snapped .or. newton%trouble == TROUBLE_FREE)
     if (is_away) is_away = .not. is_held_by_supports(model, system, state)
-    if (is_away .and. newton%is_carried .and. newton%n_snapped == 0 .and. &
+    if (is_away .and. newton%course%now /= COURSE_NEWTON .and. newton%course%n_snapped == 0 .and. &
       any(newton%trouble == [TROUBLE_NONE, TROUBLE_SOLVER])) then
       reason = free_body(model, state, newton)
       return
@@ -72,11 +73,10 @@ contains
         ' passed through its master within the increment.'
     case default
       reason = contact_reason(model, system, state, newton)
-      if (max(newton%n_astray, newton%n_snapped) > 1 .and. newton%n_uphill <= 1 .and. index(reason, 'LEFT') == 0 .and. &
-        index(reason, 'PENE') == 0) &
+      if (is_lost(newton%course) .and. newton%n_uphill <= 1 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
         reason = limit_of_contact(model, system, state)
       if (reason == '' .and. (system%n_shifted > newton%n_shifted .or. newton%n_uphill > 1 .or. &
-        newton%n_carried > newton%n_snapped)) reason = LIMIT_POINT
+        newton%course%n_carried > newton%course%n_snapped)) reason = LIMIT_POINT
       if (is_away .and. index(reason, 'LEFT') == 0) reason = free_body(model, state, newton)
       if (index(reason, 'FREE') == 0 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
         call look_for_free_motion(model, system, state, newton, reason)

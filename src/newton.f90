@@ -15,19 +15,16 @@ module amontons_newton
   use amontons_converge, only: progress_type, judge, judge_early, VERDICT_GO_ON, VERDICT_DIVERGES, &
     VERDICT_CONVERGED, VERDICT_TOO_SLOW
   use amontons_line_search, only: search_type, search_line
-  use amontons_settle, only: settle_contact
-  use amontons_carry, only: is_carried_off, find_carried_direction, find_snap_direction
+  use amontons_course, only: course_type, way_type, choose_way, COURSE_NEWTON, COURSE_SNAP
   use amontons_system, only: system_type, begin_increment, evaluate, residual_beyond, components_of, &
     TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_FREE, TROUBLE_THROUGH
-  use amontons_direction, only: find_direction, carry_bodies
+  use amontons_direction, only: carry_bodies
   implicit none
   private
-  public :: newton_type, begin_newton, iterate, SNAP_LATE
+  public :: newton_type, begin_newton, iterate
 
-  integer, parameter :: SNAP_NOW = 0, SNAP_LATE = 2, SNAP_NEVER = huge(1)   !< for patience
   real(DP), parameter :: FAR_OFF = 100.0_DP         !< a displacement of this many sizes of the model in an increment is none [-]
 
-  real(DP), parameter :: HELD_MORE = 36.0_DP        !< of the part that holds drifting bodies: six times the last iteration [-]
   real(DP), parameter :: CARRIED_OFF = 2.0_DP       !< so many sizes of the model are enough for a body that had to be carried [-]
 
   real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times force_scale [-]
@@ -41,17 +38,9 @@ module amontons_newton
     integer :: trouble = TROUBLE_NONE
     integer :: farthest = 0                        !< the node that moved farthest, where bodies were carried or fly off
     integer :: gone_through = 0                    !< the node that passed through its master
-    integer :: n_carried = 0                       !< iterations in which bodies had to be carried
     logical :: may_be_cut = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
-    logical :: is_carried = .false.                !< every node was held by a part of its stiffness in the last iteration
-    logical :: is_snapping = .false.               !< and that on the way from one balance to the next
-    logical :: is_refused = .false.                !< no length of the last direction was any good
+    type(course_type) :: course                    !< directions that lead nowhere, and what was done about them
     integer :: n_uphill = 0                        !< iterations whose direction went against the imbalance
-    integer :: n_snapped = 0                       !< iterations in which bodies were carried from one balance to the next
-    integer :: n_astray = 0                        !< last directions running that lead to no balance
-    integer :: patience = SNAP_NOW                 !< SNAP_...: more of them than these, and bodies are carried on
-    real(DP) :: carried_part = 0                   !< part of their stiffness that is expected to carry bodies [-]
-    real(DP) :: snap_part = 0                      !< part of their stiffness that held nodes through a snap [-]
     integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
     type(forensics_type) :: forensics
@@ -104,17 +93,15 @@ contains
     type(state_type), intent(inout) :: state
     integer, intent(out) :: verdict                !< VERDICT_...; newton%trouble tells more
     type(error_type), allocatable, intent(out) :: error
-    type(slave_type), allocatable :: ahead(:)
-    real(DP), allocatable :: du(:, :)
+    type(way_type) :: way
     integer :: n_krylov, n_rounds
     verdict = VERDICT_DIVERGES
     if (newton%trouble /= TROUBLE_NONE) return
     n_krylov = system%n_krylov
     n_rounds = system%n_rounds
-    allocate (du, mold=state%new%u)
-    call choose_direction(newton, system, model, step, state, du, ahead, error)
+    call choose_way(newton%course, system, model, step, newton%progress, state, way, newton%trouble, error)
     if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
-    call go_along(newton, system, model, step, du, ahead, state)
+    call go_along(newton, system, model, step, way, state)
     if (newton%trouble /= TROUBLE_NONE) return
     newton%record%n_krylov = system%n_krylov - n_krylov
     newton%record%n_rounds = system%n_rounds - n_rounds
@@ -122,91 +109,22 @@ contains
   end subroutine iterate
 
 
-  !> The direction. Where too many led to no balance, running, bodies are carried on to the next one. That the next direction will
-  !! not do is known before it is made if no length of the last one was any good, or if a body drifts along a motion that hardly
-  !! anything holds.
-  subroutine choose_direction(newton, system, model, step, state, du, ahead, error)
-    type(newton_type), intent(inout) :: newton
-    type(system_type), intent(inout) :: system
-    type(model_type), intent(in) :: model
-    type(step_type), intent(in) :: step
-    type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
-    real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at the end of the direction
-    type(error_type), allocatable, intent(out) :: error
-    logical :: is_drifting
-    is_drifting = drifts(newton, step, state)
-    if (is_drifting) newton%snap_part = newton%snap_part * HELD_MORE
-    newton%is_snapping = (newton%is_refused .or. is_drifting) .and. newton%patience <= SNAP_LATE
-    newton%is_refused = .false.
-    if (newton%is_snapping) then
-      newton%n_astray = max(newton%n_astray, newton%patience) + 1
-    else
-      call find_settled_direction(newton, system, model, step, state, du, ahead, error)
-      if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
-      newton%n_astray = merge(newton%n_astray + 1, 0, is_astray(system, step, newton))
-      newton%is_snapping = newton%n_astray > newton%patience
-    end if
-    if (.not. newton%is_snapping) return
-    call find_snap_direction(system, model, step, state, newton%snap_part, du, ahead, newton%trouble, error)
-    newton%patience = merge(SNAP_NOW, SNAP_NEVER, system%is_settled)
-    newton%is_carried = .true.
-    newton%n_snapped = newton%n_snapped + 1
-  end subroutine choose_direction
-
-
-  !> The Newton direction, with contact settled at its end; where nothing holds a body there, one that carries it.
-  subroutine find_settled_direction(newton, system, model, step, state, du, ahead, error)
-    type(newton_type), intent(inout) :: newton
-    type(system_type), intent(inout) :: system
-    type(model_type), intent(in) :: model
-    type(step_type), intent(in) :: step
-    type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
-    real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at the end of the direction
-    type(error_type), allocatable, intent(out) :: error
-    call find_direction(system, model, step, state, du, newton%trouble, error)
-    if (allocated(error)) return
-    newton%is_carried = is_carried_off(system, model, du, newton%trouble)
-    if (newton%trouble == TROUBLE_NONE .and. .not. newton%is_carried) then
-      call settle_contact(system, model, step, state, du, ahead, error)
-      if (allocated(error)) return
-      newton%is_carried = is_carried_off(system, model, du, newton%trouble)   ! where it slips nothing may hold it
-    end if
-    if (newton%is_carried) call find_carried_direction(system, model, step, state, newton%carried_part, du, ahead, &
-      newton%trouble, error)
-  end subroutine find_settled_direction
-
-
-  !> Whether a body drifts: it is in balance, but the corrections do not end.
-  pure logical function drifts(newton, step, state)
-    type(newton_type), intent(in) :: newton
-    type(step_type), intent(in) :: step
-    type(state_type), intent(in) :: state
-    integer :: oldest
-    oldest = merge(0, 2, newton%n_snapped > 0)
-    drifts = step%line_search == SEARCH_AUTO .and. size(state%new%slaves) > 0 .and. newton%patience <= SNAP_LATE .and. &
-      newton%progress%iteration > 3 .and. all(newton%progress%residual(0:oldest) <= step%controls%r_n)
-  end function drifts
-
-
   !> A step along the direction, of the length that the line search gives it, and what is noted where it ends.
-  subroutine go_along(newton, system, model, step, du, ahead, state)
+  subroutine go_along(newton, system, model, step, way, state)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
-    type(slave_type), intent(in) :: ahead(:)       !< memory of the slave nodes at the end of the direction
+    type(way_type), intent(in) :: way
     type(state_type), intent(inout) :: state       !< in: evaluated at u; out: evaluated at the new iterate
     type(search_type) :: search
     real(DP), allocatable :: u(:, :), residual(:, :)
     u = state%new%u
     residual = system%residual
-    call search_line(system, model, step, du, ahead, state, search, newton%trouble)
+    call search_line(system, model, step, way%du, way%ahead, state, search, newton%trouble)
     if (search%is_uphill .and. newton%progress%residual(0) > step%controls%r_n) newton%n_uphill = newton%n_uphill + 1
-    newton%is_refused = search%is_refused
-    if (newton%is_carried) call put_down(newton, system, model, state, u, residual)
+    newton%course%is_refused = search%is_refused
+    if (newton%course%now /= COURSE_NEWTON) call put_down(newton, system, model, state, u, residual)
     if (newton%trouble /= TROUBLE_NONE) return
     call note_slaves(newton%forensics, state%new%slaves, system%merit)
     call watch_bodies(newton, system, model, state)
@@ -229,24 +147,14 @@ contains
     is_contact = any(state%new%slaves%status /= STATUS_OPEN) .and. (all(model%materials%n_history == 0) .or. &
       newton%forensics%hash(1) /= newton%forensics%hash(3))   ! bodies that begin to flow take their time
     verdict = judge(step%controls, newton%progress)
-    if (newton%is_snapping .and. verdict /= VERDICT_CONVERGED .and. newton%progress%iteration < step%controls%i_c) &
+    if (newton%course%now == COURSE_SNAP .and. verdict /= VERDICT_CONVERGED .and. newton%progress%iteration < step%controls%i_c) &
       verdict = VERDICT_GO_ON                      ! through a snap imbalances grow
-    if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. is_contact .and. .not. newton%is_carried) &
+    if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. is_contact .and. newton%course%now == COURSE_NEWTON) &
       call judge_early(newton%progress, verdict)
     if (step%line_search == SEARCH_AUTO) call watch_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)
   end subroutine judge_iterate
-
-
-  !> Whether the direction leads to no balance: contact did not settle along it.
-  pure logical function is_astray(system, step, newton)
-    type(system_type), intent(in) :: system
-    type(step_type), intent(in) :: step
-    type(newton_type), intent(in) :: newton
-    is_astray = step%line_search == SEARCH_AUTO .and. system%is_condensed .and. .not. system%is_settled .and. &
-      .not. newton%is_carried .and. size(system%contact%view%status) > 0
-  end function is_astray
 
 
   !> Cycles are acted on as they are found; nodes that were held for one are let go when all else is in balance, and the verdict
@@ -287,7 +195,7 @@ contains
     type(state_type), intent(inout) :: state
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) before the iteration [length]
     real(DP), intent(in) :: residual(:, :)         !< (3, n_nodes) there [force]
-    newton%n_carried = newton%n_carried + 1
+    newton%course%n_carried = newton%course%n_carried + 1
     call carry_bodies(system, model, state%new, 0.0_DP)
     state%new%carried_work = state%new%carried_work + 0.5_DP * sum((residual + system%residual) * (state%new%u - u))
   end subroutine put_down
@@ -317,9 +225,11 @@ contains
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
     real(DP) :: most, moves(size(state%new%u, 2))  ! [length]
+    logical :: is_carried
     moves = components_of(system, state%new%u - state%old%u, 1)
-    if (newton%is_carried) newton%farthest = maxloc(moves, dim=1)
-    most = merge(CARRIED_OFF, FAR_OFF, newton%is_carried) * mesh_extent(model%mesh)
+    is_carried = newton%course%now /= COURSE_NEWTON
+    if (is_carried) newton%farthest = maxloc(moves, dim=1)
+    most = merge(CARRIED_OFF, FAR_OFF, is_carried) * mesh_extent(model%mesh)
     if (maxval(moves) <= most) return
     newton%trouble = TROUBLE_FREE
     newton%farthest = maxloc(moves, dim=1)
