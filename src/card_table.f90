@@ -161,8 +161,8 @@ contains
 
     call table%card('SURFACE BEHAVIOR', IN_BOTH, 'The law normal to the surfaces; without this card it is HARD.', &
       parent='SURFACE INTERACTION|CHANGE SURFACE BEHAVIOR', data='none with HARD; LINEAR: stiffness, tension at large ' // &
-      'gaps, reach; EXPONENTIAL: gap where pressure begins, pressure at gap zero; TABULAR: pressure, overclosure in ' // &
-      'each line; TIED: stiffness')
+      'gaps (missing: none; calculix dialect: E/70000), reach; EXPONENTIAL: gap where pressure begins, pressure at ' // &
+      'gap zero; TABULAR: pressure, overclosure in each line; TIED: stiffness')
     call table%option('PRESSURE-OVERCLOSURE', VALUE_WORD, 'HARD: no penetration and no tension, exactly (calculix ' // &
       'dialect: LINEAR with 50 times Young''s modulus of the first material). The others give way.', allowed= &
       'HARD|LINEAR|EXPONENTIAL|TABULAR|TIED', default='HARD')

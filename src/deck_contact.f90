@@ -167,7 +167,8 @@ contains
   end subroutine soften
 
 
-  !> LINEAR and TIED: K, sigma_inf, c0, the last two and a K that is missing by CalculiX's defaults.
+  !> LINEAR and TIED: K, sigma_inf, c0, the last two and a K that is missing by CalculiX's defaults. Under the abaqus dialect there is
+  !! no tension unless it is given: K h, and nothing outside contact.
   subroutine read_linear(reader, model, row, has_row, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -182,8 +183,12 @@ contains
     call need_real(reader, row, 1, 'stiffness', law%stiffness, is_ok, 0.0_DP)
     call need_real(reader, row, 2, 'tension at large gaps', law%tension, is_ok, 0.0_DP)
     call need_real(reader, row, 3, 'reach', law%reach, is_ok, 0.0_DP)
-    if (law%tension <= 0.0_DP) law%tension = TENSION * first_modulus(model)
-    if (law%reach <= 0.0_DP) law%reach = REACH
+    if (law%tension <= 0.0_DP .and. reader%dialect == DIALECT_ABAQUS) then
+      law%reach = 0.0_DP
+    else
+      if (law%tension <= 0.0_DP) law%tension = TENSION * first_modulus(model)
+      if (law%reach <= 0.0_DP) law%reach = REACH
+    end if
     if (law%stiffness > 0.0_DP .or. .not. is_ok) return
     law%stiffness = HARD_STIFFNESS * first_modulus(model)
     call note(reader, row%line, 'The stiffness must be positive; 50 times Young''s modulus of the first material is ' // &
