@@ -59,6 +59,7 @@ module amontons_contact
     type(overlaps_type) :: overlaps               !< pairs that share nodes
     type(sparse_type) :: passing                 !< E: forces on all nodes to those on free ones; only where reactions are passed on
     real(DP), allocatable :: free(:, :, :)        !< (3, 3, n_slaves) projector on what supports and other pairs leave free
+    logical, allocatable :: is_shifted(:)         !< (n_slaves) its master slides along directions in which supports hold it
     real(DP), allocatable :: friction(:)          !< (n_slaves) mu at the last evaluation [-]
     real(DP), allocatable :: Rhat(:, :)           !< (3, n_slaves) imbalance of the row, what other slaves bring included [force]
     type(mortar_type), allocatable :: mortar(:)   !< (n_pairs) rows of surface-to-surface pairs: slave%row; empty for others
@@ -118,7 +119,7 @@ contains
     end do
     n = size(slaves)
     call unite_exact(contact, model)
-    allocate (contact%is_bound(n), contact%is_flush(n), source=.false.)
+    allocate (contact%is_bound(n), contact%is_flush(n), contact%is_shifted(n), source=.false.)
     if (allocated(model%twins)) call bind_twins(contact, model, slaves)
     call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
     do p = 1, size(model%pairs)
@@ -191,6 +192,7 @@ contains
     contact%mask = reshape(contact%mask(:, :min(n, size(contact%friction))), [3, n], pad=[1.0_DP])
     contact%axes = reshape(contact%axes(:, :, :min(n, size(contact%friction))), [3, 3, n], pad=global_axes(1))
     contact%free = reshape([0.0_DP], [3, 3, n], pad=[0.0_DP])
+    contact%is_shifted = spread(.false., 1, n)
     contact%friction = spread(0.0_DP, 1, n)
     contact%hold = spread(HOLD_NEVER, 1, n)
     contact%is_bound = [contact%is_bound(:min(n, size(contact%is_bound))), spread(.false., 1, n - min(n, size(contact%is_bound)))]

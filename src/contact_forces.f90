@@ -165,6 +165,7 @@ contains
       if (is_rough .and. is_grip_lost(slave)) contact%friction(s) = 0.0_DP
       mu = contact%friction(s) / share
       most = law%shear_limit * slave%area
+      contact%is_shifted(s) = is_shifted(free, d, contact%edge(slave%pair))
       d = matmul(free, d)
       call ask_status()
       if (slave%status /= STATUS_OPEN .and. slave%origin_facet == 0) then
@@ -249,11 +250,22 @@ contains
   end subroutine rub_by_user
 
 
-  !> Whether other pairs hold directions of a slave that supports leave free.
+  !> Whether supports hold a slave in a direction along which its master slides: its gap is not that from its origin then.
+  pure logical function is_shifted(free, d, edge)
+    real(DP), intent(in) :: free(3, 3)             !< its free directions
+    real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) [length]
+    real(DP), intent(in) :: edge                   !< of the master [length]
+    is_shifted = norm2(d - matmul(free, d)) > LED * edge
+  end function is_shifted
+
+
+  !> Whether a slave is held in directions along the master beside contact: by other pairs, or by supports along which the master
+  !! slides.
   pure logical function is_cornered(contact, s)
     type(contact_type), intent(in) :: contact
     integer, intent(in) :: s
-    is_cornered = any(abs(contact%free(:, :, s) - left_free(contact%axes(:, :, s), contact%mask(:, s))) > 0.0_DP)
+    is_cornered = contact%is_shifted(s) .or. &
+      any(abs(contact%free(:, :, s) - left_free(contact%axes(:, :, s), contact%mask(:, s))) > 0.0_DP)
   end function is_cornered
 
 

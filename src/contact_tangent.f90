@@ -474,7 +474,7 @@ contains
         call stick_directions(contact, slave, link%slave, n, direction)
         do k = 1, n
           call tie_row(link, direction(:, k), d, row)
-          if (k == 1 .and. is_cornered(contact, link%slave)) row%rhs = -slave%gap   ! it goes along the other pair's normal
+          if (k == 1 .and. is_cornered(contact, link%slave)) row%rhs = -slave%gap   ! it goes along its master
           call add_row(constraints, row, count(abs(direction(:, k)) > 0.0_DP), tolerance, verdict)
           if (verdict == ROW_CONFLICT) n_conflicts = n_conflicts + 1
         end do
@@ -484,7 +484,7 @@ contains
 
 
   !> In which directions a sticking node is tied: the axes (of its own frame) that supports leave free; where other pairs hold it
-  !! too, the normal and what is left beside it.
+  !! too, or its master slides along supports, the normal and what is left beside it.
   pure subroutine stick_directions(contact, slave, s, n, direction)
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slave

@@ -450,6 +450,40 @@ def test_led_by_supports(proof: Proof) -> None:
     case.done()
 
 
+def test_slope_drawn_under_a_held_block(proof: Proof) -> None:
+    """Supports hold the nodes that touch in one direction along a slope, friction in the other; the slope is drawn away below."""
+    case = proof(
+        "slope-drawn-under-a-held-block",
+        title="A slope drawn under a block that supports hold across and friction along",
+        model="A block (E = 2000, nu = 0, 2 x 1 x 2 C3D8 of 1 x 1 x 1) stands on a slope of tan = 0.4 in x, z, in facets of 0.3 and as wide in y; "
+        "the nodes that touch are held in x. Forces of 1 press its upper nodes down (1 increment), then all nodes of the slope are drawn "
+        "by -0.3 in x and 0.1 in y (2 increments); mu = 0.3, NLGEOM.",
+        formula="Nothing pulls in y: friction sticks, and the block goes along by 0.1. In x the slope goes on below it and lifts it by 0.3 tan.",
+        source="geometry",
+        proves="A node that sticks while its master slides where a support holds it stays on its master's surface, not at the height where it first touched.",
+    )
+    slope = 0.4
+
+    def lean(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        return s, t + slope * s
+
+    body = sheet("BODY", between(0, 1, 2), between(0, 1, 2), lean)
+    table = sheet("TABLE", between(-1, 2, 10), between(-0.5, 0, 1), lean)
+    supports = fix("BODY_BOTTOM, 1", "TABLE, 1, 3")
+    load = "*CLOAD\nBODY_TOP, 3, -1.\n"
+    steps = step(supports + load, 1, True) + step(fix("TABLE, 1, 1, -0.3", "TABLE, 2, 2, 0.1"), 2, True)
+    sets = {"TABLE": np.arange(len(table.nodes)) + len(body.nodes)}
+    job = case.run(solid_deck([(body, (2000.0, 0.0)), (table, (2000.0, 0.0))], pair("BODY_BOTTOM", "TABLE_TOP", 0.3), steps, sets), asked=3)
+    moved = (job.last("U") - job.field("U")[job.frame(1.0)])[: len(body.nodes)]
+    way = np.array([0.0, 0.1, 0.3 * slope])
+    for i, name in enumerate("xyz"):
+        case.near(f"way in {name}", moved[:, i], way[i], 1e-8, why="a rigid body; gaps are closed to 1e-9 of an edge", place="block", time="2",
+                  scale=0.1)  # fmt: skip
+    sticks = job.last("CSTATUS")[body.node_sets["BODY_BOTTOM"]] == 1
+    case.true("all that touch stick", bool(sticks.all()), why="nothing pulls in y", time="2", place="all slave nodes")
+    case.done()
+
+
 # ------------------------------------------------------------------------------- the whole way in one increment
 
 
