@@ -7,8 +7,8 @@
 module amontons_contact_forces
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
-  use amontons_surfaces, only: is_compliant, BEHAVIOR_USER, ROUGH_FRICTION
-  use amontons_slaves, only: lose_master, loosen_grip, is_grip_lost, set_force, set_view
+  use amontons_surfaces, only: is_compliant, BEHAVIOR_USER
+  use amontons_slaves, only: lose_master, loosen_grip, is_grip_lost, never_slips, set_force, set_view
   use amontons_user_contact, only: ask_interface, ask_friction
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_rows, only: contact_row_type, imbalance_of, spread_force
@@ -139,7 +139,6 @@ contains
     type(fields_type), intent(inout) :: fields
     type(trial_type) :: trial
     real(DP) :: free(3, 3), free_normal(3), share, mu, most, Rhat(3), d(3)
-    logical :: is_rough
     associate (slave => fields%slaves(s), law => contact%laws(fields%slaves(s)%pair))
       free = free_directions(contact%overlaps, fields%slaves, s, left_free(contact%axes(:, :, s), contact%mask(:, s)))
       contact%free(:, :, s) = free
@@ -161,8 +160,7 @@ contains
       d = 0.0_DP
       if (slave%origin_facet > 0) d = contact_slip_vector(contact, model, fields%u, slave)
       if (is_led(free, d - dot_product(slave%normal, d) * slave%normal, contact%edge(slave%pair))) contact%friction(s) = 0.0_DP
-      is_rough = law%friction >= ROUGH_FRICTION .and. .not. law%is_user_friction
-      if (is_rough .and. is_grip_lost(slave)) contact%friction(s) = 0.0_DP
+      if (never_slips(law) .and. is_grip_lost(slave)) contact%friction(s) = 0.0_DP
       mu = contact%friction(s) / share
       most = law%shear_limit * slave%area
       contact%is_shifted(s) = is_shifted(free, d, contact%edge(slave%pair))
@@ -173,7 +171,8 @@ contains
         d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))   ! since first touch: stick or slip is asked again
         call ask_status()
       end if
-      if (is_rough .and. before == STATUS_STICK .and. slave%status == STATUS_OPEN) call loosen_grip(slave)
+      if (before /= STATUS_OPEN .and. slave%status == STATUS_OPEN .and. (never_slips(law) .or. is_cornered(contact, s))) &
+        call loosen_grip(slave)
       if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       contact%direction(:, s) = trial%direction
       slave%slip_increment = d - dot_product(free_normal, d) * free_normal

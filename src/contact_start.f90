@@ -12,7 +12,7 @@ module amontons_contact_start
   use amontons_search, only: build_search
   use amontons_mortar, only: search_margin, n_own_nodes
   use amontons_overlaps, only: order_slaves, reach_type
-  use amontons_slaves, only: lose_master
+  use amontons_slaves, only: lose_master, never_slips
   use amontons_contact, only: contact_type, renew_rows, refresh_facet, set_origin, SEARCH_REACH, create_contact
   use amontons_errors, only: error_type
   implicit none
@@ -76,7 +76,7 @@ contains
         call ramp_interference(contact, is_step_start, fields, slave)
         if (is_new .and. slave%facet > 0 .and. slave%gap <= TOUCH * contact%edge(p)) slave%status = STATUS_STICK
         slave%scenario = 0
-        if (slave%grip /= GRIP_FIRM .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! where it slid to
+        if (never_slips(contact%laws(p)) .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! where it slid to
         slave%grip = GRIP_FIRM
         slave%slip_increment = 0.0_DP
         slave%origin_facet = 0

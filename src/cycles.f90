@@ -13,7 +13,7 @@
 module amontons_cycles
   use amontons_kinds, only: DP
   use amontons_surfaces, only: is_compliant
-  use amontons_state, only: slave_type, STATUS_OPEN, STATUS_SLIP, GRIP_LOST, GRIP_TRIED
+  use amontons_state, only: slave_type, STATUS_OPEN, GRIP_LOST, GRIP_TRIED
   use amontons_forensics, only: forensics_type, find_cycle, cycle_nodes, least_merit, last_facet, DEPTH
   use amontons_gap, only: projection_type, find_projection, excess_over_edges, PROJECT_ON
   use amontons_contact, only: contact_type, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
@@ -125,8 +125,8 @@ contains
     integer :: s
     is_released = any(contact%hold == HOLD_NOW)
     where (contact%hold == HOLD_NOW) contact%hold = HOLD_WAS
-    if (any(slaves%grip == GRIP_LOST .and. slaves%status == STATUS_SLIP)) is_released = .true.
-    where (slaves%grip == GRIP_LOST .and. slaves%status == STATUS_SLIP) slaves%grip = GRIP_TRIED
+    is_released = is_released .or. any(slaves%grip == GRIP_LOST)
+    where (slaves%grip == GRIP_LOST) slaves%grip = GRIP_TRIED
     do s = 1, size(slaves)
       if (slaves(s)%extension >= 0.0_DP) cycle
       associate (p => slaves(s)%pair)

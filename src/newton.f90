@@ -181,7 +181,8 @@ contains
     call note_residual(newton, system, residual_beyond(system, state%new%u), step%controls%r_n)
     if (newton%trouble /= TROUBLE_NONE) then
       verdict = VERDICT_DIVERGES
-    else if (verdict == VERDICT_CONVERGED .and. system%contact%n_changed > 0) then
+    else if (verdict == VERDICT_CONVERGED .and. (system%contact%n_changed > 0 .or. &
+      newton%progress%residual(0) > step%controls%r_n)) then
       verdict = VERDICT_GO_ON
     end if
   end subroutine watch_cycles

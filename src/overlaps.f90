@@ -9,6 +9,7 @@ module amontons_overlaps
   use amontons_kinds, only: DP
   use amontons_facets, only: facets_type
   use amontons_state, only: slave_type, STATUS_OPEN
+  use amontons_slaves, only: is_grip_lost
   implicit none
   private
   public :: overlaps_type, reach_type, find_overlaps, fit_overlaps, order_slaves, free_directions, left_free, global_axes, &
@@ -212,7 +213,8 @@ contains
     if (.not. overlaps%has_corners .or. .not. overlaps%is_exact(s)) return
     do k = overlaps%first(slaves(s)%node), overlaps%first(slaves(s)%node + 1) - 1
       t = overlaps%member(k)
-      if (t == s .or. slaves(t)%status == STATUS_OPEN .or. slaves(t)%facet == 0) cycle
+      if (t == s .or. slaves(t)%facet == 0) cycle
+      if (slaves(t)%status == STATUS_OPEN .and. .not. is_grip_lost(slaves(t))) cycle
       along = abs(dot_product(slaves(t)%normal, slaves(s)%normal))
       if (along > PARALLEL .and. t > s) cycle
       v = matmul(free, slaves(t)%normal)

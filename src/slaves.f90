@@ -2,13 +2,13 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_slaves
   use amontons_kinds, only: DP
-  use amontons_surfaces, only: interaction_type, is_compliant
+  use amontons_surfaces, only: interaction_type, is_compliant, ROUGH_FRICTION
   use amontons_compliance, only: law_pressure
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, GRIP_FIRM, GRIP_LOOSE, &
     GRIP_LOST, GRIP_TRIED, GRIP_GONE
   implicit none
   private
-  public :: slip_view_type, lose_master, loosen_grip, is_grip_lost, set_force, set_view, rounding_force, commit_slip
+  public :: slip_view_type, lose_master, loosen_grip, is_grip_lost, never_slips, set_force, set_view, rounding_force, commit_slip
 
   !> What the slip procedure looks at, for all slave nodes at one configuration.
   type :: slip_view_type
@@ -53,6 +53,13 @@ contains
     type(slave_type), intent(in) :: slave
     is_grip_lost = slave%grip == GRIP_LOST .or. slave%grip == GRIP_GONE
   end function is_grip_lost
+
+
+  !> Whether the surfaces of a law never slip.
+  elemental logical function never_slips(law)
+    type(interaction_type), intent(in) :: law
+    never_slips = law%friction >= ROUGH_FRICTION .and. .not. law%is_user_friction
+  end function never_slips
 
 
   !> Normal and tangential contact force on the slave by its status.
