@@ -254,8 +254,8 @@ contains
       nd = 3 * (own%n + front%n)
       call clip_polygon(own%corners(:, :own%n_corners), front%corners(:, :front%n_corners), cut, n, lines)
       call move_corners(own, front, nd, lines, n, cut, d_cut)
-      call polygon_points(cut(:, :n), max(order_for(own%kind, own%corners), order_for(front%kind, front%corners)), &
-        n_points, at, weight, corner, place)
+      call polygon_points(cut(:, :n), is_line(own%kind), max(order_for(own%kind, own%corners), order_for(front%kind, &
+        front%corners)), n_points, at, weight, corner, place)
       allocate (values((sums%n * (sums%n + 1)) / 2 + sums%n * front%n + own%n), source=0.0_DP)
       m = merge(MOST_WAYS - 2, MOST_WAYS, sums%is_full)     ! N~ does not know the place
       allocate (ways(nd, m * n_points), slopes(m * n_points, size(values)))

@@ -111,12 +111,15 @@ contains
   end subroutine beyond_polygon
 
 
-  !> Points and weights of an integral over a convex polygon, triangle by triangle from its first corner.
+  !> Points and weights of an integral over a convex polygon, triangle by triangle from its first corner; over the rectangle of a
+  !! line, whose functions do not change across it, by a Gauss rule along it and two points across.
   !!
   !! Exact for polynomials of degree 4 with order 3 or less (6 points in a triangle, G. R. Cowper, Int. J. Numer. Methods Engrg.
-  !! 7 (1973) 405-408); with a higher order n for those of degree 2n - 2 (n x n points: the square collapsed to the triangle).
-  pure subroutine polygon_points(corners, order, n, point, weight, corner, place)
+  !! 7 (1973) 405-408); with a higher order n for those of degree 2n - 2 (n x n points: the square collapsed to the triangle), along
+  !! a line of degree 2n - 1 with any order n.
+  pure subroutine polygon_points(corners, is_band, order, n, point, weight, corner, place)
     real(DP), intent(in) :: corners(:, :)          !< (2, :) counter-clockwise [length]
+    logical, intent(in) :: is_band                 !< the polygon stands across a line
     integer, intent(in) :: order                   !< at most 6
     integer, intent(out) :: n
     real(DP), intent(out) :: point(2, MAX_CUT_POINTS)   !< the first n are set [length]
@@ -125,6 +128,10 @@ contains
     real(DP), intent(out), optional :: place(2, MAX_CUT_POINTS)  !< the parts that k and k + 1 have of a point [-]
     real(DP) :: xi(2, MOST_RULE), w(MOST_RULE), a(2), b(2), twice
     integer :: k, q, n_rule
+    if (is_band .and. size(corners, 2) == 4) then
+      call band_points(corners, order, n, point, weight, corner, place)
+      return
+    end if
     if (order > 3) then
       call collapsed_rule(order, n_rule, xi, w)
     else
@@ -145,6 +152,38 @@ contains
       end do
     end do
   end subroutine polygon_points
+
+
+  !> The same over a rectangle whose sides are along the axes, the first along the line. All points count as of its first triangle,
+  !! also those that are beyond its third side.
+  pure subroutine band_points(corners, order, n, point, weight, corner, place)
+    real(DP), intent(in) :: corners(2, 4)          !< counter-clockwise [length]
+    integer, intent(in) :: order
+    integer, intent(out) :: n
+    real(DP), intent(out) :: point(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
+    integer, intent(out), optional :: corner(MAX_CUT_POINTS)
+    real(DP), intent(out), optional :: place(2, MAX_CUT_POINTS)
+    real(DP) :: x(order), w(order), y(2), v(2), a(2), b(2), area, part(2)
+    integer :: i, j
+    n = 0
+    a = corners(:, 2) - corners(:, 1)
+    b = corners(:, 4) - corners(:, 1)
+    area = a(1) * b(2) - a(2) * b(1)
+    if (area <= 0.0_DP) return
+    call gauss_rule(x, w)
+    call gauss_rule(y, v)
+    do j = 1, 2
+      do i = 1, order
+        n = n + 1
+        part = [x(i), y(j)]                        ! of a and b
+        if (abs(a(1)) < abs(a(2))) part = part([2, 1])
+        point(:, n) = corners(:, 1) + part(1) * a + part(2) * b
+        weight(n) = w(i) * v(j) * area
+        if (present(corner)) corner(n) = 2
+        if (present(place)) place(:, n) = [part(1) - part(2), part(2)]   ! of a and of the diagonal a + b
+      end do
+    end do
+  end subroutine band_points
 
 
   !> A rule on the triangle (0, 0), (1, 0), (0, 1) from two Gauss rules: exact for degree 2 order - 2.

@@ -214,7 +214,8 @@ contains
     call clip_polygon(own(:, :n), front(:, :m), cut, k)
     if (k < 3) return
     if (polygon_area(cut(:, :k)) <= SLIVER * polygon_area(own(:, :n))) return
-    call polygon_points(cut(:, :k), max(order_for(slave%kind(f), own), order_for(master%kind(g), front)), q, at, weight)
+    call polygon_points(cut(:, :k), is_line(slave%kind(f)), max(order_for(slave%kind(f), own), &
+      order_for(master%kind(g), front)), q, at, weight)
     before = points%n
     segment%slave = f
     segment%master = g

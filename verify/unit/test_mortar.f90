@@ -73,15 +73,30 @@ contains
 
   !> x^a y^b over the unit square is 1/((a + 1)(b + 1)), up to the degree that the order promises.
   subroutine check_rules()
-    real(DP) :: at(2, MAX_CUT_POINTS), w(MAX_CUT_POINTS)
-    integer :: order, n, a, b, degree
+    real(DP) :: at(2, MAX_CUT_POINTS), w(MAX_CUT_POINTS), place(2, MAX_CUT_POINTS)
+    integer :: order, n, a, b, degree, corner(MAX_CUT_POINTS)
     do order = 3, 6
-      call polygon_points(SQUARE, order, n, at, w)
+      call polygon_points(SQUARE, .false., order, n, at, w)
       degree = merge(4, 2 * order - 2, order == 3)
       do a = 0, degree
         do b = 0, degree - a
           call suite%near('a polynomial', dot_product(w(:n), at(1, :n)**a * at(2, :n)**b), 1.0_DP / real((a + 1) * (b + 1), DP), &
             1.0e-14_DP)
+        end do
+      end do
+      do a = 1, 2                                  ! along a line, from whichever corner the rectangle begins
+        call polygon_points(cshift(SQUARE, a, dim=2), .true., order, n, at, w, corner, place)
+        call suite%that('the points of a line', n == 2 * order)
+        do degree = 0, 2 * order - 1
+          call suite%near('a polynomial along a line', dot_product(w(:n), at(1, :n)**degree), 1.0_DP / real(degree + 1, DP), &
+            1.0e-14_DP)
+        end do
+        call suite%near('and across', dot_product(w(:n), at(2, :n)**2), 1.0_DP / 3, 1.0e-14_DP)
+        do b = 1, n
+          associate (k => corner(b), v => cshift(SQUARE, a, dim=2))
+            call suite%near('its place in a triangle', norm2(v(:, 1) + place(1, b) * (v(:, k) - v(:, 1)) &
+              + place(2, b) * (v(:, k + 1) - v(:, 1)) - at(:, b)), 0.0_DP, 1.0e-14_DP)
+          end associate
         end do
       end do
     end do
@@ -103,9 +118,9 @@ contains
     call transform_nodes(kind, nodes(:, :n))
     do part = 1, 3                                 ! whole, a half, a sliver
       if (shape%n_corners == 3) then
-        call polygon_points(part_of(SQUARE(:, [1, 2, 4]), part), 6, n_points, at, w)
+        call polygon_points(part_of(SQUARE(:, [1, 2, 4]), part), .false., 6, n_points, at, w)
       else
-        call polygon_points(part_of(2 * SQUARE - 1, part), 6, n_points, at, w)
+        call polygon_points(part_of(2 * SQUARE - 1, part), .false., 6, n_points, at, w)
       end if
       do q = 1, n_points
         call facet_shapes(kind, at(:, q), shapes(:, q), dN, ddN)
@@ -241,7 +256,7 @@ contains
     cut = SQUARE                                   ! in natural coordinates of the face, which runs along y first or along x
     expected = 0.0_DP
     cut(1, 2:3) = cover
-    call polygon_points(cut, 6, n_points, at, w)
+    call polygon_points(cut, .false., 6, n_points, at, w)
     do q = 1, n_points
       call facet_shapes(mortar%slave%kind(1), place_on(mesh%coordinates(:2, nodes(:4)), at(:, q)), N_i, dN, ddN)
       expected(nodes(:n_own)) = expected(nodes(:n_own)) + w(q) * N_i(:n_own)
