@@ -20,6 +20,7 @@ module amontons_deck_contact
   ! CalculiX's defaults, in terms of Young's modulus E of the first material
   real(DP), parameter :: HARD_STIFFNESS = 50.0_DP        !< K/E [1/length]
   real(DP), parameter :: TENSION = 1.0_DP / 70000.0_DP   !< sigma_inf/E [-]
+  real(DP), parameter :: SIZABLE = 1.0e-3_DP             !< a strain that is seen [-]
   real(DP), parameter :: REACH = 1.0e-3_DP               !< c0 over the root of the area [-]
   real(DP), parameter :: STICK_SLOPE = 0.5_DP            !< lambda/E [1/length]
   ! The ratio of two of them, which has no unit
@@ -160,7 +161,7 @@ contains
     if (first_modulus(model) <= 0.0_DP) return
     law%behavior = BEHAVIOR_LINEAR
     law%stiffness = HARD_STIFFNESS * first_modulus(model)
-    law%tension = TENSION * first_modulus(model)
+    call take_tension(reader, model, reader%cards%cards(c)%line, law)
     law%reach = REACH
     call note(reader, reader%cards%cards(c)%line, 'HARD is LINEAR under the calculix dialect, with K = ' // &
       text_of(law%stiffness) // ', 50 times Young''s modulus of the first material; the abaqus dialect enforces it exactly.')
@@ -186,7 +187,7 @@ contains
     if (law%tension <= 0.0_DP .and. reader%dialect == DIALECT_ABAQUS) then
       law%reach = 0.0_DP
     else
-      if (law%tension <= 0.0_DP) law%tension = TENSION * first_modulus(model)
+      if (law%tension <= 0.0_DP) call take_tension(reader, model, row%line, law)
       if (law%reach <= 0.0_DP) law%reach = REACH
     end if
     if (law%stiffness > 0.0_DP .or. .not. is_ok) return
@@ -194,6 +195,25 @@ contains
     call note(reader, row%line, 'The stiffness must be positive; 50 times Young''s modulus of the first material is ' // &
       'taken: ' // text_of(law%stiffness) // '.')
   end subroutine read_linear
+
+
+  !> The tension that CalculiX takes where none is given; said where it would pull a soft body out by a thousandth.
+  subroutine take_tension(reader, model, line, law)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: line
+    type(interaction_type), intent(inout) :: law
+    real(DP) :: softest
+    integer :: k
+    law%tension = TENSION * first_modulus(model)
+    softest = minval(model%materials%youngs_modulus, mask=model%materials%youngs_modulus > 0.0_DP .and. &
+      [(any(model%mesh%material == k), k=1, size(model%materials))])
+    if (law%tension <= SIZABLE * softest) return
+    call note(reader, line, 'Bodies pull at each other by up to ' // text_of(law%tension) // ' before they part: ' // &
+      'CalculiX''s default, a 70000th of Young''s modulus of the first material, which is much for the softest one (' // &
+      text_of(softest) // '). Give a smaller second number with PRESSURE-OVERCLOSURE=LINEAR, or take the abaqus dialect, ' // &
+      'which has no tension.')
+  end subroutine take_tension
 
 
   !> EXPONENTIAL: c0, p0.
