@@ -343,7 +343,6 @@ contains
     end do
     contact%mortar%is_soft = is_compliant(contact%laws)
     do p = 1, size(is_wanted)
-      if (is_start .and. is_wanted(p)) contact%mortar(p)%was_over = .false.
       if (is_wanted(p)) call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), is_start, x, &
         SEARCH_REACH * contact%edge(p))
     end do

@@ -28,7 +28,8 @@ module amontons_mortar
   real(DP), parameter :: NOTHING = 1.0e-9_DP       !< with less than this it does not count at all [-]
   real(DP), parameter :: ALIKE = 0.5_DP            !< of the best cover of the vertices of a node: another is covered like it [-]
   real(DP), parameter :: BEYOND = 0.1_DP           !< a slave node is over a master facet up to this part of an edge beyond it [-]
-  real(DP), parameter :: LEFT = 0.2_DP             !< one that was over it in the increment, up to this part [-]
+  real(DP), parameter :: LEFT = 0.2_DP             !< in an increment one that is over it, up to this part [-]
+  real(DP), parameter :: ENTERED = 0.0_DP          !< and one that is beside it, from there on [-]
   real(DP), parameter :: FADED = 0.2_DP            !< under a compliant law its part goes over to others up to this one [-]
 
   !> Where a slave node is against its master.
@@ -70,7 +71,7 @@ module amontons_mortar
     logical :: is_alone = .true.                   !< its nodes are slaves of no other exact pair
     integer, allocatable :: twins(:, :)            !< (2, n) rows of nodes, and of those that are bound to them by an equation
     logical, allocatable :: has_touched(:)         !< (n) closed when the increment began
-    logical, allocatable :: was_over(:)            !< (n) over a master in the increment
+    real(DP), allocatable :: reaches(:)            !< (n) part of an edge beyond a master up to which a node is over it now [-]
     logical :: is_soft = .false.                   !< its law is compliant
     real(DP), allocatable :: beyond(:)             !< (n) what a node gives to others: 0 over the master, 1 beyond its edge [-]
     type(cuts_type) :: cuts                        !< of which the rows are made
@@ -99,7 +100,8 @@ contains
     n = size(nodes)
     mortar%nodes = nodes
     allocate (mortar%places(n), mortar%rows(n), mortar%origins(n))
-    allocate (mortar%has_touched(n), mortar%was_over(n), source=.false.)
+    allocate (mortar%has_touched(n), source=.false.)
+    allocate (mortar%reaches(n), source=BEYOND)
     allocate (mortar%twins(2, 0))
     of_node = 0
     of_node(nodes) = [(k, k=1, n)]
@@ -336,24 +338,25 @@ contains
 
 
   !> Places and rows of all slave nodes in a configuration. Cost: linear in the segments.
-  subroutine integrate_mortar(mortar, master, search, is_search_new, x, reach)
+  subroutine integrate_mortar(mortar, master, search, is_start, x, reach)
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
     type(search_type), intent(in) :: search        !< of the master's facets, with at least `search_margin`
-    logical, intent(in) :: is_search_new           !< it or the reach is not that of the last call
+    logical, intent(in) :: is_start                !< an increment begins: the search and the reach are not those of the last call
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
     real(DP), intent(in) :: reach                  !< facets farther apart do not see each other [length]
     logical :: is_cut
     integer :: f
     if (.not. mortar%is_made) mortar%bases = mortar%rows
-    is_cut = allocated(mortar%cuts%x) .and. .not. is_search_new
+    if (is_start) mortar%reaches = BEYOND
+    is_cut = allocated(mortar%cuts%x) .and. .not. is_start
     if (is_cut) is_cut = all(abs(mortar%cuts%x - x(:, mortar%cuts%nodes)) <= 0.0_DP)
     if (.not. is_cut) call cut_facets(mortar, master, search, x, reach)
     mortar%beyond = merge(0.0_DP, 1.0_DP, (mortar%has_touched .and. .not. mortar%is_soft) .or. .not. mortar%is_alone)
     do f = 1, mortar%slave%n
       call mark_over(mortar, f, master, x)
     end do
-    mortar%was_over = mortar%was_over .or. mortar%beyond <= 0.0_DP
+    mortar%reaches = merge(LEFT, ENTERED, mortar%beyond <= 0.0_DP)
     if (.not. mortar%is_soft) call keep_islands(mortar)
     call fill_rows(mortar, master, x)
     do f = 1, size(mortar%twins, 2)
@@ -448,7 +451,7 @@ contains
             if (part**2 * (3 - 2 * part) >= mortar%beyond(j)) cycle
             mortar%beyond(j) = part**2 * (3 - 2 * part)
             mortar%edges(:, j) = [f, i, cover%segments(k)%master, edge]
-          else if (distance <= merge(LEFT, BEYOND, mortar%was_over(j))) then
+          else if (distance <= mortar%reaches(j)) then
             mortar%beyond(j) = 0.0_DP
           end if
         end do

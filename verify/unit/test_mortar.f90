@@ -33,8 +33,9 @@ program test_mortar
   call check_overhang(KIND_C3D20, 20, 'C3D20', 0.3_DP, .false., 3)
   call check_overhang(KIND_C3D20, 20, 'C3D20', 0.8_DP, .false., 5)
   call check_overhang(KIND_C3D8, 8, 'C3D8, beside the master', 0.85_DP, .false., 2)
-  call check_overhang(KIND_C3D8, 8, 'C3D8, over it before', 0.85_DP, .false., 4, was_over=.true.)
-  call check_overhang(KIND_C3D8, 8, 'C3D8, far beside it by now', 0.75_DP, .false., 2, was_over=.true.)
+  call check_overhang(KIND_C3D8, 8, 'C3D8, over it before', 0.85_DP, .false., 4, reaches=0.2_DP)
+  call check_overhang(KIND_C3D8, 8, 'C3D8, far beside it by now', 0.75_DP, .false., 2, reaches=0.2_DP)
+  call check_overhang(KIND_C3D8, 8, 'C3D8, beside it before', 0.95_DP, .false., 2, reaches=0.0_DP)
   call check_crease(0.02_DP, 0.9_DP, 1)
   call check_crease(0.3_DP, 0.9_DP, 3)
   call check_crease(0.3_DP, 1.1_DP, 3)
@@ -213,13 +214,13 @@ contains
 
   !> A slave face over the square (0, 1) x (0, 1), of which a master at the distance 0.1 covers x < cover: as many rows as nodes are
   !! over the master, each at that distance, and the forces of a pressure of 1 are the integrals of the N_k over what is covered.
-  subroutine check_overhang(kind, n, name, cover, has_touched, n_rows, was_over)
+  subroutine check_overhang(kind, n, name, cover, has_touched, n_rows, reaches)
     integer, intent(in) :: kind, n                 !< of the elements, with n nodes
     character(*), intent(in) :: name
     real(DP), intent(in) :: cover                  !< [length]
     logical, intent(in) :: has_touched             !< all slave nodes did when the increment began
     integer, intent(in) :: n_rows
-    logical, intent(in), optional :: was_over      !< all slave nodes were over the master in the increment
+    real(DP), intent(in), optional :: reaches      !< what was known of all slave nodes in the increment; else it begins [-]
     type(mesh_type) :: mesh
     type(mortar_type) :: mortar
     type(facets_type) :: master
@@ -251,8 +252,10 @@ contains
     call build_facets(mesh, [2], [2], master, error)
     call build_search(master, mesh%coordinates, search_margin(mortar, 1.0_DP), search)
     mortar%has_touched = has_touched
-    if (present(was_over)) mortar%was_over = was_over
-    call integrate_mortar(mortar, master, search, .true., mesh%coordinates, 1.0_DP)
+    if (present(reaches)) mortar%reaches = reaches
+    call integrate_mortar(mortar, master, search, .not. present(reaches), mesh%coordinates, 1.0_DP)
+    call suite%that(name // ': they stay so', count(mortar%reaches > 0.1_DP) == n_rows .and. &
+      count(mortar%reaches < 0.1_DP) == n_own - n_rows)
     cut = SQUARE                                   ! in natural coordinates of the face, which runs along y first or along x
     expected = 0.0_DP
     cut(1, 2:3) = cover
