@@ -200,6 +200,7 @@ study: programs $(VENV)/installed ## Iterations of all line searches by friction
 	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons
 	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons --direction SYMMETRIC --seconds 60
 	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons --direction LAGGED --seconds 60
+	@$(PY) verify/study/random_contact.py --program $(BIN)/amontons --seeds 1 200
 	@$(PY) verify/study/contact_table.py --program $(BIN)/amontons --runs $(B)/study.csv
 	@$(PY) verify/study/contact_table.py --show $(B)/study.csv
 

@@ -183,7 +183,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, nargs=2, default=(1, 100), metavar=("FIRST", "LAST"))
     parser.add_argument("--deck", type=int, metavar="SEED")
-    parser.add_argument("--bin", type=Path, default=ROOT / "bin" / "amontons")
+    parser.add_argument("--program", type=Path, default=ROOT / "bin" / "amontons")
     parser.add_argument("--peer", help="a program of CalculiX in place of ours, 60 s for each job")
     parser.add_argument("--jobs", type=int, default=1, help="at a time")
     arguments = parser.parse_args()
@@ -196,7 +196,7 @@ def main() -> int:
             led = [seed for seed in seeds if "RIGID BODY" not in random_deck(seed)]
             outcomes = list(pool.map(lambda seed: run_peer(seed, arguments.peer, Path(folder), 60.0), led))
         else:
-            outcomes = list(pool.map(lambda seed: run(seed, arguments.bin.resolve(), Path(folder)), seeds))
+            outcomes = list(pool.map(lambda seed: run(seed, arguments.program.resolve(), Path(folder)), seeds))
     for o in outcomes:
         if o.code != 0 or o.failed > 0:
             print(f"{o.told}: exit {o.code}, {o.increments} increments, {o.failed} failed attempts, {o.iterations} iterations")
