@@ -168,8 +168,8 @@ contains
   end subroutine soften
 
 
-  !> LINEAR and TIED: K, sigma_inf, c0, the last two and a K that is missing by CalculiX's defaults. Under the abaqus dialect there is
-  !! no tension unless it is given: K h, and nothing outside contact.
+  !> LINEAR and TIED: K, sigma_inf, c0, the last two and a K that is missing by CalculiX's defaults. Under the abaqus dialect there
+  !! is no tension unless it is given: K h, and nothing outside contact.
   subroutine read_linear(reader, model, row, has_row, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model

@@ -33,8 +33,8 @@ contains
   end subroutine lose_master
 
 
-  !> A node of surfaces that never slip is pulled off: the second time in an increment it has lost its grip, and after that was tried
-  !! again for good.
+  !> A node of surfaces that never slip is pulled off: the second time in an increment it has lost its grip, and after that was
+  !! tried again for good.
   elemental subroutine loosen_grip(slave)
     type(slave_type), intent(inout) :: slave
     select case (slave%grip)

@@ -52,7 +52,8 @@ contains
     integer, intent(in) :: kind
     real(DP), intent(in) :: motion(3)              !< of the master [length]
     real(DP), parameter :: EXTENT(2) = [9.0_DP, 7.0_DP]   ! of the master [length]
-    real(DP), parameter :: SIZE_OF(3) = [12.0_DP, 10.0_DP, 8.0_DP], CORNER(3) = [1.5_DP, 1.5_DP, 4.0_DP]   ! of where ways are [length]
+    real(DP), parameter :: SIZE_OF(3) = [12.0_DP, 10.0_DP, 8.0_DP]   ! of where ways are [length]
+    real(DP), parameter :: CORNER(3) = [1.5_DP, 1.5_DP, 4.0_DP]
     type(mesh_type) :: mesh
     type(contact_type) :: contact
     type(slave_type) :: slave
