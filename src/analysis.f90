@@ -33,7 +33,7 @@ module amontons_analysis
   use amontons_newton, only: begin_newton, iterate
   use amontons_derived, only: add_inelastic_work
   use amontons_forensics, only: n_changed_since_first
-  use amontons_stepper, only: course_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
+  use amontons_stepper, only: effort_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
     STEP_DONE, CUT_BACK, GIVE_UP
   use amontons_failure, only: failure_reason, failure_lines, failed_attempts, edge_lines, is_free_for_good
   use amontons_printed, only: print_iteration, print_increment
@@ -349,7 +349,7 @@ contains
       call close_ledger(analysis%model, analysis%state, record, damped)
       call close_record(analysis, record)
       call commit_state(analysis%state)
-      call accept_increment(analysis%stepper, step, record%dt, course_type(record%n_iterations, record%n_unforeseen, &
+      call accept_increment(analysis%stepper, step, record%dt, effort_type(record%n_iterations, record%n_unforeseen, &
         record%n_cycles), outcome)
       analysis%is_step_start = outcome == STEP_DONE
     end associate

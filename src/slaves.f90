@@ -33,8 +33,8 @@ contains
   end subroutine lose_master
 
 
-  !> A node of surfaces that never slip is pulled off: the second time in an increment it has lost its grip, and after that was
-  !! tried again for good.
+  !> A node of surfaces that never slip, or of several pairs, is pulled off: the second time in an increment it has lost its grip,
+  !! and after that was tried again for good.
   elemental subroutine loosen_grip(slave)
     type(slave_type), intent(inout) :: slave
     select case (slave%grip)
@@ -48,7 +48,8 @@ contains
   end subroutine loosen_grip
 
 
-  !> Whether a node of surfaces that never slip has lost its grip in this increment: where it touches it slides without friction.
+  !> Whether a node has lost its grip in this increment: on surfaces that never slip it slides without friction where it touches;
+  !! of several pairs, those that still hold it do not rub along this one's normal.
   elemental logical function is_grip_lost(slave)
     type(slave_type), intent(in) :: slave
     is_grip_lost = slave%grip == GRIP_LOST .or. slave%grip == GRIP_GONE

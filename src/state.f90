@@ -25,7 +25,8 @@ module amontons_state
   integer, parameter :: DAMPING_NOW = 1, DAMPING_NEXT = 2   !< in force; from the next increment on
 
   !> Of a slave node of surfaces that never slip, within an increment: it sticks; it was pulled off once; again, and slides freely;
-  !! it sticks on trial; it was pulled off then, too, and slides freely.
+  !! it sticks on trial; it was pulled off then, too, and slides freely. Of one that other pairs hold as well: their friction does
+  !! not act along its normal where it would slide freely.
   integer, parameter :: GRIP_FIRM = 0, GRIP_LOOSE = 1, GRIP_LOST = 2, GRIP_TRIED = 3, GRIP_GONE = 4
 
   !> The contact memory of one slave node of one pair.
@@ -36,7 +37,7 @@ module amontons_state
     integer :: row = 0                      !< place of its row in the mortar of its pair; 0: the row follows from facet and xi
     integer :: side = 0                     !< of a point of a slave face: facet of the slave surface; 0: it is a node
     real(DP) :: at(2) = 0                   !< of a point: natural coordinates on that facet [-]
-    integer :: grip = GRIP_FIRM             !< GRIP_...: of surfaces that never slip
+    integer :: grip = GRIP_FIRM             !< GRIP_...: of surfaces that never slip, or of several pairs
     integer :: status = STATUS_OPEN
     integer :: scenario = 0                 !< 1 to 4 of the last iteration that moved the node in this increment, else 0
     integer :: facet = 0                    !< facet of the master that it projects on; 0: none

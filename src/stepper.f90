@@ -8,7 +8,7 @@ module amontons_stepper
   use amontons_converge, only: VERDICT_DIVERGES
   implicit none
   private
-  public :: stepper_type, course_type, open_step, propose_time, accept_increment, reject_increment, may_cut
+  public :: stepper_type, effort_type, open_step, propose_time, accept_increment, reject_increment, may_cut
   public :: STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
 
   integer, parameter :: STEP_GOES_ON = 0           !< after an accepted increment: more to come in this step
@@ -21,11 +21,11 @@ module amontons_stepper
   real(DP), parameter :: SNAP = 1.0e-6_DP          !< an increment that ends this near to the end of the step ends there [-]
 
   !> What happened in an attempt that converged.
-  type :: course_type
+  type :: effort_type
     integer :: n_iterations = 0
     integer :: n_unforeseen = 0                    !< slave nodes whose status at the end was not that after the first iteration
     integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
-  end type course_type
+  end type effort_type
 
   !> Where the job is in time. Times are those committed.
   type :: stepper_type
@@ -68,16 +68,16 @@ contains
 
 
   !> A converged increment: time goes on, and the next one may be longer or shorter.
-  pure subroutine accept_increment(stepper, step, dt, course, outcome)
+  pure subroutine accept_increment(stepper, step, dt, effort, outcome)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the increment [time]
-    type(course_type), intent(in) :: course
+    type(effort_type), intent(in) :: effort
     integer, intent(out) :: outcome                !< STEP_...
     stepper%total_time = stepper%total_time + dt
     stepper%step_time = stepper%step_time + dt
     if (abs(step%period - stepper%step_time) <= SNAP * step%period) stepper%step_time = step%period
-    if (.not. step%is_direct) call adapt(stepper, step, course)
+    if (.not. step%is_direct) call adapt(stepper, step, effort)
     stepper%attempt = 1
     outcome = STEP_DONE
     if (stepper%step_time >= step%period) return
@@ -89,15 +89,15 @@ contains
   !> Length of the next increment from what happened in the last one. It grows after two fast ones running, and shrinks after a slow
   !! one. After cycles it does not grow, nor, in a step in which an attempt failed, where contact was not as foreseen: statuses
   !! changed after the first iteration, and it took more than a FEW.
-  pure subroutine adapt(stepper, step, course)
+  pure subroutine adapt(stepper, step, effort)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
-    type(course_type), intent(in) :: course
+    type(effort_type), intent(in) :: effort
     logical :: is_fast, is_foreseen
-    is_foreseen = course%n_unforeseen == 0 .or. course%n_iterations <= FEW
-    is_fast = course%n_iterations <= step%controls%i_g .and. course%n_cycles == 0 .and. (is_foreseen .or. .not. stepper%has_failed)
+    is_foreseen = effort%n_unforeseen == 0 .or. effort%n_iterations <= FEW
+    is_fast = effort%n_iterations <= step%controls%i_g .and. effort%n_cycles == 0 .and. (is_foreseen .or. .not. stepper%has_failed)
     stepper%n_fast = merge(stepper%n_fast + 1, 0, is_fast)
-    if (course%n_iterations > step%controls%i_l) then
+    if (effort%n_iterations > step%controls%i_l) then
       stepper%dt = max(step%dt_min, step%controls%d_b * stepper%dt)
     else if (stepper%n_fast >= 2) then
       stepper%dt = min(step%dt_max, step%controls%d_d * stepper%dt)

@@ -37,6 +37,7 @@ SOLIDS = ["C3D4", "C3D8", "C3D8I", "C3D10", "C3D20R"]
 PLANES = ["CPE3", "CPE4", "CPE4R", "CPE6", "CPE8R"]
 YOUNG = 1.0e4  #: of the table [stress]
 HEAD = 900001  #: reference node of a head that is pressed by a force
+PEER_LIMIT = 60.0  #: seconds for a job of CalculiX
 Place = Callable[[float, float, float], tuple[float, float, float]]
 
 
@@ -149,31 +150,28 @@ class Outcome:
 
 def run(seed: int, program: Path, folder: Path, limit: float = 600.0) -> Outcome:
     """Runs the deck of a seed in a folder of its own."""
+    words = [str(program), "--quiet", "--no-checkpoint", "--dialect", "abaqus", "job"]
+    return outcome_of(seed, words, folder, limit, lambda done: done.returncode)
+
+
+def run_peer(seed: int, peer: str, folder: Path) -> Outcome:
+    """The same by CalculiX, which tells at its end whether it got there."""
+    return outcome_of(seed, [peer, "-i", "job"], folder, PEER_LIMIT, lambda done: int("Job finished" not in done.stdout))
+
+
+def outcome_of(seed: int, words: list[str], folder: Path, limit: float, code_of: Callable[[subprocess.CompletedProcess], int]) -> Outcome:
+    """What a program makes of the deck of a seed; a job that takes longer than the limit counts as one that does not finish."""
     text = random_deck(seed)
     here = folder / f"{seed}"
     here.mkdir(parents=True)
     (here / "job.inp").write_text(text)
-    job = [program, "--quiet", "--no-checkpoint", "--dialect", "abaqus", "job"]
-    done = subprocess.run(job, cwd=here, env=os.environ | {"OMP_NUM_THREADS": "1"}, capture_output=True, timeout=limit, check=False)
-    status = (here / "job.sta").read_text().splitlines()[2:] if (here / "job.sta").exists() else []
-    rows = [line.split() for line in status if line.strip()]
-    failed = sum("U" in row[2] for row in rows)
-    return Outcome(seed, text.splitlines()[0][3:], done.returncode, len(rows) - failed, failed, sum(int(row[3]) for row in rows))
-
-
-def run_peer(seed: int, peer: str, folder: Path, limit: float) -> Outcome:
-    """The same by CalculiX; a job that takes longer than the limit counts as one that does not finish."""
-    text = random_deck(seed)
-    here = folder / f"{seed}"
-    here.mkdir(parents=True)
-    (here / "job.inp").write_text(text)
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
     try:
-        environment = os.environ | {"OMP_NUM_THREADS": "1"}
-        done = subprocess.run([peer, "-i", "job"], cwd=here, env=environment, capture_output=True, text=True, timeout=limit, check=False)
-        code = int("Job finished" not in done.stdout)
+        code = code_of(subprocess.run(words, cwd=here, env=environment, capture_output=True, text=True, timeout=limit, check=False))
     except subprocess.TimeoutExpired:
         code = 1
-    rows = [line.split() for line in (here / "job.sta").read_text().splitlines()[2:] if line.strip()]
+    status = (here / "job.sta").read_text().splitlines()[2:] if (here / "job.sta").exists() else []
+    rows = [line.split() for line in status if line.strip()]
     failed = sum("U" in row[2] for row in rows)
     return Outcome(seed, text.splitlines()[0][3:], code, len(rows) - failed, failed, sum(int(row[3]) for row in rows))
 
@@ -194,7 +192,7 @@ def main() -> int:
         seeds = range(arguments.seeds[0], arguments.seeds[1] + 1)
         if arguments.peer:
             led = [seed for seed in seeds if "RIGID BODY" not in random_deck(seed)]
-            outcomes = list(pool.map(lambda seed: run_peer(seed, arguments.peer, Path(folder), 60.0), led))
+            outcomes = list(pool.map(lambda seed: run_peer(seed, arguments.peer, Path(folder)), led))
         else:
             outcomes = list(pool.map(lambda seed: run(seed, arguments.program.resolve(), Path(folder)), seeds))
     for o in outcomes:

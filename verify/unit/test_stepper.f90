@@ -4,7 +4,7 @@ program test_stepper
   use amontons_kinds, only: DP
   use amontons_steps, only: step_type, controls_type
   use amontons_converge, only: progress_type, judge, VERDICT_GO_ON, VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
-  use amontons_stepper, only: stepper_type, course_type, open_step, propose_time, accept_increment, reject_increment, &
+  use amontons_stepper, only: stepper_type, effort_type, open_step, propose_time, accept_increment, reject_increment, &
     STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
   use check, only: suite_type
   implicit none
@@ -28,14 +28,14 @@ contains
     call open_step(stepper, step)
     do i = 1, 10
       dt = propose_time(stepper, step)
-      call accept_increment(stepper, step, dt, course_type(4), outcome)
+      call accept_increment(stepper, step, dt, effort_type(4), outcome)
       call suite%that('goes on until the tenth', outcome == merge(STEP_DONE, STEP_GOES_ON, i == 10))
     end do
     call suite%near('the step ends at its end', stepper%step_time, 1.0_DP, 0.0_DP)
     step%max_increments = 3
     call open_step(stepper, step)
     do i = 1, 3
-      call accept_increment(stepper, step, 0.1_DP, course_type(4), outcome)
+      call accept_increment(stepper, step, 0.1_DP, effort_type(4), outcome)
     end do
     call suite%that('INC=3 is used up', outcome == STEP_OUT_OF_INCREMENTS)
     call suite%that('second step', stepper%step == 2)
@@ -50,13 +50,13 @@ contains
     step%dt_min = 0.01_DP
     step%dt_max = 0.2_DP
     call open_step(stepper, step)
-    call accept_increment(stepper, step, 0.1_DP, course_type(3), outcome)
+    call accept_increment(stepper, step, 0.1_DP, effort_type(3), outcome)
     call suite%near('one fast increment is not enough', stepper%dt, 0.1_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.1_DP, course_type(3), outcome)
+    call accept_increment(stepper, step, 0.1_DP, effort_type(3), outcome)
     call suite%near('two fast ones: grow by d_d', stepper%dt, 0.15_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.15_DP, course_type(3), outcome)
+    call accept_increment(stepper, step, 0.15_DP, effort_type(3), outcome)
     call suite%near('not above the largest allowed', stepper%dt, 0.2_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.2_DP, course_type(step%controls%i_l + 1), outcome)
+    call accept_increment(stepper, step, 0.2_DP, effort_type(step%controls%i_l + 1), outcome)
     call suite%near('slow: shrink by d_b', stepper%dt, 0.15_DP, 1.0e-15_DP)
     call reject_increment(stepper, step, 0.15_DP, VERDICT_DIVERGES, outcome)
     call suite%that('cut back', outcome == CUT_BACK .and. stepper%attempt == 2)
@@ -89,23 +89,23 @@ contains
     integer :: outcome
     step%dt_initial = 0.01_DP
     call open_step(stepper, step)
-    call accept_increment(stepper, step, 0.01_DP, course_type(3), outcome)
-    call accept_increment(stepper, step, 0.01_DP, course_type(3, n_cycles=1), outcome)
+    call accept_increment(stepper, step, 0.01_DP, effort_type(3), outcome)
+    call accept_increment(stepper, step, 0.01_DP, effort_type(3, n_cycles=1), outcome)
     call suite%near('not after cycles', stepper%dt, 0.01_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.01_DP, course_type(3), outcome)
+    call accept_increment(stepper, step, 0.01_DP, effort_type(3), outcome)
     call suite%near('two without cycles are asked for', stepper%dt, 0.01_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.01_DP, course_type(5, n_unforeseen=2), outcome)
+    call accept_increment(stepper, step, 0.01_DP, effort_type(5, n_unforeseen=2), outcome)
     call suite%near('statuses may change where nothing failed', stepper%dt, 0.015_DP, 1.0e-15_DP)
     call reject_increment(stepper, step, 0.015_DP, VERDICT_TOO_SLOW, outcome)
-    call accept_increment(stepper, step, 0.0075_DP, course_type(5, n_unforeseen=2), outcome)
-    call accept_increment(stepper, step, 0.0075_DP, course_type(5, n_unforeseen=2), outcome)
+    call accept_increment(stepper, step, 0.0075_DP, effort_type(5, n_unforeseen=2), outcome)
+    call accept_increment(stepper, step, 0.0075_DP, effort_type(5, n_unforeseen=2), outcome)
     call suite%near('not where an attempt failed', stepper%dt, 0.0075_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.0075_DP, course_type(4, n_unforeseen=2), outcome)
-    call accept_increment(stepper, step, 0.0075_DP, course_type(5), outcome)
+    call accept_increment(stepper, step, 0.0075_DP, effort_type(4, n_unforeseen=2), outcome)
+    call accept_increment(stepper, step, 0.0075_DP, effort_type(5), outcome)
     call suite%near('but when contact is as foreseen, or soon is', stepper%dt, 0.01125_DP, 1.0e-15_DP)
     call open_step(stepper, step)
-    call accept_increment(stepper, step, 0.01_DP, course_type(5, n_unforeseen=2), outcome)
-    call accept_increment(stepper, step, 0.01_DP, course_type(5, n_unforeseen=2), outcome)
+    call accept_increment(stepper, step, 0.01_DP, effort_type(5, n_unforeseen=2), outcome)
+    call accept_increment(stepper, step, 0.01_DP, effort_type(5, n_unforeseen=2), outcome)
     call suite%near('a new step knows of no failure', stepper%dt, 0.015_DP, 1.0e-15_DP)
   end subroutine check_course
 
