@@ -11,6 +11,7 @@ module amontons_contact
   use amontons_surfaces, only: interaction_type, is_compliant, pair_laws
   use amontons_slaves, only: slip_view_type, lose_master
   use amontons_user_contact, only: user_answer_type
+  use amontons_meeting, only: meeting_type
   use amontons_steps, only: step_type
   use amontons_state, only: slave_type, amplitude_memory, STATUS_OPEN, STATUS_STICK
   use amontons_constraints, only: constraints_type, condensation
@@ -66,6 +67,8 @@ module amontons_contact
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
     type(slip_view_type) :: view                  !< of the last evaluation
     type(user_answer_type), allocatable :: answers(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
+    type(meeting_type), allocatable :: met(:)     !< (n_slaves) under compliant laws, at the last evaluation
+    logical, allocatable :: is_lone(:)            !< (n_slaves) under a compliant law, and no other slave gives its node a force
     real(DP), allocatable :: memory(:)            !< committed STATEV
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
     integer, allocatable :: hold(:)               !< (n_slaves) HOLD_...: whether a cycle has its status held
@@ -130,12 +133,33 @@ contains
     allocate (contact%axes, source=global_axes(n))
     allocate (contact%free(3, 3, n), contact%friction(n), contact%Rhat(3, n), source=0.0_DP)
     allocate (contact%direction(3, n), source=0.0_DP)
-    allocate (contact%answers(n))
+    allocate (contact%answers(n), contact%met(n))
+    contact%is_lone = lone_slaves(contact, model, slaves)
     allocate (contact%hold(n), source=HOLD_NEVER)
     allocate (contact%view%imbalance_t(3, n), contact%view%slip(3, n), contact%view%position(3, n), source=0.0_DP)
     allocate (contact%view%normal_force(n), source=0.0_DP)
     allocate (contact%view%status(n), source=STATUS_OPEN)
   end subroutine create_contact
+
+
+  !> The slaves of compliant laws to whose nodes no other slave gives a force: their imbalance is what the law has to answer.
+  pure function lone_slaves(contact, model, slaves) result(is_lone)
+    type(contact_type), intent(in) :: contact
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)
+    logical :: is_lone(size(slaves)), is_master(model%mesh%n_nodes)
+    integer :: n_slaves(model%mesh%n_nodes), p, s
+    n_slaves = 0
+    do s = 1, size(slaves)
+      n_slaves(slaves(s)%node) = n_slaves(slaves(s)%node) + 1
+    end do
+    is_master = .false.
+    do p = 1, size(model%pairs)
+      is_master(pack(contact%facets(p)%nodes, contact%facets(p)%nodes > 0)) = .true.
+    end do
+    is_lone = [(is_compliant(contact%laws(slaves(s)%pair)) .and. .not. model%pairs(slaves(s)%pair)%is_mortar &
+      .and. slaves(s)%side == 0 .and. .not. is_master(slaves(s)%node) .and. n_slaves(slaves(s)%node) == 1, s=1, size(slaves))]
+  end function lone_slaves
 
 
   !> Slave nodes across pre-tension sections: of two that stand at one place only the first has unknowns of its own.
@@ -196,8 +220,9 @@ contains
     contact%friction = spread(0.0_DP, 1, n)
     contact%hold = spread(HOLD_NEVER, 1, n)
     contact%is_bound = [contact%is_bound(:min(n, size(contact%is_bound))), spread(.false., 1, n - min(n, size(contact%is_bound)))]
-    deallocate (contact%answers)
-    allocate (contact%answers(n))
+    deallocate (contact%answers, contact%met)
+    allocate (contact%answers(n), contact%met(n))
+    contact%is_lone = [contact%is_lone(:min(n, size(contact%is_lone))), spread(.false., 1, n - min(n, size(contact%is_lone)))]
     contact%Rhat = reshape([0.0_DP], [3, n], pad=[0.0_DP])
     contact%direction = contact%Rhat
     contact%view%imbalance_t = contact%Rhat

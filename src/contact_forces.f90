@@ -16,7 +16,7 @@ module amontons_contact_forces
   use amontons_overlaps, only: free_directions, left_free, is_friction_taken
   use amontons_facets, only: is_line
   use amontons_slip, only: trial_type, trial_traction
-  use amontons_compliance, only: law_pressure, law_reach, law_shear, shear_most
+  use amontons_meeting, only: asked_type, meeting_type, meet_law
   use amontons_contact, only: contact_type, renew_rows, find_again, renew_place, locate_slave, close_slave, is_stuck, &
     touching_row, origin_row, contact_slip_vector, HOLD_NOW
   implicit none
@@ -277,8 +277,8 @@ contains
     real(DP), intent(in) :: imbalance(3)           !< Rhat of the node [force]
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields
-    real(DP) :: p, slope, energy, N, k, d(3)
-    logical :: is_slipping
+    type(asked_type) :: asked
+    real(DP) :: N
     integer :: before
     associate (slave => fields%slaves(s), law => contact%laws(fields%slaves(s)%pair))
       before = slave%status
@@ -292,33 +292,57 @@ contains
         call count_changes(contact, before, s, slave)
         return
       end if
-      if (slave%gap > law_reach(law, slave%area)) then
-        slave%status = STATUS_OPEN
-        slave%force = 0.0_DP
-        slave%shear = 0.0_DP
-        slave%elastic = 0.0_DP
-        slave%energy = 0.0_DP
-        if (old%status == STATUS_OPEN) slave%origin_facet = 0
-        call set_view(contact%view, s, STATUS_OPEN, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
-        call count_changes(contact, before, s, slave)
-        return
+      asked = asked_of(contact, slave, imbalance, s)
+      if (slave%origin_facet > 0) asked%slip = elastic_trial(contact, model, old, fields%u, slave)
+      call meet_law(law, asked, contact%met(s))
+      if (.not. contact%met(s)%is_open .and. slave%origin_facet == 0) then
+        call close_slave(contact, model, u_old, fields%u, slave)
+        asked%slip = elastic_trial(contact, model, old, fields%u, slave)
+        call meet_law(law, asked, contact%met(s))
       end if
-      if (slave%origin_facet == 0) call close_slave(contact, model, u_old, fields%u, slave)
-      call law_pressure(law, -slave%gap, p, slope, energy)
-      slave%force = p * slave%area * slave%normal
-      slave%energy = energy * slave%area
-      d = elastic_trial(contact, model, old, fields%u, slave)
-      k = law%stick_slope * slave%area
-      call law_shear(d, k, shear_most(law, slave%area, p), slave%elastic, slave%slip_increment, is_slipping)
-      slave%shear = -k * slave%elastic
-      slave%energy = slave%energy + 0.5_DP * k * dot_product(slave%elastic, slave%elastic)
-      slave%status = merge(STATUS_SLIP, STATUS_STICK, is_slipping)
-      if (law%is_user_friction) call rub_softly(contact, model, before, -p * slave%normal - slave%shear / slave%area, d, s, fields)
+      if (contact%met(s)%is_open .and. old%status == STATUS_OPEN) slave%origin_facet = 0
+      call take_meeting(contact%met(s), slave)
+      if (law%is_user_friction .and. slave%status /= STATUS_OPEN) call rub_softly(contact, model, before, &
+        -contact%met(s)%pressure * slave%normal - slave%shear / slave%area, asked%slip, s, fields)
       N = -dot_product(slave%normal, imbalance)
-      call set_view(contact%view, s, slave%status, imbalance + N * slave%normal, N, slave%slip_increment)
+      if (slave%status == STATUS_OPEN) then
+        call set_view(contact%view, s, STATUS_OPEN, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
+      else
+        call set_view(contact%view, s, slave%status, imbalance + N * slave%normal, N, slave%slip_increment)
+      end if
       call count_changes(contact, before, s, slave)
     end associate
   end subroutine press_slave
+
+
+  !> What a slave node under a compliant law is asked for, but for its slip.
+  pure type(asked_type) function asked_of(contact, slave, imbalance, s) result(asked)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    real(DP), intent(in) :: imbalance(3)           !< Rhat of the node [force]
+    integer, intent(in) :: s                       !< index of the slave
+    asked%area = slave%area
+    asked%overclosure = -slave%gap
+    asked%normal = slave%normal
+    asked%imbalance = imbalance
+    if (.not. contact%is_lone(s) .or. contact%laws(slave%pair)%is_user_friction) return
+    asked%stiffness = max(slave%stiffness, 0.0_DP)
+    asked%free = left_free(contact%axes(:, :, s), contact%mask(:, s))
+  end function asked_of
+
+
+  !> Status, force and energy of a slave node as its law and the bodies meet.
+  pure subroutine take_meeting(met, slave)
+    type(meeting_type), intent(in) :: met
+    type(slave_type), intent(inout) :: slave
+    slave%status = merge(STATUS_SLIP, STATUS_STICK, met%is_slipping)
+    if (met%is_open) slave%status = STATUS_OPEN
+    slave%force = met%pressure * slave%area * slave%normal
+    slave%shear = met%shear
+    slave%elastic = met%elastic
+    slave%slip_increment = met%slip
+    slave%energy = met%energy
+  end subroutine take_meeting
 
 
   !> FRIC at a slave node of a compliant law: LM = 1 sticks by the stick slope.

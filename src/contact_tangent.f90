@@ -13,13 +13,12 @@ module amontons_contact_tangent
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, row_type, add_row, ROW_CONFLICT
   use amontons_gap, only: gap_derivative, gap_derivative_type, vertex_derivative
-  use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER
-  use amontons_compliance, only: law_pressure, shear_most
+  use amontons_surfaces, only: is_compliant, BEHAVIOR_USER
   use amontons_rows, only: contact_row_type, relative_position
   use amontons_cut_rates, only: facet_rates_type
   use amontons_row_rates, only: row_rates_type, differentiate_row
   use amontons_contact, only: contact_type, touching_row, origin_row, contact_slip_vector, origin_offset_rate
-  use amontons_contact_forces, only: elastic_trial, is_cornered
+  use amontons_contact_forces, only: is_cornered
   implicit none
   private
   public :: link_type, linearise_contact, keep_symmetric, add_contact_rows
@@ -41,6 +40,7 @@ module amontons_contact_tangent
     real(DP), allocatable :: xi_nodes(:, :, :)     !< (2 or n_weights, 3, :) d xi / d u_j [1/length]
     real(DP), allocatable :: gap_nodes(:, :)       !< (3, :) d g / d u_j [-]
     logical :: is_spring = .false.                 !< a compliant law: the node keeps its unknowns and has no row
+    real(DP) :: ahead(3) = 0                       !< what its law, as it is linearised, gives more than the force [force]
     real(DP) :: spring(3, 3) = 0                 !< its stiffness without the turning of normals: symmetric, positive [force/length]
   end type link_type
 
@@ -255,34 +255,35 @@ contains
     type(fields_type), intent(in) :: fields
     type(pair_rates_type), intent(inout) :: rates(:)   !< (n_pairs)
     type(link_type), intent(inout) :: link
-    real(DP) :: p, slope, energy, w(3), e(3), n(3), b(3, 3), force_gap(3), force_normal(3, 3), force_slip(3, 3)
+    real(DP) :: w(3), n(3), b(3, 3), force_gap(3), force_normal(3, 3), force_slip(3, 3)
     integer :: j
-    associate (slave => fields%slaves(link%slave), law => contact%laws(fields%slaves(link%slave)%pair))
+    associate (slave => fields%slaves(link%slave), law => contact%laws(fields%slaves(link%slave)%pair), &
+      met => contact%met(link%slave))
       n = slave%normal
       link%is_spring = .true.
       if (law%behavior == BEHAVIOR_USER) then
         call link_user(contact, x, old, model, fields, rates, link)
         return
       end if
-      call law_pressure(law, -slave%gap, p, slope, energy)
       w = old%elastic + contact_slip_vector(contact, model, fields%u, slave)
-      e = elastic_trial(contact, model, old, fields%u, slave)
-      force_gap = -slope * slave%area * n
+      force_gap = -met%slope * slave%area * n
       if (law%is_user_friction .and. .not. contact%answers(link%slave)%is_stuck) then
         b = contact%answers(link%slave)%by_slip
-        force_gap = force_gap - slope * contact%answers(link%slave)%by_pressure
+        force_gap = force_gap - met%slope * contact%answers(link%slave)%by_pressure
       else
-        call shear_derivatives(law, slave, p, slope, e, b, force_gap)
+        b = met%by_slip
+        force_gap = force_gap + met%by_gap
+        link%ahead = met%ahead
       end if
       force_slip = matmul(b, IDENTITY - outer(n, n))
-      force_normal = slave%area * p * IDENTITY - matmul(b, dot_product(n, w) * IDENTITY + outer(n, w)) &
+      force_normal = slave%area * met%pressure * IDENTITY - matmul(b, dot_product(n, w) * IDENTITY + outer(n, w)) &
         - matmul(force_slip, origin_offset_rate(contact, slave))
       call link_weights(contact, x, slave, force_normal, rates, link)
       do j = 1, size(link%nodes)
         link%force_nodes(:, :, j) = link%force_nodes(:, :, j) + outer(force_gap, link%gap_nodes(:, j))
       end do
       call link_origin(contact, slave, force_slip, link)
-      link%spring = slope * slave%area * outer(n, n) - matmul(IDENTITY - outer(n, n), force_slip)
+      link%spring = met%slope * slave%area * outer(n, n) - matmul(IDENTITY - outer(n, n), force_slip)
     end associate
   end subroutine link_spring
 
@@ -311,27 +312,6 @@ contains
       link%spring = max(-dot_product(n, answer%by_gap), 0.0_DP) * outer(n, n)
     end associate
   end subroutine link_user
-
-
-  !> How the shear force changes with the elastic slip if all were elastic (b = dS/de), and with the gap.
-  pure subroutine shear_derivatives(law, slave, p, slope, e, b, force_gap)
-    type(interaction_type), intent(in) :: law
-    type(slave_type), intent(in) :: slave
-    real(DP), intent(in) :: p, slope               !< pressure [stress] and its slope [stress/length]
-    real(DP), intent(in) :: e(3)                   !< [length]
-    real(DP), intent(out) :: b(3, 3)               !< [force/length]
-    real(DP), intent(inout) :: force_gap(3)        !< d lambda / d g [force/length]
-    real(DP) :: k, most, length, q(3)
-    k = law%stick_slope * slave%area
-    b = -k * IDENTITY
-    length = norm2(e)
-    most = shear_most(law, slave%area, p)
-    if (k * length <= most) return
-    q = e / length
-    b = -most / length * (IDENTITY - outer(q, q))
-    if (law%behavior == BEHAVIOR_TIED .or. p <= 0.0_DP .or. law%friction * p > law%shear_limit) return
-    force_gap = force_gap + law%friction * slope * slave%area * q
-  end subroutine shear_derivatives
 
 
   !> Small sliding: normal and weights are constants.
