@@ -19,13 +19,21 @@ module amontons_cycles
   use amontons_contact, only: contact_type, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
   implicit none
   private
-  public :: act_on_cycle, release_nodes, keep_to_edges
+  public :: act_on_cycle, release_nodes, keep_to_edges, walk_type
 
   real(DP), parameter :: STAGNANT = 0.5_DP         !< a merit that is not below this part of that one cycle before does not fall [-]
   integer, parameter :: OFTEN = 3                  !< times that a node runs off its master until it keeps to the edge
+  integer, parameter :: TWICE = 2                  !< times that it comes back over an edge where the normal jumps until it stays
   real(DP), parameter :: BESIDE = -1.0_DP          !< of a node that stays beside its master in this increment [-]
   real(DP), parameter :: NEAR_EDGE = 0.1_DP        !< a node deeper in a facet than this is not beside it, in its lengths [-]
   real(DP), parameter :: KEEPING = 0.5_DP          !< how far the facet of a node that keeps to its edge reaches beyond itself [-]
+
+  !> Where a node has been while contact settles along a direction.
+  type :: walk_type
+    integer :: facet = -1                          !< where it was last; 0: off its master; -1: not known yet
+    integer :: before = -1                         !< and before that
+    integer :: n_turns = 0                         !< how often it ran off, or came back
+  end type walk_type
 
 contains
 
@@ -48,7 +56,7 @@ contains
     best = least_merit(forensics, length)
     do i = 1, size(nodes)
       associate (slave => slaves(nodes(i)), s => nodes(i))
-        if (is_running_off(contact, forensics, slave, s, length)) then
+        if (is_running_off(contact, forensics, slave, s, length) .or. is_changing_facets(contact, forensics, slave, s, length)) then
           if (slave%extension >= KEEPING) cycle
           slave%extension = KEEPING
           slave%facet = last_facet(forensics, s)
@@ -67,28 +75,39 @@ contains
 
   !> While contact settles along a direction: nodes that ran off their master again and again, and were found on it in between,
   !! keep to its edge. After: whether there are new ones; they are marked in the slaves where the direction starts.
-  pure subroutine keep_to_edges(contact, start, now, n_lost, is_kept)
+  pure subroutine keep_to_edges(contact, start, now, walks, is_kept)
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(inout) :: start(:)    !< (n_slaves) where the direction starts
     type(slave_type), intent(in) :: now(:)         !< (n_slaves) as they were foreseen
-    integer, intent(inout) :: n_lost(:)            !< (n_slaves) how often it ran off; negative: it is on its master now
+    type(walk_type), intent(inout) :: walks(:)     !< (n_slaves)
     logical, intent(out) :: is_kept
+    logical :: is_lost
     integer :: s
     is_kept = .false.
     do s = 1, size(now)
       if (abs(start(s)%extension) > 0.0_DP .or. .not. has_edges(contact, now(s))) cycle
-      if (now(s)%facet > 0) then
-        n_lost(s) = -abs(n_lost(s))
-        cycle
-      end if
-      if (n_lost(s) <= 0) n_lost(s) = abs(n_lost(s)) + 1
-      if (n_lost(s) < OFTEN) cycle
+      is_lost = now(s)%facet == 0 .and. walks(s)%facet /= 0
+      call follow_walk(now(s)%facet, contact%facets(now(s)%pair)%is_faceted, walks(s))
+      if (walks(s)%n_turns < merge(TWICE, OFTEN, now(s)%facet > 0) .or. .not. (is_lost .or. now(s)%facet > 0)) cycle
       start(s)%extension = KEEPING
-      if (start(s)%status == STATUS_OPEN) start(s)%extension = BESIDE
-      if (start(s)%status == STATUS_OPEN) start(s)%facet = 0
       is_kept = .true.
+      if (now(s)%facet > 0 .or. start(s)%status /= STATUS_OPEN) cycle
+      start(s)%extension = BESIDE
+      start(s)%facet = 0
     end do
   end subroutine keep_to_edges
+
+
+  !> Counts how often a node runs off its master, or, where normals jump at its edges, comes back to the facet before the last.
+  pure subroutine follow_walk(facet, is_faceted, walk)
+    integer, intent(in) :: facet                   !< where it is now; 0: off
+    logical, intent(in) :: is_faceted              !< normals jump at the master's edges
+    type(walk_type), intent(inout) :: walk
+    if (facet == walk%facet) return
+    if (facet == 0 .or. (is_faceted .and. facet == walk%before)) walk%n_turns = walk%n_turns + 1
+    walk%before = walk%facet
+    walk%facet = facet
+  end subroutine follow_walk
 
 
   !> Whether the master of a node has edges to keep to: it is meshed, and the node slides over it by itself.
@@ -112,6 +131,19 @@ contains
     end associate
     is_running_off = is_running_off .and. has_edges(contact, slave)
   end function is_running_off
+
+
+  !> Whether a node goes over an edge of its master at which the normal jumps, and comes back, within the last iterations.
+  pure logical function is_changing_facets(contact, forensics, slave, s, length) result(is_changing)
+    type(contact_type), intent(in) :: contact
+    type(forensics_type), intent(in) :: forensics
+    type(slave_type), intent(in) :: slave
+    integer, intent(in) :: s                       !< index of the slave
+    integer, intent(in) :: length                  !< of the cycle
+    is_changing = contact%facets(slave%pair)%is_faceted .and. has_edges(contact, slave)
+    if (is_changing) is_changing = all(forensics%facet(s, :length + 1) > 0) .and. &
+      any(forensics%facet(s, 2:length + 1) /= forensics%facet(s, 1))
+  end function is_changing_facets
 
 
   !> All else is in balance: nodes that were held are let go, and those beside their master that are well within it. After:

@@ -348,12 +348,15 @@ contains
     integer, intent(inout) :: status             !< of the projection on this facet; out: OFF beyond the extension zone
     integer, intent(out) :: edge
     logical :: is_out(4), is_open(4)
+    real(DP) :: kept                               ! how far beyond an edge it stays here though the master goes on there [-]
     integer :: k
     edge = 0
+    kept = merge(KEEPING, ON_EDGE, facets%is_faceted)
+    if (facets%is_faceted .and. extension > EXTENSION_ZONE) kept = extension
     do k = 1, 4
       is_open(k) = facets%edge(k, f) == EDGE_SMOOTH .or. facets%edge(k, f) == EDGE_CONCAVE
     end do
-    is_out = excess > merge(KEEPING, ON_EDGE, facets%is_faceted)
+    is_out = excess > kept
     if (any(is_out .and. is_open)) then
       edge = maxloc(excess, dim=1, mask=is_out .and. is_open)
     else if (any(excess > extension)) then

@@ -16,7 +16,7 @@ module amontons_settle
   use amontons_steps, only: step_type, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type
   use amontons_forensics, only: forensics_type, note_slaves, find_cycle, DEPTH
-  use amontons_cycles, only: keep_to_edges
+  use amontons_cycles, only: keep_to_edges, walk_type
   use amontons_system, only: system_type, place_type, place_of, foresee, return_to, TROUBLE_NONE
   use amontons_direction, only: correct_direction
   implicit none
@@ -101,7 +101,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(forensics_type) :: rounds
     real(DP), allocatable :: correction(:, :), first(:, :)
-    integer, allocatable :: n_lost(:)              ! (n_slaves) times that a slave node ran off its master
+    type(walk_type) :: walks(size(start%slaves))   ! of the slave nodes
     real(DP) :: largest
     logical :: is_kept, is_round
     is_round = .false.
@@ -110,10 +110,9 @@ contains
     best%du = du
     best%slaves = start%slaves
     allocate (correction, mold=du)
-    allocate (n_lost(size(start%slaves)), source=0)
     call foresee(system, model, start, du, state)
     do
-      call keep_to_edges(system%contact, start%slaves, state%new%slaves, n_lost, is_kept)
+      call keep_to_edges(system%contact, start%slaves, state%new%slaves, walks, is_kept)
       if (is_kept .and. best%n_rounds < MOST_ROUNDS) then   ! from the start, with the nodes that keep to their edges
         du = first
         best%merit = huge(1.0_DP)                  ! the next place is the best one
