@@ -157,8 +157,8 @@ contains
     do p = 1, size(model%pairs)
       is_master(pack(contact%facets(p)%nodes, contact%facets(p)%nodes > 0)) = .true.
     end do
-    is_lone = [(is_compliant(contact%laws(slaves(s)%pair)) .and. .not. model%pairs(slaves(s)%pair)%is_mortar &
-      .and. slaves(s)%side == 0 .and. .not. is_master(slaves(s)%node) .and. n_slaves(slaves(s)%node) == 1, s=1, size(slaves))]
+    is_lone = [(is_compliant(contact%laws(slaves(s)%pair)) .and. slaves(s)%side == 0 &
+      .and. .not. is_master(slaves(s)%node) .and. n_slaves(slaves(s)%node) == 1, s=1, size(slaves))]
   end function lone_slaves
 
 

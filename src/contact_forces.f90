@@ -325,10 +325,24 @@ contains
     asked%overclosure = -slave%gap
     asked%normal = slave%normal
     asked%imbalance = imbalance
-    if (.not. contact%is_lone(s) .or. contact%laws(slave%pair)%is_user_friction) return
+    if (.not. is_alone(contact, slave, s) .or. contact%laws(slave%pair)%is_user_friction) return
     asked%stiffness = max(slave%stiffness, 0.0_DP)
     asked%free = left_free(contact%axes(:, :, s), contact%mask(:, s))
   end function asked_of
+
+
+  !> Whether the imbalance of a slave's row is that of its node alone, to which no other row gives a force.
+  pure logical function is_alone(contact, slave, s)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    integer, intent(in) :: s                       !< index of the slave
+    is_alone = contact%is_lone(s)
+    if (.not. is_alone .or. slave%row == 0) return
+    associate (mortar => contact%mortar(slave%pair))
+      is_alone = size(mortar%rows(slave%row)%own) == 1
+      if (is_alone) is_alone = .not. (mortar%beyond(slave%row) > 0.0_DP .or. mortar%rows(slave%row)%shares(1) > 1.0_DP)
+    end associate
+  end function is_alone
 
 
   !> Status, force and energy of a slave node as its law and the bodies meet.
