@@ -1,4 +1,4 @@
-!> Compliance: the laws of surfaces that give: pressure from overclosure, shear from slip, and their derivatives.
+!> Compliance: the laws of surfaces that give: pressure from overclosure, its slope, and the limit of the shear.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/contact.md, "Compliant laws". The laws are those of CalculiX's node-to-surface contact (G. Dhondt,
@@ -9,7 +9,7 @@ module amontons_compliance
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
   implicit none
   private
-  public :: law_pressure, law_reach, law_shear, shear_most
+  public :: law_pressure, law_reach, shear_most
 
   real(DP), parameter :: LOG_HUNDRED = log(100.0_DP)    !< EXPONENTIAL: the pressure at c0 is a hundredth of p0
   real(DP), parameter :: MOST_EXPONENT = 23.0_DP        !< EXPONENTIAL: goes on as a straight line beyond e**23 p0 [-]
@@ -116,27 +116,5 @@ contains
     most = min(law%friction * max(pressure, 0.0_DP), law%shear_limit) * area
     if (law%behavior == BEHAVIOR_TIED) most = law%shear_limit * area
   end function shear_most
-
-
-  !> Friction by return mapping: shear is lambda times the elastic slip, up to the limit; what is beyond is slip for good.
-  !!
-  !! After: the force on the slave is -stiffness times the new elastic slip.
-  pure subroutine law_shear(trial, stiffness, limit, elastic, slip, is_slipping)
-    real(DP), intent(in) :: trial(3)               !< tangential: elastic slip if all of it were elastic [length]
-    real(DP), intent(in) :: stiffness              !< lambda times the area [force/length]
-    real(DP), intent(in) :: limit                  !< largest shear force, not negative [force]
-    real(DP), intent(out) :: elastic(3)            !< what is elastic of it [length]
-    real(DP), intent(out) :: slip(3)               !< what is not [length]
-    logical, intent(out) :: is_slipping
-    real(DP) :: length
-    elastic = trial
-    slip = 0.0_DP
-    length = norm2(trial)
-    is_slipping = stiffness * length > limit .or. stiffness <= 0.0_DP
-    if (.not. is_slipping) return
-    elastic = 0.0_DP
-    if (stiffness > 0.0_DP) elastic = limit / (stiffness * length) * trial
-    slip = trial - elastic
-  end subroutine law_shear
 
 end module amontons_compliance

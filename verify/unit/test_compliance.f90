@@ -1,9 +1,9 @@
-!> The laws of compliant contact: closed forms, slopes against differences, energies against sums, friction by return mapping.
+!> The laws of compliant contact: closed forms, slopes against differences, energies against sums.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_compliance
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
-  use amontons_compliance, only: law_pressure, law_reach, law_shear
+  use amontons_compliance, only: law_pressure, law_reach
   use amontons_areas, only: node_shares
   use check, only: suite_type
   implicit none
@@ -11,7 +11,6 @@ program test_compliance
   call check_linear()
   call check_exponential()
   call check_tabular()
-  call check_shear()
   call check_shares()
   call suite%finish()
 
@@ -90,24 +89,6 @@ contains
       call suite%near(name // ': energy', (energy(3) - energy(1)) / (2 * D), p(2), 1.0e-6_DP * (abs(slope(2)) + abs(p(2))))
     end do
   end subroutine check_derivatives
-
-
-  !> Below the limit all is elastic; beyond it the force is the limit and the rest of the displacement is slip.
-  subroutine check_shear()
-    real(DP) :: elastic(3), slip(3)
-    logical :: is_slipping
-    call law_shear([3.0_DP, 0.0_DP, 4.0_DP], 2.0_DP, 10.5_DP, elastic, slip, is_slipping)
-    call suite%that('shear: sticks', .not. is_slipping)
-    call suite%near('shear: elastic', elastic(1), 3.0_DP, 0.0_DP)
-    call suite%near('shear: no slip', norm2(slip), 0.0_DP, 0.0_DP)
-    call law_shear([3.0_DP, 0.0_DP, 4.0_DP], 2.0_DP, 4.0_DP, elastic, slip, is_slipping)
-    call suite%that('shear: slips', is_slipping)
-    call suite%near('shear: at the limit', 2.0_DP * norm2(elastic), 4.0_DP, 1.0e-14_DP)
-    call suite%near('shear: slip and elastic slip make the whole', norm2(elastic + slip), 5.0_DP, 1.0e-14_DP)
-    call suite%near('shear: slip', slip(3), 2.4_DP, 1.0e-14_DP)
-    call law_shear([3.0_DP, 0.0_DP, 4.0_DP], 0.0_DP, 0.0_DP, elastic, slip, is_slipping)
-    call suite%that('shear: frictionless slips', is_slipping .and. norm2(elastic) <= 0.0_DP)
-  end subroutine check_shear
 
 
   !> The shares of a face's nodes make one.

@@ -6,8 +6,8 @@ program test_contact_tangent
   use amontons_topology, only: KIND_C3D8, KIND_CPE4_FULL, KIND_CAX8
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_model, only: model_type
-  use amontons_surfaces, only: interaction_type, surface_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
-    BEHAVIOR_TIED
+  use amontons_surfaces, only: interaction_type, surface_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, &
+    BEHAVIOR_TABULAR, BEHAVIOR_TIED
   use amontons_steps, only: step_type, DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
@@ -123,7 +123,10 @@ contains
     type(state_type) :: state
     type(error_type), allocatable :: error
     real(DP), allocatable :: u(:, :), du(:, :), exact(:, :), plus(:, :), minus(:, :), w(:)
+    real(DP) :: stiffness                          ! of the trial traction; none under a law: it is then taken where the node is
     integer :: trouble, i, s, n
+    stiffness = 100.0_DP
+    if (present(law)) stiffness = merge(100.0_DP, 0.0_DP, law%behavior == BEHAVIOR_HARD)
     if (present(plane)) then
       call two_plates(model, plane, sag, is_nlgeom, is_small)
     else
@@ -153,7 +156,7 @@ contains
       associate (slave => state%new%slaves(s))
         if (slave%status == STATUS_OPEN) cycle
         slave%status = merge(STATUS_STICK, STATUS_SLIP, mod(s, 3) == 0)
-        slave%stiffness = 100.0_DP
+        slave%stiffness = stiffness
         if (.not. present(plane)) u(:, slave%node) = u(:, slave%node) + [0.05_DP, 0.03_DP, -0.01_DP]
       end associate
     end do
@@ -172,7 +175,7 @@ contains
     call suite%that(name // ': sticking nodes', count(state%new%slaves%status == STATUS_STICK) > merge(0, 1, present(shared)))
     call suite%that(name // ': slipping nodes', count(state%new%slaves%status == STATUS_SLIP) > 2)
     call linearise(system, model, step, state, trouble, error)
-    state%new%slaves%stiffness = 100.0_DP
+    state%new%slaves%stiffness = stiffness
     call evaluate(system, model, step, state, trouble, is_frozen=.true.)
     call linearise_contact(system%contact, model, state%old, state%new, system%links)
     if (all(system%links%is_spring)) call check_factors(name, system)
