@@ -24,7 +24,7 @@ module amontons_meeting
     real(DP) :: normal(3) = 0                      !< out of the master
     real(DP) :: slip(3) = 0                        !< e: elastic slip if all were elastic, along the master [length]
     real(DP) :: imbalance(3) = 0                   !< Rhat of the node [force]
-    real(DP) :: free(3, 3) = 0                     !< projector on the directions in which the imbalance is what contact has to answer
+    real(DP) :: free(3, 3) = 0                     !< projector on the directions in which contact has to answer the imbalance
   end type asked_type
 
   !> The law where both meet.
@@ -39,7 +39,7 @@ module amontons_meeting
     real(DP) :: slip(3) = 0                        !< what of e is not [length]
     real(DP) :: by_slip(3, 3) = 0                  !< dS/de [force/length]
     real(DP) :: by_gap(3) = 0                      !< dS/dg [force/length]
-    real(DP) :: ahead(3) = 0                       !< what the force has more where the node is, by the law as it is linearised here [force]
+    real(DP) :: ahead(3) = 0                       !< what the linearised law gives more where the node is than here [force]
   end type meeting_type
 
 contains
@@ -85,7 +85,8 @@ contains
 
   !> The overclosure h' at which A p(h') + c (h' - h) is the normal force that is wanted.
   !!
-  !! Within the reach of the law the left side grows with h'. At the end of the reach it jumps; where there is no root on either side, or
+  !! Within the reach of the law the left side grows with h'. At the end of the reach it jumps; where there is no root on either
+  !! side, or
   !! one on both, the node is open if it is beyond the reach.
   pure subroutine find_overclosure(law, asked, wanted, is_open, h)
     type(interaction_type), intent(in) :: law

@@ -12,7 +12,6 @@ module amontons_settle
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_model, only: model_type
-  use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type
   use amontons_forensics, only: forensics_type, note_slaves, find_cycle, DEPTH
@@ -25,7 +24,6 @@ module amontons_settle
 
   integer, parameter :: MOST_ROUNDS = 30           !< corrections of one direction
   integer, parameter :: MOST_HALVINGS = 4          !< of a correction
-  integer, parameter :: MOST_OF_LAWS = 14          !< where all is compliant, node by node: steep, without jumps
   real(DP), parameter :: SETTLED = 1.0e-2_DP       !< part of the merit at u that may be left at u + du [-]
   real(DP), parameter :: NO_BETTER = 0.99_DP       !< of the merit before: not less [-]
   real(DP), parameter :: NEGLIGIBLE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any case [-]
@@ -260,14 +258,13 @@ contains
     real(DP), intent(inout) :: du(:, :)
     type(slave_type), allocatable :: slaves(:)
     real(DP) :: before, least, length, chosen
-    integer :: halving, most
-    most = merge(MOST_OF_LAWS, MOST_HALVINGS, all(is_compliant(system%contact%laws) .and. .not. model%pairs%is_mortar))
+    integer :: halving
     before = system%merit
     slaves = state%new%slaves
     least = huge(1.0_DP)
     chosen = 1.0_DP
     length = 1.0_DP
-    do halving = 0, most
+    do halving = 0, MOST_HALVINGS
       length = 0.5_DP**halving
       state%new%slaves = slaves
       call foresee(system, model, start, du + length * correction, state)

@@ -1,4 +1,5 @@
-!> Where a compliant law and the bodies meet: in equilibrium where the node is; elsewhere its conditions; Newton's iterations of a node on springs.
+!> Where a compliant law and the bodies meet: in equilibrium where the node is; elsewhere its conditions; Newton's iterations of a
+!! node on springs.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_meeting
   use amontons_kinds, only: DP
@@ -30,7 +31,8 @@ program test_meeting
 
 contains
 
-  !> Below the limit all is elastic; beyond it the force is the limit and the rest of the displacement is slip. The law where the node is.
+  !> Below the limit all is elastic; beyond it the force is the limit and the rest of the displacement is slip. The law where the
+  !! node is.
   subroutine check_shear()
     type(interaction_type) :: law
     type(meeting_type) :: met
@@ -116,8 +118,10 @@ contains
   end subroutine check_elsewhere
 
 
-  !> A node on springs C that hold it at x0, pressed on a plane under LINEAR K: depth d of x0 gives N = C d/(1 + C/(K A)); it slips by what
-  !! mu N leaves of its way. From a start deeper than x0 and beside its way Newton takes no more iterations for a law of 1e9 C than for one of 1000 C.
+  !> A node on springs C that hold it at x0, pressed on a plane under LINEAR K: depth d of x0 gives N = C d/(1 + C/(K A)); it
+  !! slips by what
+  !! mu N leaves of its way. From a start deeper than x0 and beside its way Newton takes no more iterations for a law of 1e9 C
+  !! than for one of 1000 C.
   subroutine check_iterations()
     real(DP), parameter :: C = 3.0_DP, DEPTH = 0.2_DP, AREA = 0.7_DP, WAY(3) = [0.5_DP, -0.3_DP, 0.0_DP], STIFF(4) = [1.0_DP, &
       1.0e3_DP, 1.0e6_DP, 1.0e9_DP]
