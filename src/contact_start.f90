@@ -173,8 +173,8 @@ contains
   end function is_beyond
 
 
-  !> Whether a pair keeps weights and normals throughout a step. Springs at slave nodes follow their master in any step under the
-  !! calculix dialect, as CalculiX's do.
+  !> Whether a pair keeps weights and normals throughout a step. Under the calculix dialect springs at slave nodes and MORTAR follow
+  !! their master in any step, as in CalculiX.
   pure logical function is_kept_in_step(contact, model, is_nlgeom, p) result(is_kept)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -182,7 +182,9 @@ contains
     integer, intent(in) :: p                       !< pair
     associate (pair => model%pairs(p))
       is_kept = pair%is_pointwise .or. pair%is_small_sliding .or. .not. is_nlgeom
-      if (.not. pair%is_mortar .and. model%dialect == DIALECT_CALCULIX) is_kept = is_kept .and. .not. is_compliant(contact%laws(p))
+      if (model%dialect /= DIALECT_CALCULIX .or. pair%is_pointwise) return
+      if (.not. pair%is_mortar) is_kept = is_kept .and. .not. is_compliant(contact%laws(p))
+      if (pair%is_mortar) is_kept = pair%is_small_sliding
     end associate
   end function is_kept_in_step
 

@@ -510,6 +510,31 @@ def test_dragged_at_once(proof: Proof, what: str, make: Callable[[float, str, in
     case.done()
 
 
+@pytest.mark.parametrize("is_nlgeom", [False, True], ids=["linear", "nlgeom"])
+def test_mortar_slides_in_any_step(proof: Proof, is_nlgeom: bool) -> None:
+    """Rows and normals that stayed where the step began would have a round body climb its own shape."""
+    name = "nlgeom" if is_nlgeom else "linear"
+    case = proof(
+        f"mortar-slides-{name}",
+        title=f"A round body dragged over a table without friction, MORTAR, {name}",
+        model="A disc of radius 2 (40 CPE4 round the rim, E = 210000, nu = 0.3) pressed by 0.02 on a plate 10 x 2 of the same steel (cells of 0.5), then dragged by 1.5 in 5 increments, "
+        f"calculix dialect, TYPE=MORTAR, mu = 0, {'NLGEOM' if is_nlgeom else 'without NLGEOM'}; the centre line of the disc is moved.",
+        formula="A flat table without friction gives no force along itself, and the same force across it wherever the disc is, but for the place of its nodes.",
+        source="Symmetry",
+        proves="Under the calculix dialect MORTAR follows its master without NLGEOM too, as in CalculiX.",
+    )
+    disc, table = roller("DISC", 0.0), flatten(sheet("TABLE", between(-5, 5, 20), between(-2, 0, 4)))
+    disc.node_sets["CORE"] = np.flatnonzero(np.linalg.norm(disc.nodes - [0.0, 2.0], axis=1) < 1.0)
+    law = "*SURFACE INTERACTION, NAME=SMOOTH\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n*CONTACT PAIR, INTERACTION=SMOOTH, TYPE=MORTAR\nDISC_SKIN, TABLE_TOP\n"
+    steps = step(fix("TABLE_BOTTOM, 1, 2", "CORE, 1", "CORE, 2, 2, -0.02"), 2, is_nlgeom) + step(fix("CORE, 1, 1, 1.5"), 5, is_nlgeom)
+    job = case.run("** dialect: calculix\n" + flat_deck([(part, (210000.0, 0.3)) for part in (disc, table)], "CPE4", law + steps), asked=7)
+    force = job.field("RF")[:, len(disc.nodes) + table.node_sets["TABLE_BOTTOM"]].sum(axis=1)
+    pressed = force[2, 1]
+    case.within("force along the table over force across", force[-1, 0] / pressed, (-1e-6, 1e-6), why="Newton's tolerance", place="the table", time="the end")
+    case.near("force across the table", force[-1, 1] / pressed, 1.0, 0.05, why="faces of the rim of 0.3, cells of the table of 0.5", place="the table", time="the end")
+    case.done()
+
+
 # ------------------------------------------------------------------------------------------- rollers between plates
 
 
