@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_areas
   use amontons_kinds, only: DP, PI
+  use amontons_tensor, only: cross_product
   use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, FACET_LINE2, &
     FACET_TRI3, FACET_QUAD4, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
@@ -47,7 +48,7 @@ contains
     call facet_quadrature(LINEAR(m), n_points, xi, w)
     do q = 1, n_points
       call facet_shapes(LINEAR(m), xi(:, q), N_i, dN, ddN)
-      a = cross(matmul(x(:, :m), dN(1, :m)), across(x(:, :m), N_i(:m), dN(2, :m), depth_of(mesh, e))) * w(q)
+      a = cross_product(matmul(x(:, :m), dN(1, :m)), across(x(:, :m), N_i(:m), dN(2, :m), depth_of(mesh, e))) * w(q)
       do i = 1, m
         area_vector(:, nodes(i)) = area_vector(:, nodes(i)) + N_i(i) * a
         area(nodes(i)) = area(nodes(i)) + N_i(i) * norm2(a)
@@ -115,7 +116,7 @@ contains
     call facet_quadrature(kind, n_points, xi, w)
     do q = 1, n_points
       call facet_shapes(kind, xi(:, q), N_i, dN, ddN)
-      a = cross(matmul(x, dN(1, :n)), across(x, N_i(:n), dN(2, :n), depth)) * w(q)
+      a = cross_product(matmul(x, dN(1, :n)), across(x, N_i(:n), dN(2, :n), depth)) * w(q)
       vector = vector + a
       area = area + norm2(a)
     end do
@@ -135,17 +136,9 @@ contains
     call facet_quadrature(kind, n_points, xi, w)
     do q = 1, n_points
       call facet_shapes(kind, xi(:, q), N_i, dN, ddN)
-      areas = areas + w(q) * norm2(cross(matmul(x, dN(1, :n)), across(x, N_i(:n), dN(2, :n), depth))) * N_i(:n)
+      areas = areas + w(q) * norm2(cross_product(matmul(x, dN(1, :n)), across(x, N_i(:n), dN(2, :n), depth))) * N_i(:n)
     end do
   end function node_areas
-
-
-  !> Vector product.
-  pure function cross(a, b) result(c)
-    real(DP), intent(in) :: a(3), b(3)
-    real(DP) :: c(3)
-    c = [a(2) * b(3) - a(3) * b(2), a(3) * b(1) - a(1) * b(3), a(1) * b(2) - a(2) * b(1)]
-  end function cross
 
 
   !> The faces of a slave surface; of a surface of nodes, as CalculiX takes them, all outer faces with one of its nodes, but
