@@ -45,7 +45,7 @@ module amontons_newton
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
     type(forensics_type) :: forensics
     real(DP) :: largest_seen = 0                   !< largest force of the attempt [force]
-    real(DP) :: force_scale = 0                    !< largest force where increments began and where they converged [force]
+    real(DP) :: force_scale = 0                    !< largest bulk force where increments began, force where they converged
   end type newton_type
 
 contains
@@ -79,7 +79,7 @@ contains
       call evaluate(system, model, step, state, newton%trouble, is_frozen=.true.)
     end if
     call note_slaves(newton%forensics, state%new%slaves, system%merit)
-    newton%force_scale = max(newton%force_scale, system%largest_force)
+    newton%force_scale = max(newton%force_scale, system%bulk_force)   ! nodes go on into a stiff law with any force
     call note_residual(newton, system, system%largest_residual, step%controls%r_n)   ! K may not be there yet
   end subroutine begin_newton
 

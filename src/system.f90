@@ -78,6 +78,7 @@ module amontons_system
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
     real(DP) :: largest_residual = 0               !< [force]
     real(DP) :: largest_force = 0                  !< largest internal, applied or contact force on a node [force]
+    real(DP) :: bulk_force = 0                     !< largest internal or applied force on a node [force]
     real(DP) :: rounding = 0                       !< what rounding makes of gaps: no residual [force]
     real(DP) :: merit = 0                          !< norm of residual, gaps and stick violations scaled to forces [force]
     logical :: is_nlgeom = .false.
@@ -273,8 +274,9 @@ contains
     call condense_forces(system%base, -fields%reaction_force, system%residual)
     call keep_supports(system%base, fields%reaction_force)
     system%largest_residual = maxval(components_of(system, system%residual, -1))
-    system%largest_force = max(maxval(components_of(system, fields%internal_force, -1)), &
-      maxval(components_of(system, fields%applied_force, -1)), maxval(components_of(system, fields%contact_force, -1)))
+    system%bulk_force = max(maxval(components_of(system, fields%internal_force, -1)), &
+      maxval(components_of(system, fields%applied_force, -1)))
+    system%largest_force = max(system%bulk_force, maxval(components_of(system, fields%contact_force, -1)))
     violation = 0.0_DP
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
