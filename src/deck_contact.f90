@@ -91,15 +91,19 @@ contains
   end function steepest_slope
 
 
-  !> A compliant law with friction needs a stick slope.
+  !> A compliant law with friction needs a stick slope. What is tied has that of its law of pressure; under the calculix dialect
+  !! with FRICTION that of all others.
   subroutine complete_law(reader, model, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     type(interaction_type), intent(inout) :: law
     if (.not. is_compliant(law) .or. law%stick_slope > 0.0_DP) return
     if (law%behavior == BEHAVIOR_USER) return
-    if (law%behavior == BEHAVIOR_TIED) law%stick_slope = law%stiffness
-    if ((law%friction <= 0.0_DP .and. .not. law%is_user_friction) .or. law%behavior == BEHAVIOR_TIED) return
+    if (law%behavior == BEHAVIOR_TIED .and. (law%friction <= 0.0_DP .or. reader%dialect == DIALECT_ABAQUS)) then
+      law%stick_slope = law%stiffness
+      return
+    end if
+    if (law%friction <= 0.0_DP .and. .not. law%is_user_friction) return
     if (reader%dialect == DIALECT_ABAQUS) then
       law%stick_slope = STICK_SHARE * steepest_slope(law)
       call note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; a hundredth of the slope ' // &

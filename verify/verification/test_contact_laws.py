@@ -175,6 +175,14 @@ def test_tied_pulls(bench: Bench) -> None:
     assert answer.shear[-1] == pytest.approx(-10.0, rel=1e-6)
 
 
+@pytest.mark.parametrize(("dialect", "friction", "slope"), [("calculix", "*FRICTION\n0.1", 0.5 * MODULUS), ("calculix", "", 1e4), ("abaqus", "*FRICTION\n0.1", 1e4)])
+def test_tied_without_a_stick_slope(bench: Bench, dialect: str, friction: str, slope: float) -> None:
+    """FRICTION without one means half of Young's modulus in CalculiX for TIED as for any law (without FRICTION it refuses TIED); else shear is as stiff as pressure."""
+    law = f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1.e4\n{friction}".rstrip()
+    answer = bench.solve(law, step(pressed(10.0, 0.02)), dialect=dialect)
+    assert answer.shear[-1] == pytest.approx(-0.02 * slope, rel=1e-6)
+
+
 def test_hard_of_calculix(bench: Bench) -> None:
     """HARD is LINEAR with 50 times Young's modulus under the calculix dialect."""
     answer = bench.solve("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD", step(pressed(10.0)))
