@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from common import ROOT, same_results
 from conftest import Run
+from course_files import read_cvg
 
 import amontons
 
@@ -195,11 +196,9 @@ def test_flow_without_dilatancy_converges_quadratically(run: Run, tmp_path: Path
     (tmp_path / "job.inp").write_text(deck.replace("0.25, 1.", "0.5, 1.\n*CONTROLS, PARAMETERS=FIELD\n1e-12, 1e-12, , , 1e-12"))
     done = run(["job", f"user={ROUTINES / 'unsymmetric.f90'}"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout
-    seen: dict[str, list[float]] = {}
-    for line in (tmp_path / "job.cvg").read_text().splitlines():
-        words = line.split()
-        if len(words) > 5 and words[0].isdigit():
-            seen.setdefault(" ".join(words[:3]), []).append(0.01 * float(words[5]))
+    seen: dict[tuple[int, int, int], list[float]] = {}
+    for row in read_cvg(tmp_path / "job.cvg"):
+        seen.setdefault((row.step, row.increment, row.attempt), []).append(0.01 * row.residual)
     pairs = [(a, b) for history in seen.values() for a, b in zip(history, history[1:], strict=False) if 1e-9 < a < 1e-2]
     assert len(pairs) >= 2
     assert all(b <= max(100 * a**2, 1e-13) for a, b in pairs), pairs

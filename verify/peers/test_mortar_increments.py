@@ -8,13 +8,13 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import re
 import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from course_files import read_cvg, read_sta
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
@@ -41,8 +41,8 @@ def bent(n: int, kind: str = "C3D8I", cells: int = 6, tip: float = -1.0, across:
 def end_of(folder: Path) -> tuple[float, int]:
     """The largest displacement of the beam along itself at the end, and the iterations of all increments."""
     fields = [block for block in read_frd(folder / "job.frd") if block.title.startswith("DISP")]
-    rows = [line.split() for line in (folder / "job.sta").read_text().splitlines() if re.match(r"\s+\d", line)]
-    return max(abs(row[0]) for (node, *_), row in fields[-1].rows.items() if node > 1000), sum(int(row[3]) for row in rows)
+    iterations = sum(attempt.iterations for attempt in read_sta(folder / "job.sta"))
+    return max(abs(row[0]) for (node, *_), row in fields[-1].rows.items() if node > 1000), iterations
 
 
 def test_end_does_not_depend_on_increments(run: Callable, tmp_path: Path) -> None:
@@ -87,8 +87,8 @@ def test_free_across(kind: str, cells: int, tip: float, run: Callable, tmp_path:
     (tmp_path / "job.inp").write_text(deck.replace("0.1, 1., 1.E-6, 0.1", "0.1, 1."))
     done = run(["--dialect=calculix", "job"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
-    rows = [line.split() for line in (tmp_path / "job.cvg").read_text().splitlines() if re.match(r"\s+\d+\s+\d+\s+\d", line)]
-    print(kind, cells, tip, len(rows), "iterations in", rows[-1][1], "increments")
+    rows = read_cvg(tmp_path / "job.cvg")
+    print(kind, cells, tip, len(rows), "iterations in", rows[-1].increment, "increments")
     assert len(rows) <= 80
     if kind == "C3D10":
         return

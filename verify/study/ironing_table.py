@@ -25,6 +25,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "verify"))
 
+from course_files import read_sta  # noqa: E402
 from decks.make_decks import arc_indenter, block, contact_cards, graded, join, material_cards, mesh_cards  # noqa: E402
 
 PRESS_DEPTH, DRAG, FACET, GAP = 0.25, 6.0, 0.3, 0.01
@@ -82,15 +83,9 @@ def run_case(program: Path, folder: Path, name: str, deck: str, asked: int, seco
 
 def count_rows(file: Path, asked: int, is_done: bool) -> Outcome:
     """Counts the rows of a .sta file: increments made, failed attempts, iterations of both."""
-    made = failed = iterations = 0
-    for line in file.read_text().splitlines()[2:]:
-        words = line.replace("U", " U ").split()
-        is_failed = "U" in words
-        words = [word for word in words if word != "U"]
-        iterations += int(words[3])
-        made += not is_failed
-        failed += is_failed
-    return Outcome(asked, made, failed, iterations, is_done)
+    attempts = read_sta(file)
+    failed = sum(attempt.is_failed for attempt in attempts)
+    return Outcome(asked, len(attempts) - failed, failed, sum(attempt.iterations for attempt in attempts), is_done)
 
 
 def main() -> int:

@@ -20,8 +20,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parent)]
 
+from course_files import read_sta  # noqa: E402
 from ironing_table import DRAG, ROOT, Outcome, count_rows, ironing_deck, run_case  # noqa: E402
 
 MODES = ("NONE", "ALL", "GLOBAL", "NODAL", "AUTO")
@@ -29,8 +30,7 @@ MODES = ("NONE", "ALL", "GLOBAL", "NODAL", "AUTO")
 
 def time_reached(file: Path) -> float:
     """Total time at the end of the last increment that converged."""
-    rows = [line for line in file.read_text().splitlines()[2:] if "U" not in line]
-    return float(rows[-1].split()[4]) if rows else 0.0
+    return max((attempt.time for attempt in read_sta(file) if not attempt.is_failed), default=0.0)
 
 
 def cell(outcome: Outcome, reached: float) -> str:

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import Run
+from course_files import read_sta
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
 
@@ -146,9 +147,9 @@ def blocks(folder: Path, title: str, name: str) -> list[list[float]]:
 
 def effort(folder: Path) -> tuple[int, int, int]:
     """Increments, attempts that failed, and Newton iterations of all attempts."""
-    rows = [line.split() for line in (folder / "job.sta").read_text().splitlines()[2:] if line.strip()]
-    failed = sum(row[2].endswith("U") for row in rows)
-    return len(rows) - failed, failed, sum(int(row[3]) for row in rows)
+    attempts = read_sta(folder / "job.sta")
+    failed = sum(attempt.is_failed for attempt in attempts)
+    return len(attempts) - failed, failed, sum(attempt.iterations for attempt in attempts)
 
 
 FORMS = pytest.mark.parametrize("form", ["", ", TYPE=SURFACE TO SURFACE"], ids=["node to surface", "surface to surface"])

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import Run
+from course_files import read_cvg, read_sta
 from solids import unit_cube
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
@@ -56,8 +57,7 @@ def read_rows(folder: Path, title: str) -> Rows:
 
 def iterations(folder: Path) -> int:
     """Newton iterations of all attempts."""
-    rows = [line.split() for line in (folder / "job.sta").read_text().splitlines()[2:] if line.strip()]
-    return sum(int(row[3]) for row in rows)
+    return sum(attempt.iterations for attempt in read_sta(folder / "job.sta"))
 
 
 def check(rows: Rows, node: int, wanted: list[float], scale: float, what: str) -> None:
@@ -133,7 +133,7 @@ def test_rigid_body_in_equilibrium(run_deck: Run, tmp_path: Path) -> None:
     done = run_deck(job(cards, loads, "*STEP, NLGEOM\n*STATIC\n"))
     assert done.returncode == 0, done.stdout + done.stderr
     assert iterations(tmp_path) <= 9
-    residuals = [float(line.split()[5]) for line in (tmp_path / "job.cvg").read_text().splitlines()[4:] if line.strip()]
+    residuals = [iteration.residual for iteration in read_cvg(tmp_path / "job.cvg")]
     small = [r / 100 for r in residuals if r < 1.0]
     assert len(small) >= 2 and small[1] < 30 * small[0] ** 1.7, f"not quadratic: {residuals}"
     forces = read_rows(tmp_path, "forces")

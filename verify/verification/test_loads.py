@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from conftest import Run
+from course_files import read_sta
 
 YOUNG, DENSITY, LENGTH = 1000.0, 2.0, 4.0
 DIGITS = 2e-6  # seven digits are printed
@@ -98,7 +99,7 @@ def test_mass_on_a_spring_turns(run_deck: Run, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout
     exact = length * k / (k - mass * omega2) - length
     assert blocks(tmp_path, "displacements")[-1][1][2][0] == pytest.approx(exact, rel=DIGITS)
-    iterations = sum(int(line.split()[3]) for line in (tmp_path / "job.sta").read_text().splitlines()[2:] if line.strip())
+    iterations = sum(attempt.iterations for attempt in read_sta(tmp_path / "job.sta"))
     assert iterations <= 3, "the stiffness of the load is missing"
 
 
