@@ -326,6 +326,7 @@ contains
     asked%normal = slave%normal
     asked%imbalance = imbalance
     if (.not. is_alone(contact, slave, s) .or. contact%laws(slave%pair)%is_user_friction) return
+    if (all(contact%mask(:, s) <= 0.0_DP)) return
     asked%stiffness = max(slave%stiffness, 0.0_DP)
     asked%free = left_free(contact%axes(:, :, s), contact%mask(:, s))
   end function asked_of

@@ -3,7 +3,7 @@
 module amontons_slaves
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type, is_compliant, ROUGH_FRICTION
-  use amontons_compliance, only: law_pressure
+  use amontons_meeting, only: meeting_type
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, GRIP_FIRM, GRIP_LOOSE, &
     GRIP_LOST, GRIP_TRIED, GRIP_GONE
   implicit none
@@ -98,18 +98,17 @@ contains
 
   !> The largest force that the rounding of coordinates makes at a closed node, of a gap of one unit in their last place: by
   !! the law of its pair, or, where contact is exact, by the stiffness of the body.
-  pure real(DP) function rounding_force(laws, slaves, coordinates) result(force)
+  pure real(DP) function rounding_force(laws, met, slaves, coordinates) result(force)
     type(interaction_type), intent(in) :: laws(:)      !< (n_pairs)
+    type(meeting_type), intent(in) :: met(:)           !< (n_slaves)
     type(slave_type), intent(in) :: slaves(:)          !< (n_slaves)
     real(DP), intent(in) :: coordinates(:, :)          !< (3, n_nodes) [length]
-    real(DP) :: pressure, slope, energy
     integer :: s
     force = 0.0_DP
     do s = 1, size(slaves)
       if (slaves(s)%status == STATUS_OPEN) cycle
       if (is_compliant(laws(slaves(s)%pair))) then
-        call law_pressure(laws(slaves(s)%pair), -slaves(s)%gap, pressure, slope, energy)
-        force = max(force, slope * slaves(s)%area)
+        force = max(force, met(s)%stiffness)
       else
         force = max(force, slaves(s)%stiffness)
       end if

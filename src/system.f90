@@ -258,7 +258,7 @@ contains
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
     call measure(system, state%new)
-    system%rounding = ROUNDINGS * rounding_force(system%contact%laws, state%new%slaves, model%mesh%coordinates)
+    system%rounding = ROUNDINGS * rounding_force(system%contact%laws, system%contact%met, state%new%slaves, model%mesh%coordinates)
     call stop_clock(system, clock, PHASE_CONTACT)
     if (.not. system%merit <= huge(1.0_DP)) trouble = TROUBLE_NOT_FINITE
   end subroutine evaluate
