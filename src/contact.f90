@@ -134,7 +134,7 @@ contains
     allocate (contact%free(3, 3, n), contact%friction(n), contact%Rhat(3, n), source=0.0_DP)
     allocate (contact%direction(3, n), source=0.0_DP)
     allocate (contact%answers(n), contact%met(n))
-    contact%is_lone = lone_slaves(contact, model, slaves)
+    allocate (contact%is_lone(n), source=.false.)
     allocate (contact%hold(n), source=HOLD_NEVER)
     allocate (contact%view%imbalance_t(3, n), contact%view%slip(3, n), contact%view%position(3, n), source=0.0_DP)
     allocate (contact%view%normal_force(n), source=0.0_DP)
@@ -142,23 +142,36 @@ contains
   end subroutine create_contact
 
 
-  !> The slaves of compliant laws to whose nodes no other slave gives a force: their imbalance is what the law has to answer.
-  pure function lone_slaves(contact, model, slaves) result(is_lone)
+  !> The slaves of compliant laws whose imbalance is what the law has to answer: no other slave gives a force to its nodes, which are
+  !! those of its row where that has several, and none of these has a support that the slave has not.
+  pure function lone_slaves(contact, model, slaves, base) result(is_lone)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: slaves(:)
-    logical :: is_lone(size(slaves)), is_master(model%mesh%n_nodes)
+    type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers
+    logical :: is_lone(size(slaves)), is_taken(model%mesh%n_nodes), is_held(3)
     integer :: n_slaves(model%mesh%n_nodes), p, s
     n_slaves = 0
     do s = 1, size(slaves)
-      n_slaves(slaves(s)%node) = n_slaves(slaves(s)%node) + 1
+      if (slaves(s)%side == 0) n_slaves(slaves(s)%node) = n_slaves(slaves(s)%node) + 1
     end do
-    is_master = .false.
+    is_taken = n_slaves > 1
     do p = 1, size(model%pairs)
-      is_master(pack(contact%facets(p)%nodes, contact%facets(p)%nodes > 0)) = .true.
+      is_taken(pack(contact%facets(p)%nodes, contact%facets(p)%nodes > 0)) = .true.
     end do
-    is_lone = [(is_compliant(contact%laws(slaves(s)%pair)) .and. slaves(s)%side == 0 &
-      .and. .not. is_master(slaves(s)%node) .and. n_slaves(slaves(s)%node) == 1, s=1, size(slaves))]
+    do s = 1, size(slaves)
+      is_lone(s) = is_compliant(contact%laws(slaves(s)%pair)) .and. slaves(s)%side == 0
+      if (.not. is_lone(s)) cycle
+      is_lone(s) = .not. is_taken(slaves(s)%node)
+      if (slaves(s)%row == 0) cycle
+      is_held = base%owner(3 * slaves(s)%node - 2:3 * slaves(s)%node) /= 0
+      associate (own => contact%mortar(slaves(s)%pair)%rows(slaves(s)%row)%own)
+        is_lone(s) = .not. any(is_taken(own))
+        do p = 1, size(own)
+          is_lone(s) = is_lone(s) .and. .not. any(base%owner(3 * own(p) - 2:3 * own(p)) /= 0 .and. .not. is_held)
+        end do
+      end associate
+    end do
   end function lone_slaves
 
 
@@ -331,6 +344,7 @@ contains
         contact%mask(:, s) = merge(0.0_DP, 1.0_DP, is_held_here)
       end associate
     end do
+    contact%is_lone = lone_slaves(contact, model, slaves, base)
     if (contact%overlaps%has_chains) call condensation(base, contact%passing, error)
   end subroutine set_supports
 

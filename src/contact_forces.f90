@@ -332,17 +332,13 @@ contains
   end function asked_of
 
 
-  !> Whether the imbalance of a slave's row is that of its node alone, to which no other row gives a force.
+  !> Whether no other row gives a force to the nodes whose imbalance is that of a slave's row.
   pure logical function is_alone(contact, slave, s)
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slave
     integer, intent(in) :: s                       !< index of the slave
     is_alone = contact%is_lone(s)
-    if (.not. is_alone .or. slave%row == 0) return
-    associate (mortar => contact%mortar(slave%pair))
-      is_alone = size(mortar%rows(slave%row)%own) == 1
-      if (is_alone) is_alone = .not. (mortar%beyond(slave%row) > 0.0_DP .or. mortar%rows(slave%row)%shares(1) > 1.0_DP)
-    end associate
+    if (is_alone .and. slave%row > 0) is_alone = contact%mortar(slave%pair)%is_whole(slave%row)
   end function is_alone
 
 

@@ -68,6 +68,8 @@ module amontons_mortar
     integer, allocatable, private :: first(:)      !< (n + 1) start of a slave node's vertices in vertices(:)
     integer, allocatable, private :: vertices(:)
     integer, allocatable :: corners(:, :)          !< (2, n) the corners beside a mid-side node, else 0
+    integer, allocatable :: ends(:, :)             !< (2, n) their places among the slave nodes
+    logical, allocatable :: is_whole(:)            !< (n) no other row has a force on the nodes whose imbalance is the row's
     logical :: is_alone = .true.                   !< its nodes are slaves of no other exact pair
     integer, allocatable :: twins(:, :)            !< (2, n) rows of nodes, and of those that are bound to them by an equation
     logical, allocatable :: has_touched(:)         !< (n) closed when the increment began
@@ -184,7 +186,8 @@ contains
     integer, intent(in) :: of_node(:)              !< (n_nodes) place among the slave nodes
     type(facet_kind_type) :: shape
     integer :: f, i, k, n, side, nodes(MAX_FACE_NODES), ends(2)
-    allocate (mortar%corners(2, size(mortar%nodes)), source=0)
+    allocate (mortar%corners(2, size(mortar%nodes)), mortar%ends(2, size(mortar%nodes)), source=0)
+    allocate (mortar%is_whole(size(mortar%nodes)), source=.false.)
     do k = 1, size(mortar%nodes)
       mortar%rows(k)%own = [mortar%nodes(k)]
       mortar%rows(k)%shares = [1.0_DP]
@@ -200,6 +203,7 @@ contains
         ends = of_node([nodes(i), nodes(modulo(i, shape%n_corners) + 1)])
         if (mortar%corners(1, side) > 0) cycle
         mortar%corners(:, side) = mortar%nodes(ends)
+        mortar%ends(:, side) = ends
         mortar%rows(side)%shares = [1 - 2 * ALPHA]
         do k = 1, 2
           mortar%rows(ends(k))%own = [mortar%rows(ends(k))%own, mortar%nodes(side)]
@@ -359,11 +363,26 @@ contains
     mortar%reaches = merge(LEFT, ENTERED, mortar%beyond <= 0.0_DP)
     if (.not. mortar%is_soft) call keep_islands(mortar)
     call fill_rows(mortar, master, x)
+    call find_whole(mortar)
     do f = 1, size(mortar%twins, 2)
       call merge_twins(mortar, mortar%twins(1, f), mortar%twins(2, f))
     end do
     mortar%is_made = .true.
   end subroutine integrate_mortar
+
+
+  !> Which rows neither give a part of their functions to others nor take one; the mid-side nodes of a corner count with it.
+  pure subroutine find_whole(mortar)
+    type(mortar_type), intent(inout) :: mortar
+    integer :: k
+    do k = 1, size(mortar%nodes)
+      mortar%is_whole(k) = mortar%places(k)%facet > 0 .and. mortar%beyond(k) <= 0.0_DP
+      if (mortar%is_whole(k)) mortar%is_whole(k) = .not. mortar%rows(k)%shares(1) > mortar%bases(k)%shares(1)
+    end do
+    do k = 1, size(mortar%nodes)
+      if (mortar%ends(1, k) > 0 .and. mortar%beyond(k) > 0.0_DP) mortar%is_whole(mortar%ends(:, k)) = .false.
+    end do
+  end subroutine find_whole
 
 
   !> The cuts of all slave facets.
