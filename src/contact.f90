@@ -156,6 +156,9 @@ contains
       if (slaves(s)%side == 0) n_slaves(slaves(s)%node) = n_slaves(slaves(s)%node) + 1
     end do
     is_taken = n_slaves > 1
+    do p = 1, base%n_rows                          ! a node on which others depend has their imbalance too
+      if (size(base%rows(p)%unknown) > 0) is_taken((base%rows(p)%unknown + 2) / 3) = .true.
+    end do
     do p = 1, size(model%pairs)
       is_taken(pack(contact%facets(p)%nodes, contact%facets(p)%nodes > 0)) = .true.
     end do

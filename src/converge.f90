@@ -22,6 +22,7 @@ module amontons_converge
   type :: progress_type
     integer :: iteration = 0
     real(DP) :: residual(0:2) = 0                  !< now, one and two iterations before, over the largest force [-]
+    real(DP) :: law = 0                            !< what a compliant law gives more where its node is, over the largest force [-]
     real(DP) :: correction = 0                     !< over the largest increment of displacement [-]
     real(DP) :: gap = 0                            !< worst violation of a closed node over the facet's edge [-]
     logical :: is_whole_step = .true.              !< the last step had length 1
@@ -40,14 +41,15 @@ contains
   pure integer function judge(controls, progress) result(verdict)
     type(controls_type), intent(in) :: controls
     type(progress_type), intent(in) :: progress
-    real(DP) :: tolerance, correction
+    real(DP) :: tolerance, correction, left
     tolerance = merge(controls%r_p, controls%r_n, progress%iteration > controls%i_p)
+    left = max(progress%residual(0), progress%law)
     correction = progress%correction
     if (progress%is_whole_step .and. progress%residual(0) < progress%residual(1)) &
       correction = correction * progress%residual(0) / progress%residual(1)
     verdict = VERDICT_GO_ON
-    if (progress%is_arrived .and. progress%residual(0) <= tolerance .and. progress%gap <= controls%gap_tolerance .and. &
-      (correction <= controls%c_n .or. progress%residual(0) <= controls%r_l)) then
+    if (progress%is_arrived .and. left <= tolerance .and. progress%gap <= controls%gap_tolerance .and. &
+      (correction <= controls%c_n .or. left <= controls%r_l)) then
       verdict = VERDICT_CONVERGED
     else if (progress%iteration >= controls%i_c) then
       verdict = VERDICT_TOO_SLOW

@@ -33,8 +33,6 @@ module amontons_meeting
     logical :: is_slipping = .false.
     real(DP) :: pressure = 0                       !< [stress]
     real(DP) :: slope = 0                          !< of the pressure by the overclosure [stress/length]
-    real(DP) :: stiffness = 0                      !< how the imbalance changes with the gap: of law and body one after the other
-    !< [force/length]
     real(DP) :: energy = 0                         !< [energy]
     real(DP) :: shear(3) = 0                       !< S [force]
     real(DP) :: elastic(3) = 0                     !< elastic slip [length]
@@ -61,8 +59,6 @@ contains
     if (met%is_open) return
     call law_pressure(law, h, met%pressure, met%slope, met%energy)
     met%energy = asked%area * met%energy
-    met%stiffness = asked%area * met%slope
-    if (asked%stiffness > 0.0_DP) met%stiffness = met%stiffness * asked%stiffness / (met%stiffness + asked%stiffness)
     excess = asked%area * met%slope * (asked%overclosure - h)
     call meet_shear(law, asked, N * asked%normal - wanted, excess, met)
     met%ahead = met%ahead + excess * asked%normal

@@ -248,6 +248,7 @@ contains
     newton%largest_seen = max(newton%largest_seen, system%largest_force)
     scale = max(system%largest_force, FORCE_MEMORY * newton%force_scale, ROUNDING / tolerance * newton%largest_seen, tiny(1.0_DP))
     newton%progress%residual = [max(residual - system%rounding, 0.0_DP) / scale, newton%progress%residual(0:1)]
+    newton%progress%law = max(system%largest_ahead - system%rounding, 0.0_DP) / scale
     newton%progress%gap = max(system%contact%worst_gap, system%violation)
   end subroutine note_residual
 

@@ -108,7 +108,7 @@ contains
     do s = 1, size(slaves)
       if (slaves(s)%status == STATUS_OPEN) cycle
       if (is_compliant(laws(slaves(s)%pair))) then
-        force = max(force, met(s)%stiffness)
+        force = max(force, met(s)%slope * slaves(s)%area)
       else
         force = max(force, slaves(s)%stiffness)
       end if

@@ -79,6 +79,7 @@ module amontons_system
     real(DP) :: largest_residual = 0               !< [force]
     real(DP) :: largest_force = 0                  !< largest internal, applied or contact force on a node [force]
     real(DP) :: bulk_force = 0                     !< largest internal or applied force on a node [force]
+    real(DP) :: largest_ahead = 0                  !< what a law gives more where its node is, at the last evaluation [force]
     real(DP) :: rounding = 0                       !< what rounding makes of gaps: no residual [force]
     real(DP) :: merit = 0                          !< norm of residual, gaps and stick violations scaled to forces [force]
     logical :: is_nlgeom = .false.
@@ -277,10 +278,15 @@ contains
     system%bulk_force = max(maxval(components_of(system, fields%internal_force, -1)), &
       maxval(components_of(system, fields%applied_force, -1)))
     system%largest_force = max(system%bulk_force, maxval(components_of(system, fields%contact_force, -1)))
+    system%largest_ahead = 0.0_DP
     violation = 0.0_DP
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
-        if (slave%status == STATUS_OPEN .or. is_compliant(system%contact%laws(slave%pair))) cycle
+        if (slave%status == STATUS_OPEN) cycle
+        if (is_compliant(system%contact%laws(slave%pair))) then
+          system%largest_ahead = max(system%largest_ahead, norm2(system%contact%met(s)%ahead))
+          cycle
+        end if
         violation = violation + (slave%stiffness * slave%gap)**2
         if (slave%status == STATUS_STICK) violation = violation + (slave%stiffness * norm2(slave%slip_increment))**2
       end associate
