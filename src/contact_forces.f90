@@ -16,6 +16,7 @@ module amontons_contact_forces
   use amontons_overlaps, only: free_directions, left_free, is_friction_taken
   use amontons_facets, only: is_line
   use amontons_slip, only: trial_type, trial_traction
+  use amontons_compliance, only: law_reach
   use amontons_meeting, only: asked_type, meeting_type, meet_law
   use amontons_contact, only: contact_type, renew_rows, find_again, renew_place, locate_slave, close_slave, is_stuck, &
     touching_row, origin_row, contact_slip_vector, HOLD_NOW
@@ -292,6 +293,7 @@ contains
         call count_changes(contact, before, s, slave)
         return
       end if
+      if (old%status == STATUS_OPEN .and. .not. slave%is_within) slave%origin_facet = 0
       asked = asked_of(contact, slave, imbalance, s)
       if (slave%origin_facet > 0) asked%slip = elastic_trial(contact, model, old, fields%u, slave)
       call meet_law(law, asked, contact%met(s))
@@ -300,6 +302,7 @@ contains
         asked%slip = elastic_trial(contact, model, old, fields%u, slave)
         call meet_law(law, asked, contact%met(s))
       end if
+      slave%is_within = .not. contact%met(s)%is_open .and. slave%gap <= law_reach(law, slave%area)
       if (contact%met(s)%is_open .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       call take_meeting(contact%met(s), slave)
       if (law%is_user_friction .and. slave%status /= STATUS_OPEN) call rub_softly(contact, model, before, &

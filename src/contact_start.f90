@@ -76,6 +76,7 @@ contains
         call ramp_interference(contact, is_step_start, fields, slave)
         if (is_new .and. slave%facet > 0 .and. slave%gap <= TOUCH * contact%edge(p)) slave%status = STATUS_STICK
         slave%scenario = 0
+        slave%is_within = .false.
         if (never_slips(contact%laws(p)) .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! where it slid to
         slave%grip = GRIP_FIRM
         slave%slip_increment = 0.0_DP

@@ -198,6 +198,7 @@ contains
     real(DP), intent(in) :: residual(:, :)         !< (3, n_nodes) there [force]
     newton%course%n_carried = newton%course%n_carried + 1
     call carry_bodies(system, model, state%new, 0.0_DP)
+    state%new%slaves%is_within = .false.           ! where they were carried to is not where they touched first
     state%new%carried_work = state%new%carried_work + 0.5_DP * sum((residual + system%residual) * (state%new%u - u))
   end subroutine put_down
 
