@@ -602,6 +602,6 @@ def test_cubes_under_a_law(proof: Proof, slope: float, stick: float) -> None:
     way = job.frame(2.0)
     for time, frame, sign in (("2", way, -1.0), ("3", -1, 1.0)):
         case.near("friction over pressure", shearing[frame] / pressing[frame], sign * 0.3, 2e-3, why="faces that tilt by up to 0.05", place="cube", time=time)
-    case.within("attempts that failed", float((job.history["is_converged"] == 0).sum()), (0.0, 2.0 if slope > 1e9 else 0.0), time="the end", place="the job",
-                why="a law that stiff jumps hardly less than exact contact")  # fmt: skip
+    case.true("no attempt fails", bool((job.history["is_converged"] != 0).all()), why="the law is taken where it meets the bodies", place="the job", time="the end")
+    case.within("iterations", float(job.n_iterations), (15.0, 30.0), why="exact contact takes 28 on these meshes", place="the job", time="the end")
     case.done()
