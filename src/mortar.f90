@@ -12,12 +12,12 @@ module amontons_mortar
   use amontons_mesh, only: mesh_type
   use amontons_facets, only: facets_type, build_facets, facet_nodes, is_line
   use amontons_areas, only: depth_of
-  use amontons_search, only: search_type
+  use amontons_search, only: search_type, near_facets
   use amontons_gap, only: vertex_normal
   use amontons_polygons, only: polygon_area, beyond_polygon
   use amontons_dual, only: is_transformed, whole_share, ALPHA
   use amontons_segments, only: segment_type, cover_type, find_segments, in_plane, corners_in, depth_at, &
-    integrate_segments
+    integrate_segments, is_in_sight
   use amontons_rows, only: contact_row_type, relative_position
   implicit none
   private
@@ -358,7 +358,7 @@ contains
     if (.not. is_cut) call cut_facets(mortar, master, search, x, reach)
     mortar%beyond = merge(0.0_DP, 1.0_DP, (mortar%has_touched .and. .not. mortar%is_soft) .or. .not. mortar%is_alone)
     do f = 1, mortar%slave%n
-      call mark_over(mortar, f, master, x)
+      call mark_over(mortar, f, master, search, x, reach)
     end do
     mortar%reaches = merge(LEFT, ENTERED, mortar%beyond <= 0.0_DP)
     if (.not. mortar%is_soft) call keep_islands(mortar)
@@ -446,37 +446,58 @@ contains
   end function fading
 
 
-  !> Which nodes of a slave facet are over the masters that it was cut with: under exact contact it is or it is not, under a
-  !! compliant law it fades, so that forces are continuous.
-  subroutine mark_over(mortar, f, master, x)
+  !> Which nodes of a slave facet that has a master in front are over the master: under exact contact it is or it is not, under a
+  !! compliant law it fades, so that forces are continuous. Of the master all facets around count, not only those with which the
+  !! slave facet is cut: of these one may come or go while the node is near it.
+  subroutine mark_over(mortar, f, master, search, x, reach)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: f                       !< slave facet
     type(facets_type), intent(in) :: master
-    real(DP), intent(in) :: x(:, :)
-    real(DP) :: corners(2, 4), distance, part
-    integer :: i, k, j, m, n, edge, nodes(MAX_FACE_NODES)
-    call facet_nodes(mortar%slave, f, n, nodes)
-    associate (cover => mortar%cuts%covers(f))
+    type(search_type), intent(in) :: search        !< of the master's facets
+    real(DP), intent(in) :: x(:, :), reach
+    integer, allocatable :: list(:)
+    integer :: k, n
+    associate (cover => mortar%cuts%covers(f), nodes => mortar%place_of(mortar%slave%first(f):mortar%slave%first(f + 1) - 1))
       do k = 1, cover%n
-        if (abs(sum(cover%segments(k)%share)) <= 0.0_DP) cycle
-        call corners_in(cover%plane, master, cover%segments(k)%master, x, corners, m)
-        do i = 1, n
-          j = mortar%place_of(mortar%slave%first(f) + i - 1)
-          if (mortar%beyond(j) <= 0.0_DP) cycle
-          call beyond_polygon(corners(:, m:1:-1), in_plane(cover%plane, x(:, nodes(i))), distance, edge)
-          distance = distance / mortar%slave%edge_length(f)
-          if (mortar%is_soft) then
-            part = min(max(distance / FADED, 0.0_DP), 1.0_DP)
-            if (part**2 * (3 - 2 * part) >= mortar%beyond(j)) cycle
-            mortar%beyond(j) = part**2 * (3 - 2 * part)
-            mortar%edges(:, j) = [f, i, cover%segments(k)%master, edge]
-          else if (distance <= mortar%reaches(j)) then
-            mortar%beyond(j) = 0.0_DP
-          end if
-        end do
+        if (abs(sum(cover%segments(k)%share)) > 0.0_DP) call mark_by(mortar, f, master, cover%segments(k)%master, x)
+      end do
+      if (cover%n == 0 .or. all(mortar%beyond(nodes) <= 0.0_DP)) return
+      call near_facets(search, cover%plane%origin, list, n)
+      do k = 1, n
+        if (any(cover%segments(:cover%n)%master == list(k))) cycle
+        if (is_in_sight(cover%plane, master, list(k), x, reach)) call mark_by(mortar, f, master, list(k), x)
       end do
     end associate
   end subroutine mark_over
+
+
+  !> Which nodes of a slave facet are over one facet of the master.
+  subroutine mark_by(mortar, f, master, g, x)
+    type(mortar_type), intent(inout) :: mortar
+    integer, intent(in) :: f, g                    !< slave and master facet
+    type(facets_type), intent(in) :: master
+    real(DP), intent(in) :: x(:, :)
+    real(DP) :: corners(2, 4), distance, part
+    integer :: i, j, m, n, edge, nodes(MAX_FACE_NODES)
+    call facet_nodes(mortar%slave, f, n, nodes)
+    associate (plane => mortar%cuts%covers(f)%plane)
+      call corners_in(plane, master, g, x, corners, m)
+      do i = 1, n
+        j = mortar%place_of(mortar%slave%first(f) + i - 1)
+        if (mortar%beyond(j) <= 0.0_DP) cycle
+        call beyond_polygon(corners(:, m:1:-1), in_plane(plane, x(:, nodes(i))), distance, edge)
+        distance = distance / mortar%slave%edge_length(f)
+        if (mortar%is_soft) then
+          part = min(max(distance / FADED, 0.0_DP), 1.0_DP)
+          if (part**2 * (3 - 2 * part) >= mortar%beyond(j)) cycle
+          mortar%beyond(j) = part**2 * (3 - 2 * part)
+          mortar%edges(:, j) = [f, i, g, edge]
+        else if (distance <= mortar%reaches(j)) then
+          mortar%beyond(j) = 0.0_DP
+        end if
+      end do
+    end associate
+  end subroutine mark_by
 
 
   !> The nodes of a facet that has a master in front though none of its nodes is over it count as if they were.
@@ -526,10 +547,9 @@ contains
         place%vertex = v
         place%area = cuts%area(v)
         place%whole = cuts%whole(v)
-        place%is_thin = place%area <= COVERED * place%whole
+        place%is_thin = .not. mortar%is_soft .and. place%area <= COVERED * place%whole
         place%normal = -m / norm2(m)
         call add_masters(mortar, master, x, at, place, mortar%rows(j))
-        if (mortar%is_soft) place%is_thin = place%area <= COVERED * place%whole
       end associate
     end do
   end subroutine fill_rows

@@ -14,8 +14,8 @@ module amontons_segments
   use amontons_dual, only: transform_shapes, transform_nodes, dual_functions
   implicit none
   private
-  public :: plane_type, segment_type, points_type, cover_type, find_segments, lay_plane, in_plane, corners_in, depth_at, &
-    integrate_segments, order_for, natural_place
+  public :: plane_type, segment_type, points_type, cover_type, find_segments, lay_plane, in_plane, corners_in, is_in_sight, &
+    depth_at, integrate_segments, order_for, natural_place
 
   real(DP), parameter :: FACING = 0.2_DP           !< a master facet is in front if its normal is this much against the slave's [-]
   real(DP), parameter :: OVERLAP = 1.0e-6_DP       !< segments that overlap by more of the facet lie one behind the other [-]
@@ -193,6 +193,20 @@ contains
   end subroutine corners_in
 
 
+  !> Whether a master facet is in front of a slave's plane: its normal is against that of the plane, and its middle is not too far.
+  pure logical function is_in_sight(plane, master, g, x, reach)
+    type(plane_type), intent(in) :: plane
+    type(facets_type), intent(in) :: master
+    integer, intent(in) :: g                       !< master facet
+    real(DP), intent(in) :: x(:, :)
+    real(DP), intent(in) :: reach                  !< from the plane [length]
+    type(plane_type) :: other
+    call lay_plane(master, g, x, other)
+    is_in_sight = dot_product(other%normal, plane%normal) <= -FACING .and. &
+      abs(dot_product(other%origin - plane%origin, plane%normal)) <= reach
+  end function is_in_sight
+
+
   !> Cuts a slave facet with one master facet and appends the points of the cut. After: segment%master = 0 if there is none.
   subroutine cut_with(slave, f, master, g, x, reach, plane, points, segment)
     type(facets_type), intent(in) :: slave, master
@@ -201,11 +215,9 @@ contains
     type(plane_type), intent(in) :: plane
     type(points_type), intent(inout) :: points
     type(segment_type), intent(out) :: segment
-    type(plane_type) :: other
     real(DP) :: own(2, 4), front(2, 4), cut(2, MAX_CORNERS), at(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
     integer :: n, m, k, q, before
-    call lay_plane(master, g, x, other)
-    if (dot_product(other%normal, plane%normal) > -FACING) return
+    if (.not. is_in_sight(plane, master, g, x, huge(1.0_DP))) return
     call corners_in(plane, slave, f, x, own, n)
     call corners_in(plane, master, g, x, front, m)
     front(:, :m) = front(:, m:1:-1)                ! seen from the slave it runs the other way round

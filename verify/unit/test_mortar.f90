@@ -40,6 +40,10 @@ program test_mortar
   call check_crease(0.3_DP, 0.9_DP, 3)
   call check_crease(0.3_DP, 1.1_DP, 3)
   call check_crease(0.02_DP, 0.2_DP, 3)
+  call check_beside(.true.)
+  call check_beside(.false.)
+  call check_sliver(1.0e-4_DP)
+  call check_sliver(1.0e-6_DP)
   call suite%finish()
 
 contains
@@ -339,5 +343,95 @@ contains
       call suite%near('gap at an edge', gap, merge(distance, 0.1_DP, axis == 1), 1.0e-12_DP)
     end do
   end subroutine check_crease
+
+
+  !> The mesh of n elements C3D8, each the unit cube at first.
+  subroutine lay_cubes(n, mesh)
+    integer, intent(in) :: n
+    type(mesh_type), intent(out) :: mesh
+    real(DP) :: xi(3, 20)
+    integer :: i
+    mesh%n_nodes = 8 * n
+    mesh%n_elements = n
+    mesh%kind = spread(KIND_C3D8, 1, n)
+    mesh%material = spread(1, 1, n)
+    mesh%first = [(8 * i + 1, i=0, n)]
+    mesh%nodes = [(i, i=1, 8 * n)]
+    mesh%element_label = [(i, i=1, n)]
+    mesh%node_label = mesh%nodes
+    allocate (mesh%node_sets(0), mesh%element_sets(0))
+    call node_coordinates(KIND_C3D8, xi)
+    allocate (mesh%coordinates(3, 8 * n), source=reshape([(0.5_DP * (xi(:, :8) + 1), i=1, n)], [3, 8 * n]))
+  end subroutine lay_cubes
+
+
+  !> A slave square lies obliquely over the edge y = 0 of two masters, (-1, 0) and (0, 1) along x, its corner beyond the edge and
+  !! beside the second one. It is moved along x, by which the second master comes to be cut with it: the corner has been near it
+  !! before, so that nothing jumps.
+  subroutine check_beside(is_soft)
+    logical, intent(in) :: is_soft                 !< the law is compliant
+    real(DP), parameter :: HERE = 0.05_DP          !< where the second master begins to be cut [length]
+    type(mesh_type) :: mesh
+    type(mortar_type) :: mortar
+    type(facets_type) :: master
+    type(search_type) :: search
+    type(error_type), allocatable :: error
+    real(DP) :: area(4, 2), gap(4, 2), corner(2)
+    integer :: i, k, n_cut(2)
+    call lay_cubes(3, mesh)
+    mesh%coordinates(1, 9:16) = mesh%coordinates(1, 9:16) - 1
+    mesh%coordinates(3, 9:) = mesh%coordinates(3, 9:) - 1.1_DP
+    call finish_mesh(mesh)
+    corner = [0.05_DP, -0.05_DP]
+    do i = 1, 8
+      mesh%coordinates(:2, i) = corner + matmul(reshape([-0.8_DP, 0.4_DP, -0.4_DP, -0.8_DP], [2, 2]), mesh%coordinates(:2, i))
+    end do
+    call build_facets(mesh, [2, 3], [2, 2], master, error)
+    call create_mortar(mesh, [1], [1], [1, 2, 3, 4], mortar, error)
+    mortar%is_soft = is_soft
+    call build_search(master, mesh%coordinates, search_margin(mortar, 1.0_DP), search)
+    do k = 1, 2
+      mesh%coordinates(1, :8) = mesh%coordinates(1, :8) + merge(HERE - 1.0e-4_DP, 2.0e-4_DP, k == 1)
+      call integrate_mortar(mortar, master, search, .true., mesh%coordinates, 1.0_DP)
+      n_cut(k) = mortar%cuts%covers(1)%n
+      area(:, k) = mortar%places%area
+      gap(:, k) = [(dot_product(mortar%places(i)%normal, relative_position(mortar%rows(i), mesh%coordinates)), i=1, 4)]
+    end do
+    call suite%that('beside a master: it comes to be cut', n_cut(1) == 1 .and. n_cut(2) == 2)
+    call suite%that('beside a master: the corner has a row', area(1, 1) > 1.0e-3_DP)
+    call suite%near('beside a master: areas', maxval(abs(area(:, 2) - area(:, 1))), 0.0_DP, 2.0e-4_DP)
+    call suite%near('beside a master: gaps', maxval(abs(gap(:, 2) - gap(:, 1))), 0.0_DP, 2.0e-4_DP)
+  end subroutine check_beside
+
+
+  !> Under a compliant law a slave face has its rows also where hardly anything of it is over the master: a force that goes with the
+  !! area is not cut off.
+  subroutine check_sliver(cover)
+    real(DP), intent(in) :: cover                  !< of the face's length [length]
+    type(mesh_type) :: mesh
+    type(mortar_type) :: mortar
+    type(facets_type) :: master
+    type(search_type) :: search
+    type(error_type), allocatable :: error
+    integer :: i
+    call lay_cubes(2, mesh)
+    mesh%coordinates(1, 9:) = cover - 2 * (1 - mesh%coordinates(1, 9:))
+    mesh%coordinates(2, 9:) = 3 * mesh%coordinates(2, 9:) - 1
+    mesh%coordinates(3, 9:) = mesh%coordinates(3, 9:) - 1.1_DP
+    call finish_mesh(mesh)
+    call build_facets(mesh, [2], [2], master, error)
+    call create_mortar(mesh, [1], [1], [1, 2, 3, 4], mortar, error)
+    mortar%is_soft = .true.
+    call build_search(master, mesh%coordinates, search_margin(mortar, 1.0_DP), search)
+    call integrate_mortar(mortar, master, search, .true., mesh%coordinates, 1.0_DP)
+    call suite%near('a sliver: area', sum(mortar%places%area, mask=.not. mortar%places%is_thin), cover, 1.0e-8_DP * cover)
+    do i = 1, 4
+      associate (place => mortar%places(i))
+        if (place%facet == 0) cycle
+        call suite%near('a sliver: gap', dot_product(place%normal, relative_position(mortar%rows(i), mesh%coordinates)), 0.1_DP, &
+          1.0e-8_DP)
+      end associate
+    end do
+  end subroutine check_sliver
 
 end program test_mortar
