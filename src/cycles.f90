@@ -81,14 +81,15 @@ contains
     type(slave_type), intent(in) :: now(:)         !< (n_slaves) as they were foreseen
     type(walk_type), intent(inout) :: walks(:)     !< (n_slaves)
     logical, intent(out) :: is_kept
-    logical :: is_lost
+    logical :: is_faceted
     integer :: s
     is_kept = .false.
     do s = 1, size(now)
       if (abs(start(s)%extension) > 0.0_DP .or. .not. has_edges(contact, now(s))) cycle
-      is_lost = now(s)%facet == 0 .and. walks(s)%facet /= 0
-      call follow_walk(now(s)%facet, contact%facets(now(s)%pair)%is_faceted, walks(s))
-      if (walks(s)%n_turns < merge(TWICE, OFTEN, now(s)%facet > 0) .or. .not. (is_lost .or. now(s)%facet > 0)) cycle
+      is_faceted = contact%facets(now(s)%pair)%is_faceted
+      call follow_walk(now(s)%facet, is_faceted, walks(s))
+      if (walks(s)%n_turns < merge(TWICE, OFTEN, is_faceted)) cycle
+      if (now(s)%facet > 0 .and. .not. is_faceted) cycle
       start(s)%extension = KEEPING
       is_kept = .true.
       if (now(s)%facet > 0 .or. start(s)%status /= STATUS_OPEN) cycle
