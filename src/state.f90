@@ -45,7 +45,7 @@ module amontons_state
     real(DP) :: extension = 0               !< how far it may be beyond an edge of its master, if more than a tenth of a facet [-]
     real(DP) :: gap = 0                     !< signed distance along the normal, negative is penetration [length]
     real(DP) :: normal(3) = 0               !< unit normal out of the master
-    logical :: is_within = .false.          !< it has come within the reach of its compliant law in this increment, and not gone since
+    logical :: is_within = .false.          !< it came within the reach of its compliant law in this increment and is there
     integer :: origin_facet = 0             !< where it touched at the start of the increment, or first in it; 0: nowhere
     real(DP) :: origin_xi(2) = 0            !< natural coordinates there
     real(DP) :: origin_offset(3) = 0        !< x_s less that point when it touched; not 0 only where the weights are kept [length]
