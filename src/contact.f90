@@ -142,9 +142,8 @@ contains
   end subroutine create_contact
 
 
-  !> The slaves of compliant laws whose imbalance is what the law has to answer: no other slave gives a force to its nodes, which
-  !! are
-  !! those of its row where that has several, and none of these has a support that the slave has not.
+  !> The slaves of compliant laws whose imbalance is what the law has to answer: no other slave gives a force to the nodes of its
+  !! row, no other node depends on them, and none of them has a support that the slave has not.
   pure function lone_slaves(contact, model, slaves, base) result(is_lone)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
