@@ -22,7 +22,7 @@ contains
   !! |---|---|
   !! | LINEAR | K h (1/2 + atan(h/eps)/pi), eps = pi sigma_inf/K: K h for h >> eps, -sigma_inf for h << -eps |
   !! | with sigma_inf = 0 | K h: the caller cuts it where the law's reach ends |
-  !! | EXPONENTIAL | p0 exp(ln(100) h/c0) |
+  !! | EXPONENTIAL | p0 exp(ln(100) h/c0); from the gap c0 on its tangent, down to nothing |
   !! | TABULAR | linear between the points, constant outside |
   !! | TIED | K h |
   pure subroutine law_pressure(law, h, p, slope, energy)
@@ -50,12 +50,12 @@ contains
       energy = 0.5_DP * law%stiffness * (h**2 * share + eps * (eps * atan2(h, eps) - h) / PI)
     case (BEHAVIOR_EXPONENTIAL)
       beta = LOG_HUNDRED / law%reach
-      x = min(beta * h, MOST_EXPONENT)
+      x = min(max(beta * h, -LOG_HUNDRED), MOST_EXPONENT)
       p = law%pressure * exp(x)
       slope = beta * p
-      energy = p / beta
-      if (x < MOST_EXPONENT) return
-      x = h - MOST_EXPONENT / beta
+      energy = p / beta - 0.5_DP * law%pressure / (100.0_DP * beta)
+      if (x > -LOG_HUNDRED .and. x < MOST_EXPONENT) return
+      x = max(h - x / beta, -1.0_DP / beta)
       energy = energy + x * (p + 0.5_DP * slope * x)
       p = p + slope * x
     case (BEHAVIOR_TABULAR)
@@ -97,13 +97,13 @@ contains
   end subroutine table_pressure
 
 
-  !> The largest gap at which the law still acts. LINEAR and TABULAR: c0 times the root of the area, TABULAR also as far as its
+  !> The largest gap at which the law still acts. EXPONENTIAL: where the tangent at c0 ends; LINEAR and TABULAR: c0 times the root of the area, TABULAR also as far as its
   !! table begins under the abaqus dialect; TIED: any.
   pure real(DP) function law_reach(law, area) result(reach)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< of the slave node [length^2]
     reach = huge(1.0_DP)
-    if (law%behavior == BEHAVIOR_EXPONENTIAL) reach = law%reach
+    if (law%behavior == BEHAVIOR_EXPONENTIAL) reach = law%reach * (1.0_DP + 1.0_DP / LOG_HUNDRED)
     if (law%behavior == BEHAVIOR_LINEAR .or. law%behavior == BEHAVIOR_TABULAR) reach = max(law%reach * sqrt(area), law%clearance)
   end function law_reach
 

@@ -38,7 +38,7 @@ contains
   end subroutine check_linear
 
 
-  !> p0 at zero, a hundredth of it at the gap c0; a straight line where the exponential would overflow.
+  !> p0 at zero, a hundredth of it at the gap c0, and from there its tangent down to nothing; a straight line where the exponential would overflow.
   subroutine check_exponential()
     type(interaction_type) :: law
     real(DP) :: p, slope, energy
@@ -47,8 +47,10 @@ contains
     call suite%near('exponential: p0', p, 0.5_DP, 1.0e-15_DP)
     call law_pressure(law, -1.0e-2_DP, p, slope, energy)
     call suite%near('exponential: at c0', p, 0.005_DP, 1.0e-15_DP)
-    call suite%near('exponential: reach', law_reach(law, 9.0_DP), 1.0e-2_DP, 0.0_DP)
-    call check_derivatives('exponential', law, [-0.008_DP, 0.01_DP, 0.07_DP])
+    call suite%near('exponential: reach', law_reach(law, 9.0_DP), 1.0e-2_DP * (1.0_DP + 1.0_DP / log(100.0_DP)), 1.0e-17_DP)
+    call check_derivatives('exponential', law, [-0.012_DP, -0.011_DP, -0.008_DP, 0.01_DP, 0.07_DP])
+    call law_pressure(law, -law_reach(law, 9.0_DP), p, slope, energy)
+    call suite%near('exponential: nothing where it ends', abs(p) + abs(energy), 0.0_DP, 1.0e-16_DP)
     call law_pressure(law, 1.0e3_DP, p, slope, energy)
     call suite%that('exponential: never overflows', p < 1.0e20_DP .and. slope > 0.0_DP)
   end subroutine check_exponential

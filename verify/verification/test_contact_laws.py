@@ -135,6 +135,13 @@ def test_exponential(bench: Bench) -> None:
     assert np.all(answer.gap[-1] > 0)
 
 
+def test_exponential_ends_gently(bench: Bench) -> None:
+    """Less than a hundredth of p0 is borne too, along the tangent at c0: p = 0.01 p0 (1 - ln(100) (g - c0)/c0)."""
+    answer = bench.solve("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL\n0.1, 20.", step(pressed(0.1), "0.5, 1."))
+    assert answer.pressure[-1] == pytest.approx(0.1, rel=1e-7)
+    assert answer.gap[-1] == pytest.approx(0.1 * (1 + 0.5 / np.log(100)), rel=1e-7)
+
+
 @pytest.mark.parametrize("dialect", ["calculix", "abaqus"])
 def test_steep_law_is_in_balance(bench: Bench, dialect: str) -> None:
     """A cube whose top is moved on into a steep law: its pressure is that of a bar, p = E (u - gap - h)/L, with u the way of the top and h the overclosure.
