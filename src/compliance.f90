@@ -97,7 +97,8 @@ contains
   end subroutine table_pressure
 
 
-  !> The largest gap at which the law still acts. EXPONENTIAL: where the tangent at c0 ends; LINEAR and TABULAR: c0 times the root of the area, TABULAR also as far as its
+  !> The largest gap at which the law still acts. EXPONENTIAL: where the tangent at c0 ends; LINEAR and TABULAR: c0 times the root
+  !! of the area, TABULAR also as far as its
   !! table begins under the abaqus dialect; TIED: any.
   pure real(DP) function law_reach(law, area) result(reach)
     type(interaction_type), intent(in) :: law

@@ -38,7 +38,8 @@ contains
   end subroutine check_linear
 
 
-  !> p0 at zero, a hundredth of it at the gap c0, and from there its tangent down to nothing; a straight line where the exponential would overflow.
+  !> p0 at zero, a hundredth of it at the gap c0, and from there its tangent down to nothing; a straight line where the
+  !! exponential would overflow.
   subroutine check_exponential()
     type(interaction_type) :: law
     real(DP) :: p, slope, energy
