@@ -98,8 +98,7 @@ contains
 
 
   !> The largest gap at which the law still acts. EXPONENTIAL: where the tangent at c0 ends; LINEAR and TABULAR: c0 times the root
-  !! of the area, TABULAR also as far as its
-  !! table begins under the abaqus dialect; TIED: any.
+  !! of the area, TABULAR also as far as its table begins under the abaqus dialect; TIED: any.
   pure real(DP) function law_reach(law, area) result(reach)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< of the slave node [length^2]

@@ -68,6 +68,7 @@ module amontons_contact
     type(slip_view_type) :: view                  !< of the last evaluation
     type(user_answer_type), allocatable :: answers(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
     type(meeting_type), allocatable :: met(:)     !< (n_slaves) under compliant laws, at the last evaluation
+    real(DP), allocatable :: ahead(:, :)          !< (3, n_nodes) what laws give more where their slaves are [force]
     logical, allocatable :: is_lone(:)            !< (n_slaves) under a compliant law, and no other slave gives its node a force
     real(DP), allocatable :: memory(:)            !< committed STATEV
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
@@ -135,6 +136,7 @@ contains
     allocate (contact%direction(3, n), source=0.0_DP)
     allocate (contact%answers(n), contact%met(n))
     allocate (contact%is_lone(n), source=.false.)
+    allocate (contact%ahead(3, model%mesh%n_nodes), source=0.0_DP)
     allocate (contact%hold(n), source=HOLD_NEVER)
     allocate (contact%view%imbalance_t(3, n), contact%view%slip(3, n), contact%view%position(3, n), source=0.0_DP)
     allocate (contact%view%normal_force(n), source=0.0_DP)

@@ -46,6 +46,7 @@ contains
     real(DP), allocatable :: x(:, :), total(:, :)
     integer :: level, s
     fields%contact_force = 0.0_DP
+    contact%ahead = 0.0_DP
     contact%n_opened = 0
     contact%n_closed = 0
     contact%n_changed = 0
@@ -67,7 +68,7 @@ contains
         call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. contact%hold(s) == HOLD_NOW, s, fields)
       end do
       do s = 1, size(fields%slaves)
-        if (contact%overlaps%level(s) == level) call add_contact_force(contact, fields%slaves(s), fields%contact_force)
+        if (contact%overlaps%level(s) == level) call add_contact_force(contact, s, fields%slaves(s), fields%contact_force)
       end do
       if (level < contact%overlaps%n_levels) call pass_on(contact, fields%contact_force, imbalance, total)
     end do
@@ -411,9 +412,10 @@ contains
   end subroutine count_changes
 
 
-  !> The force on the slave and its reaction on the nodes of the facet.
-  subroutine add_contact_force(contact, slave, contact_force)
-    type(contact_type), intent(in) :: contact
+  !> The force on the slave and its reaction on the nodes of the facet, and what a law gives more where the slave is.
+  subroutine add_contact_force(contact, s, slave, contact_force)
+    type(contact_type), intent(inout) :: contact
+    integer, intent(in) :: s                       !< index of the slave
     type(slave_type), intent(in) :: slave
     real(DP), intent(inout) :: contact_force(:, :)   !< (3, n_nodes) [force]
     type(contact_row_type) :: row
@@ -424,6 +426,7 @@ contains
       call touching_row(contact, slave, row)
     end if
     call spread_force(row, slave%force + slave%shear, contact_force)
+    if (is_compliant(contact%laws(slave%pair))) call spread_force(row, contact%met(s)%ahead, contact%ahead)
   end subroutine add_contact_force
 
 end module amontons_contact_forces

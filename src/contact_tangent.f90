@@ -40,7 +40,6 @@ module amontons_contact_tangent
     real(DP), allocatable :: xi_nodes(:, :, :)     !< (2 or n_weights, 3, :) d xi / d u_j [1/length]
     real(DP), allocatable :: gap_nodes(:, :)       !< (3, :) d g / d u_j [-]
     logical :: is_spring = .false.                 !< a compliant law: the node keeps its unknowns and has no row
-    real(DP) :: ahead(3) = 0                       !< what its law, as it is linearised, gives more than the force [force]
     real(DP) :: spring(3, 3) = 0                 !< its stiffness without the turning of normals: symmetric, positive [force/length]
   end type link_type
 
@@ -273,7 +272,6 @@ contains
       else
         b = met%by_slip
         force_gap = force_gap + met%by_gap
-        link%ahead = met%ahead
       end if
       force_slip = matmul(b, IDENTITY - outer(n, n))
       force_normal = slave%area * met%pressure * IDENTITY - matmul(b, dot_product(n, w) * IDENTITY + outer(n, w)) &

@@ -22,7 +22,7 @@ module amontons_converge
   type :: progress_type
     integer :: iteration = 0
     real(DP) :: residual(0:2) = 0                  !< now, one and two iterations before, over the largest force [-]
-    real(DP) :: law = 0                            !< what a compliant law gives more where its node is, over the largest force [-]
+    real(DP) :: law = 0                            !< residual with compliant laws where their nodes are, over the largest force [-]
     real(DP) :: correction = 0                     !< over the largest increment of displacement [-]
     real(DP) :: gap = 0                            !< worst violation of a closed node over the facet's edge [-]
     logical :: is_whole_step = .true.              !< the last step had length 1

@@ -465,7 +465,7 @@ contains
   end subroutine tangent_matrix
 
 
-  !> b = C' (R + F_a - K c + dF_c(c)), with F_a what compliant laws, as they are linearised, give more than their forces.
+  !> b = C' (R + F_a - K c + dF_c(c)), with F_a what compliant laws, as they are linearised, give more where their nodes are.
   subroutine right_hand_side(system, offset, b)
     type(system_type), intent(in) :: system
     real(DP), intent(in) :: offset(:)              !< c [length]
@@ -474,29 +474,8 @@ contains
     allocate (change(size(offset)))
     change = 0.0_DP
     if (any(offset /= 0.0_DP)) call change_forces(system, offset, change)
-    call multiply_transpose(system%whole%map, reshape(system%residual + forces_ahead(system), shape(change)) - change, b)
+    call multiply_transpose(system%whole%map, reshape(system%lawful, shape(change)) - change, b)
   end subroutine right_hand_side
-
-
-  !> F_a, condensed onto the free unknowns.
-  function forces_ahead(system) result(condensed)
-    type(system_type), intent(in) :: system
-    real(DP) :: condensed(size(system%residual, 1), size(system%residual, 2))
-    real(DP), allocatable :: ahead(:, :)
-    integer :: i, k
-    condensed = 0.0_DP
-    if (.not. any(system%links%is_spring)) return
-    allocate (ahead, mold=condensed)
-    ahead = 0.0_DP
-    do i = 1, size(system%links)
-      associate (link => system%links(i))
-        do k = 1, link%n_weights
-          ahead(:, link%nodes(k)) = ahead(:, link%nodes(k)) + link%weights(k) * link%ahead
-        end do
-      end associate
-    end do
-    call condense_forces(system%base, ahead, condensed)
-  end function forces_ahead
 
 
   !> w = (K - dF_c) du over all unknowns: minus the change of the residual.

@@ -235,8 +235,8 @@ contains
     allocate (lines(0))
     if (newton%trouble /= TROUBLE_ELEMENT) then
       write (line, '(a,i0,a,es10.3,a,es10.3,a)') 'After ', newton%progress%iteration, &
-        ' iterations the largest imbalance is ', newton%progress%residual(0), ' of the largest force, the correction ', &
-        newton%progress%correction, '.'
+        ' iterations the largest imbalance is ', max(newton%progress%residual(0), newton%progress%law), &
+        ' of the largest force, the correction ', newton%progress%correction, '.'
       lines = [line, [character(STORY_LENGTH) :: 'Nodes with the largest imbalance:']]
       size_of = norm2(system%residual, dim=1)
       do i = 1, min(N_WORST, model%mesh%n_nodes)

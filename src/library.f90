@@ -458,7 +458,7 @@ contains
         return
       end if
       allocate (residual(system%whole%n_free))
-      call multiply_transpose(system%whole%map, reshape(system%residual, [size(system%residual)]), residual)
+      call multiply_transpose(system%whole%map, reshape(system%lawful, [size(system%lawful)]), residual)
       select case (squeezed(name))
       case ('TANGENT')
         call tangent_matrix(system, matrix, error)

@@ -16,7 +16,7 @@ module amontons_newton
     VERDICT_CONVERGED, VERDICT_TOO_SLOW
   use amontons_line_search, only: search_type, search_line
   use amontons_course, only: course_type, way_type, choose_way, COURSE_NEWTON, COURSE_SNAP
-  use amontons_system, only: system_type, begin_increment, evaluate, residual_beyond, components_of, &
+  use amontons_system, only: system_type, begin_increment, evaluate, residuals_beyond, components_of, &
     TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_FREE, TROUBLE_THROUGH
   use amontons_direction, only: carry_bodies
   implicit none
@@ -80,7 +80,8 @@ contains
     end if
     call note_slaves(newton%forensics, state%new%slaves, system%merit)
     newton%force_scale = max(newton%force_scale, system%bulk_force)   ! nodes go on into a stiff law with any force
-    call note_residual(newton, system, system%largest_residual, step%controls%r_n)   ! K may not be there yet
+    call note_residual(newton, system, [system%largest_residual, maxval(components_of(system, system%lawful, -1))], &
+      step%controls%r_n)                           ! K may not be there yet
   end subroutine begin_newton
 
 
@@ -129,7 +130,7 @@ contains
     call note_slaves(newton%forensics, state%new%slaves, system%merit)
     call watch_bodies(newton, system, model, state)
     if (newton%trouble /= TROUBLE_NONE) return
-    call note_residual(newton, system, residual_beyond(system, state%new%u), step%controls%r_n)
+    call note_residual(newton, system, residuals_beyond(system, state%new%u), step%controls%r_n)
     call note_step(newton, system, state, search)
   end subroutine go_along
 
@@ -178,7 +179,7 @@ contains
     end if
     if (.not. is_changed) return
     call evaluate(system, model, step, state, newton%trouble, is_frozen=.false.)
-    call note_residual(newton, system, residual_beyond(system, state%new%u), step%controls%r_n)
+    call note_residual(newton, system, residuals_beyond(system, state%new%u), step%controls%r_n)
     if (newton%trouble /= TROUBLE_NONE) then
       verdict = VERDICT_DIVERGES
     else if (verdict == VERDICT_CONVERGED .and. (system%contact%n_changed > 0 .or. &
@@ -243,13 +244,13 @@ contains
   subroutine note_residual(newton, system, residual, tolerance)
     type(newton_type), intent(inout) :: newton
     type(system_type), intent(in) :: system
-    real(DP), intent(in) :: residual               !< the largest [force]
+    real(DP), intent(in) :: residual(2)            !< the largest: R, and with laws where their nodes are [force]
     real(DP), intent(in) :: tolerance              !< of the residual [-]
     real(DP) :: scale
     newton%largest_seen = max(newton%largest_seen, system%largest_force)
     scale = max(system%largest_force, FORCE_MEMORY * newton%force_scale, ROUNDING / tolerance * newton%largest_seen, tiny(1.0_DP))
-    newton%progress%residual = [max(residual - system%rounding, 0.0_DP) / scale, newton%progress%residual(0:1)]
-    newton%progress%law = max(system%largest_ahead - system%rounding, 0.0_DP) / scale
+    newton%progress%residual = [max(residual(1) - system%rounding, 0.0_DP) / scale, newton%progress%residual(0:1)]
+    newton%progress%law = max(residual(2) - system%rounding, 0.0_DP) / scale
     newton%progress%gap = max(system%contact%worst_gap, system%violation)
   end subroutine note_residual
 
@@ -269,7 +270,7 @@ contains
     newton%progress%is_arrived = search%is_arrived
     associate (record => newton%record)
       record%iteration = newton%progress%iteration
-      record%residual = newton%progress%residual(0)
+      record%residual = max(newton%progress%residual(0), newton%progress%law)
       record%correction = newton%progress%correction
       record%n_status = [(count(state%new%slaves%status == status), status=0, 2)]
       record%n_closed = record%n_status(1) + record%n_status(2)

@@ -33,7 +33,7 @@ module amontons_system
   use amontons_contact_tangent, only: link_type
   implicit none
   private
-  public :: system_type, create_system, begin_step, plan_solver, begin_increment, evaluate, residual_pair, residual_beyond
+  public :: system_type, create_system, begin_step, plan_solver, begin_increment, evaluate, residual_pair, residuals_beyond
   public :: components_of, sizes_of
   public :: place_type, place_of, foresee, return_to
   public :: prescribe, forget_bulk, interface_unknowns, start_clock, stop_clock
@@ -76,10 +76,10 @@ module amontons_system
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
     real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
+    real(DP), allocatable :: lawful(:, :)          !< (3, n_nodes) R with what compliant laws give where their nodes are [force]
     real(DP) :: largest_residual = 0               !< [force]
     real(DP) :: largest_force = 0                  !< largest internal, applied or contact force on a node [force]
     real(DP) :: bulk_force = 0                     !< largest internal or applied force on a node [force]
-    real(DP) :: largest_ahead = 0                  !< what a law gives more where its node is, at the last evaluation [force]
     real(DP) :: rounding = 0                       !< what rounding makes of gaps: no residual [force]
     real(DP) :: merit = 0                          !< norm of residual, gaps and stick violations scaled to forces [force]
     logical :: is_nlgeom = .false.
@@ -122,7 +122,7 @@ contains
     call prepare_bonds(system, model, error)
     if (allocated(error)) return
     allocate (system%u_start(3, model%mesh%n_nodes), system%imbalance(3, model%mesh%n_nodes), &
-      system%residual(3, model%mesh%n_nodes), source=0.0_DP)
+      system%residual(3, model%mesh%n_nodes), system%lawful(3, model%mesh%n_nodes), source=0.0_DP)
   end subroutine create_system
 
 
@@ -273,20 +273,18 @@ contains
     integer :: s
     fields%reaction_force = fields%internal_force - fields%applied_force - fields%contact_force
     call condense_forces(system%base, -fields%reaction_force, system%residual)
+    system%lawful = system%residual
+    if (any(is_compliant(system%contact%laws))) call condense_forces(system%base, system%contact%ahead - fields%reaction_force, &
+      system%lawful)
     call keep_supports(system%base, fields%reaction_force)
     system%largest_residual = maxval(components_of(system, system%residual, -1))
     system%bulk_force = max(maxval(components_of(system, fields%internal_force, -1)), &
       maxval(components_of(system, fields%applied_force, -1)))
     system%largest_force = max(system%bulk_force, maxval(components_of(system, fields%contact_force, -1)))
-    system%largest_ahead = 0.0_DP
     violation = 0.0_DP
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
-        if (slave%status == STATUS_OPEN) cycle
-        if (is_compliant(system%contact%laws(slave%pair))) then
-          system%largest_ahead = max(system%largest_ahead, norm2(system%contact%met(s)%ahead))
-          cycle
-        end if
+        if (slave%status == STATUS_OPEN .or. is_compliant(system%contact%laws(slave%pair))) cycle
         violation = violation + (slave%stiffness * slave%gap)**2
         if (slave%status == STATUS_STICK) violation = violation + (slave%stiffness * norm2(slave%slip_increment))**2
       end associate
@@ -329,16 +327,26 @@ contains
   end function sizes_of
 
 
-  !> The largest residual beyond what rounding of the displacements makes of it: of what the stiffness of an unknown makes of the
-  !! largest displacement, the last digit. A body that moves without any force has nothing but that.
-  pure real(DP) function residual_beyond(system, u) result(largest)
+  !> The largest residual, and that with laws where their nodes are, beyond what rounding makes of them.
+  pure function residuals_beyond(system, u) result(largest)
     type(system_type), intent(in) :: system        !< K was assembled
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    real(DP) :: largest(2)                         !< [force]
+    largest = [residual_beyond(system, system%residual, u), residual_beyond(system, system%lawful, u)]
+  end function residuals_beyond
+
+
+  !> The largest of a residual beyond what rounding of the displacements makes of it: of what the stiffness of an unknown makes of
+  !! the largest displacement, the last digit. A body that moves without any force has nothing but that.
+  pure real(DP) function residual_beyond(system, field, u) result(largest)
+    type(system_type), intent(in) :: system        !< K was assembled
+    real(DP), intent(in) :: field(:, :)            !< (3, n_nodes) R or that of the laws where their nodes are [force]
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     real(DP) :: last_digit                         ! [length]
     real(DP), allocatable :: of_node(:)            ! (n_nodes) [force]
     integer :: i
     last_digit = ROUNDINGS * epsilon(1.0_DP) * maxval(components_of(system, u, 1))
-    associate (K => system%assembly%stiffness, residual => abs(system%residual))
+    associate (K => system%assembly%stiffness, residual => abs(field))
       allocate (of_node(size(u, 2)))
       do i = 1, size(u, 2)
         of_node(i) = maxval(residual(:, i) - last_digit * abs(K%value(K%first(3 * i - 2:3 * i))))

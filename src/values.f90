@@ -135,7 +135,7 @@ contains
       case ('ITERATIONS')
         value = real(sum(analysis%records(:analysis%n_records)%n_iterations), DP)
       case ('IMBALANCE')
-        value = analysis%newton%progress%residual(0)
+        value = max(analysis%newton%progress%residual(0), analysis%newton%progress%law)
       case ('EXTERNALWORK')
         value = new%external_work
       case ('FRICTIONWORK')
