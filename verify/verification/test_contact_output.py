@@ -94,7 +94,7 @@ FORMS: dict[str, Form] = {
     "nodes-c3d10": Form("C3D10"),
     "nodes-c3d20": Form("C3D20"),
     "nodes-linear": soft(LINEAR, arctan_law(), 0.0, PRESSURE * arctan_law() / 2),
-    "nodes-exponential": soft(EXPONENTIAL, H_EXP, PRESSURE * 1e-4 / log(100)),
+    "nodes-exponential": soft(EXPONENTIAL, H_EXP, (PRESSURE - 0.005) * 1e-4 / log(100)),
     "nodes-tabular": soft(TABULAR, 1e-6, PRESSURE * 1e-6 / 2),
     "nodes-analytic": Form(master="analytic"),
     "nodes-c3d20-analytic": Form("C3D20", master="analytic"),
