@@ -85,9 +85,8 @@ contains
 
   !> The overclosure h' at which A p(h') + c (h' - h) is the normal force that is wanted.
   !!
-  !! Within the reach of the law the left side grows with h'. At the end of the reach it jumps; where there is no root on either
-  !! side, or
-  !! one on both, the node is open if it is beyond the reach.
+  !! Within the reach of the law the left side grows with h'. At the end of the reach it may jump; where there is no root on either
+  !! side, or one on both, the node is open if it is beyond the reach.
   pure subroutine find_overclosure(law, asked, wanted, is_open, h)
     type(interaction_type), intent(in) :: law
     type(asked_type), intent(in) :: asked
