@@ -493,6 +493,9 @@ contains
     call table%option('DIRECTION', VALUE_WORD, 'For studies. EXACT: by the whole tangent; SYMMETRIC: without what friction ' // &
       'and moving contact make unsymmetric; LAGGED: by the stiffness of the bodies where the attempt began.', &
       allowed='EXACT|SYMMETRIC|LAGGED', default='EXACT')
+    call table%option('INTERFACE', VALUE_WORD, 'For studies. DENSE: the contact subproblem is solved on the dense matrix of ' // &
+      'the interface; SKIN: by iteration, with tiles of the contact skin; AUTO: by what is reckoned to be cheaper.', &
+      allowed='AUTO|DENSE|SKIN', default='AUTO')
 
     call table%card('RESTART', IN_BOTH, 'Keeps states in the restart file job.res, from which another job can go on. ' // &
       '(To go on with the same deck after a crash, amontons --resume job needs no card.)')

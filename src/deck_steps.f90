@@ -16,7 +16,8 @@ module amontons_deck_steps
     need_no_data, is_card, nodes_of_field, elements_of_field
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, controls_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, &
-    SEARCH_NODAL, SEARCH_AUTO, DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE
+    SEARCH_NODAL, SEARCH_AUTO, DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE, &
+    INTERFACE_AUTO, INTERFACE_DENSE, INTERFACE_SKIN
   use amontons_text, only: text_of, parse_integer, parse_real, is_one_of, NUMBER_OK, plural
   use amontons_ties, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
   use amontons_deck_materials, only: read_plastic
@@ -516,7 +517,7 @@ contains
   end subroutine read_gap
 
 
-  !> LINE SEARCH, TYPE=..., DIRECTION=...
+  !> LINE SEARCH, TYPE=..., DIRECTION=..., INTERFACE=...
   subroutine read_line_search(reader, c, step)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -543,6 +544,14 @@ contains
       step%direction = DIRECTION_LAGGED
     case default
       step%direction = DIRECTION_EXACT
+    end select
+    select case (parameter_word(parameters, 'INTERFACE', ''))
+    case ('DENSE')
+      step%interface = INTERFACE_DENSE
+    case ('SKIN')
+      step%interface = INTERFACE_SKIN
+    case default
+      step%interface = INTERFACE_AUTO
     end select
   end subroutine read_line_search
 

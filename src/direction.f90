@@ -11,7 +11,7 @@ module amontons_direction
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type
   use amontons_model, only: model_type, n_bonds
-  use amontons_steps, only: step_type, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
+  use amontons_steps, only: step_type, SEARCH_AUTO, DIRECTION_SYMMETRIC, DIRECTION_LAGGED, INTERFACE_AUTO, INTERFACE_SKIN
   use amontons_history, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: state_type, fields_type, DAMPING_NOW
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, product_of, transpose_of, &
@@ -19,6 +19,8 @@ module amontons_direction
   use amontons_factor, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
   use amontons_reduced, only: factorise_reduced, apply_reduced, give_up_iterative
   use amontons_sprung, only: springs_type
+  use amontons_skin, only: cut_skin, renew_skin, apply_bulk, correct_skin
+  use amontons_robin, only: find_near, robin_springs, skin_rows
   use amontons_condensed, only: is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
     apply_condensed
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
@@ -45,6 +47,13 @@ module amontons_direction
   integer, parameter :: MOST_OLD = 8                     !< Krylov iterations after which an old factor of the bulk is given up
   integer, parameter :: MOST_UNSTABLE = 3                !< such factorisations after which an attempt goes on without the interface
   integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
+  integer, parameter :: SKIN_MOST = 150                  !< Krylov iterations of one direction by the skin
+  integer, parameter :: SKIN_RESTART = 50                !< its vectors: two an iteration
+  integer, parameter :: SKIN_OLD = 25                    !< Krylov iterations after which an old bulk solver of it is given up
+  real(DP), parameter :: SKIN_FIRST = 1.0e-2_DP          !< tolerance of a direction while statuses change [-]
+  real(DP), parameter :: SKIN_LAST = 1.0e-4_DP           !< and when none does [-]
+  real(DP), parameter :: SKIN_ALONE = 1.0e-7_DP          !< and where no round follows [-]
+  real(DP), parameter :: SKIN_ENOUGH = 0.1_DP            !< a direction that leaves more of its right-hand side is none [-]
 
   !> J: the exact tangent as an operator on the free unknowns.
   type, extends(operator_type) :: tangent_type
@@ -83,6 +92,7 @@ contains
     call stop_clock(system, clock, PHASE_FACTOR)
     system%n_before = system%n_factorisations
     system%is_settled = .false.
+    system%skin_tolerance = merge(SKIN_FIRST, SKIN_ALONE, step%line_search == SEARCH_AUTO)
     call solve_direction(system, floor_of(system, step), du, trouble, error)
     if (trouble == TROUBLE_SOLVER .and. .not. system%is_condensed .and. system%reduced%is_iterative) then
       call give_up_iterative(system%reduced)
@@ -113,6 +123,7 @@ contains
     call factorise_condensed(system, model, step, state, error)
     if (allocated(error) .or. .not. system%is_condensed) return
     call stop_clock(system, clock, PHASE_FACTOR)
+    system%skin_tolerance = merge(SKIN_FIRST, SKIN_LAST, system%contact%n_changed > 0)
     call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, du, trouble, error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine correct_direction
@@ -244,9 +255,15 @@ contains
     integer :: attempt
     system%is_condensed = .false.
     system%is_unheld = .false.
-    if (size(state%new%slaves) == 0 .or. .not. system%is_dense_wanted .or. system%reduced%is_iterative) return
+    system%is_skin = .false.
+    if (size(state%new%slaves) == 0) return
+    if (takes_skin(system, step)) then
+      call factorise_skin(system, model, step, state, error)
+      return
+    end if
+    if (.not. system%is_dense_wanted .or. system%reduced%is_iterative) return
     do attempt = 1, 2
-      call provide_bulk(system, model, step, state, error)
+      call provide_bulk(system, model, step, state, .false., error)
       if (allocated(error) .or. .not. system%condensed%is_ready) return
       call factorise_contact(system, is_complete, error)
       if (allocated(error)) return
@@ -258,6 +275,62 @@ contains
       call forget_bulk(system)
     end do
   end subroutine factorise_condensed
+
+
+  !> Whether the contact subproblem is solved by the skin: where the dense interface is reckoned to be dearer.
+  logical function takes_skin(system, step)
+    type(system_type), intent(in) :: system
+    type(step_type), intent(in) :: step
+    takes_skin = step%interface == INTERFACE_SKIN
+    if (step%interface /= INTERFACE_AUTO) return
+    takes_skin = system%reduced%is_iterative .or. count(system%is_contact) > MOST_INTERFACE
+  end function takes_skin
+
+
+  !> Contact by the skin: the bulk solver is made if it is gone, the tiles always. After: is_skin and is_condensed.
+  subroutine factorise_skin(system, model, step, state, error)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< not changed
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: by_imbalance, by_displacement, rows
+    call provide_bulk(system, model, step, state, .true., error)
+    if (allocated(error) .or. .not. system%skin%is_ready) return
+    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement)
+    call skin_rows(system%contact, state%new, system%is_near, system%links, model%mesh%n_nodes, rows)
+    call renew_skin(system%skin, system%base, system%whole, system%assembly%stiffness, by_imbalance, by_displacement, rows, error)
+    if (allocated(error)) return
+    system%is_skin = .true.
+    system%is_condensed = .true.
+  end subroutine factorise_skin
+
+
+  !> K with Robin springs, and its solver: a factor, or the two-level preconditioner where that is too large.
+  subroutine renew_robin(system, model, step, fields, error)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: springs
+    logical :: is_slave(model%mesh%n_nodes)
+    integer :: status, i
+    if (system%base%n_free == 0) return
+    is_slave = .false.
+    is_slave(fields%slaves%node) = .true.
+    call cut_skin(system%skin, model%mesh%coordinates, pack([(i, i=1, size(is_slave))], is_slave), model%mesh%n_nodes)
+    system%is_near = find_near(system%contact, fields)
+    call robin_springs(system%contact, fields, system%is_near, system%base%n_unknowns, springs, error)
+    if (allocated(error)) return
+    system%skin%robin%asked = step%solver
+    system%skin%robin%is_repeated = .true.
+    call factorise_reduced(system%skin%robin, sum_of(system%assembly%stiffness, 1.0_DP, springs), .true., system%base, model%mesh, &
+      status, error)
+    if (allocated(error)) return
+    system%n_factorisations = system%n_factorisations + system%skin%robin%n_made
+    system%skin%is_ready = status == FACTOR_OK
+  end subroutine renew_robin
 
 
   !> The interface for the present contact: by its springs where all contact is compliant and the bodies are held without it.
@@ -281,18 +354,19 @@ contains
 
 
   !> The factor of the bulk: the one at hand, else that of bulk_u (of a job that was resumed), else a new one.
-  subroutine provide_bulk(system, model, step, state, error)
+  subroutine provide_bulk(system, model, step, state, is_skin, error)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< not changed
+    logical, intent(in) :: is_skin                 !< the bulk solver of the skin, else the factor with the interface last
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: u(:, :)
     integer :: failed
-    if (system%condensed%is_ready) return
+    if (is_ready()) return
     if (.not. allocated(system%bulk_u)) then
-      call renew_bulk(system, error)
-      if (system%condensed%is_ready) system%bulk_u = state%new%u
+      call renew()
+      if (is_ready()) system%bulk_u = state%new%u
       system%is_bulk_new = .true.
       return
     end if
@@ -300,11 +374,28 @@ contains
     u = state%new%u
     state%new%u = system%bulk_u
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
-    call renew_bulk(system, error)
+    call renew()
     state%new%u = u
     if (allocated(error)) return
-    if (system%condensed%is_ready) system%n_factorisations = system%n_factorisations - 1   ! the job that ran on had it
+    if (is_ready()) system%n_factorisations = system%n_factorisations - 1   ! the job that ran on had it
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
+
+  contains
+
+    !> Whether the solver is there.
+    pure logical function is_ready()
+      is_ready = merge(system%skin%is_ready, system%condensed%is_ready, is_skin)
+    end function is_ready
+
+    !> Makes it for the present stiffness.
+    subroutine renew()
+      if (is_skin) then
+        call renew_robin(system, model, step, state%new, error)
+      else
+        call renew_bulk(system, error)
+      end if
+    end subroutine renew
+
   end subroutine provide_bulk
 
 
@@ -392,6 +483,10 @@ contains
     logical :: is_iterative
     trouble = TROUBLE_NONE
     is_iterative = system%reduced%is_iterative .and. .not. system%is_condensed
+    if (system%is_skin) then
+      call iterate_skin(system, floor, b, v, trouble, error)
+      return
+    end if
     tangent%system => system
     matrix%matrix => system%reduced%matrix
     preconditioner%system => system
@@ -414,6 +509,34 @@ contains
     if (is_iterative) trouble = TROUBLE_SOLVER
     if (.not. is_iterative) call solve_whole(system, b, v, trouble, error)
   end subroutine iterate_direction
+
+
+  !> J v = b by the skin. What a direction leaves is foreseen with it, and the next round goes on from there.
+  subroutine iterate_skin(system, floor, b, v, trouble, error)
+    type(system_type), intent(inout), target :: system
+    real(DP), intent(in) :: floor                  !< residual that is small enough [force]
+    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
+    real(DP), intent(inout) :: v(:)                !< (n_free) [length]
+    integer, intent(out) :: trouble
+    type(error_type), allocatable, intent(out) :: error
+    type(tangent_type) :: tangent
+    type(preconditioner_type) :: preconditioner
+    type(krylov_options_type) :: options
+    type(krylov_report_type) :: report
+    trouble = TROUBLE_NONE
+    tangent%system => system
+    preconditioner%system => system
+    options%tolerance = system%skin_tolerance
+    options%floor = floor
+    options%max_iterations = SKIN_MOST
+    options%restart = SKIN_RESTART
+    call gmres(tangent, preconditioner, b, v, options, report, error)
+    if (allocated(error)) return
+    system%n_krylov = system%n_krylov + report%n_iterations
+    if (report%n_iterations > SKIN_OLD .and. .not. system%is_bulk_new) call forget_bulk(system)
+    if (report%status == KRYLOV_CONVERGED .or. report%residual <= SKIN_ENOUGH) return
+    trouble = TROUBLE_SOLVER
+  end subroutine iterate_skin
 
 
   !> Whether a direction solves its equations as well as numbers can: what it leaves is rounding of the products of the stiffness
@@ -513,11 +636,28 @@ contains
     class(preconditioner_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
     real(DP), intent(out) :: y(:)                  !< (n_free) [length]
-    if (self%system%is_condensed) then
+    if (self%system%is_skin) then
+      call apply_skin(self%system, x, y)
+    else if (self%system%is_condensed) then
       call apply_condensed(self%system%condensed, x, y)
     else
       call apply_reduced(self%system%reduced, x, y)
     end if
   end subroutine apply_preconditioner
+
+
+  !> y ~ inv(J) x by the bulk solver and then by the tiles.
+  subroutine apply_skin(system, x, y)
+    type(system_type), intent(inout), target :: system
+    real(DP), intent(in) :: x(:)                   !< (n_free) [force]
+    real(DP), intent(out) :: y(:)                  !< (n_free) [length]
+    type(tangent_type) :: tangent
+    real(DP), allocatable :: rest(:)
+    tangent%system => system
+    allocate (rest(size(x)))
+    call apply_bulk(system%skin, x, y)
+    call tangent%apply(y, rest)
+    call correct_skin(system%skin, x - rest, y)
+  end subroutine apply_skin
 
 end module amontons_direction

@@ -130,8 +130,9 @@ contains
     logical :: is_same
     is_same = allocated(snapshot%bulk_u) .and. allocated(system%bulk_u)
     if (is_same) is_same = all(snapshot%bulk_u == system%bulk_u)
-    if (is_same .and. system%condensed%is_ready) return
+    if (is_same .and. (system%condensed%is_ready .or. system%skin%is_ready)) return
     system%condensed%is_ready = .false.
+    system%skin%is_ready = .false.
     system%condensed%is_analysed = .false.
     system%is_dense_wanted = .true.
     if (allocated(system%bulk_u)) deallocate (system%bulk_u)

@@ -11,6 +11,7 @@ module amontons_steps
   public :: DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
   public :: SOLVER_AUTO, SOLVER_ITERATIVE
+  public :: INTERFACE_AUTO, INTERFACE_DENSE, INTERFACE_SKIN
   public :: N_FRD, FRD_DISP, FRD_FORC, FRD_NDTEMP, FRD_STRESS, FRD_TOSTRAIN, FRD_MESTRAIN, FRD_THSTRAIN, FRD_PE, FRD_ENER, &
     FRD_CONTACT, FRD_CELS, FRD_SDV, FRD_ERROR
 
@@ -19,6 +20,10 @@ module amontons_steps
   integer, parameter :: DIRECTION_SYMMETRIC = 1    !< without the change of the contact forces: C'K C alone
   integer, parameter :: DIRECTION_LAGGED = 2       !< K is that of the start of the attempt at the increment
   integer, parameter :: SOLVER_AUTO = 0, SOLVER_ITERATIVE = 1
+
+  integer, parameter :: INTERFACE_AUTO = 0         !< the contact subproblem is solved by what is reckoned to be cheaper
+  integer, parameter :: INTERFACE_DENSE = 1        !< on the dense matrix of the interface
+  integer, parameter :: INTERFACE_SKIN = 2         !< by iteration, with tiles of the contact skin
   integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4
   ! Fields of the .frd file, in their order there, which is CalculiX's.
   integer, parameter :: N_FRD = 13, FRD_DISP = 1, FRD_NDTEMP = 2, FRD_STRESS = 3, FRD_TOSTRAIN = 4, FRD_MESTRAIN = 5, &
@@ -87,6 +92,7 @@ module amontons_steps
     integer :: line_search = SEARCH_AUTO   !< SEARCH_...
     integer :: direction = DIRECTION_EXACT !< DIRECTION_...
     integer :: solver = SOLVER_AUTO        !< SOLVER_...
+    integer :: interface = INTERFACE_AUTO  !< INTERFACE_...
     type(controls_type) :: controls
     type(prescribed_type), allocatable :: prescribed(:)
     type(concentrated_type), allocatable :: concentrated(:)

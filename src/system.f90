@@ -17,6 +17,7 @@ module amontons_system
   use amontons_sparse, only: multiply_symmetric
   use amontons_reduced, only: reduced_type, plan_reduced, is_small
   use amontons_condensed, only: condensed_type
+  use amontons_skin, only: skin_type
   use amontons_constraints, only: constraints_type, condense_forces
   use amontons_bonds, only: keep_supports, curved_nodes, levers
   use amontons_supports, only: support_model
@@ -59,7 +60,11 @@ module amontons_system
     type(link_type), allocatable :: links(:)       !< linearised contact forces
     type(reduced_type) :: reduced                  !< A and its factor
     type(condensed_type) :: condensed              !< the bulk with its interface, where that is cheaper
-    logical :: is_condensed = .false.              !< the present direction goes by the condensed interface
+    type(skin_type) :: skin                        !< the preconditioner of contact on wide interfaces
+    logical, allocatable :: is_near(:)             !< (n_slaves) they have a spring in it
+    real(DP) :: skin_tolerance = 1.0e-6_DP         !< of a direction by it: residual over right-hand side [-]
+    logical :: is_skin = .false.                   !< the present direction goes by it
+    logical :: is_condensed = .false.              !< the present direction goes by the condensed interface, or by the skin
     logical :: is_settled = .false.                !< contact has settled ahead along the present direction
     logical :: is_dense_wanted = .true.            !< the interface has not been found too large yet
     real(DP), allocatable :: bulk_u(:, :)          !< (3, n_nodes) where the bulk's factor was made [length]; not there: no factor
@@ -401,7 +406,7 @@ contains
     system%residual = start%residual
     system%contact%view = start%view
     system%merit = start%merit
-    if (system%condensed%is_ready .and. allocated(system%bulk_u)) then   ! a factor made meanwhile has the stiffness of u
+    if ((system%condensed%is_ready .or. system%skin%is_ready) .and. allocated(system%bulk_u)) then   ! a factor made meanwhile has the stiffness of u
       if (system%n_factorisations > system%n_before) system%bulk_u = start%u
     end if
     call prescribe(system, model, step, state%new, error)
@@ -452,6 +457,7 @@ contains
   subroutine forget_bulk(system)
     type(system_type), intent(inout) :: system
     system%condensed%is_ready = .false.
+    system%skin%is_ready = .false.
     if (allocated(system%bulk_u)) deallocate (system%bulk_u)
   end subroutine forget_bulk
 

@@ -1,0 +1,126 @@
+!> Robin: springs between slave nodes and master that hold the bodies in the preconditioner of wide contact, and the skin's rows.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/solver.md, "The contact skin". A slave node near its master has the spring rho c in all directions that
+!! supports leave free, c its own stiffness, between itself and the point of the master in front of it.
+module amontons_robin
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_sparse, only: sparse_type
+  use amontons_state, only: fields_type, STATUS_OPEN
+  use amontons_rows, only: contact_row_type
+  use amontons_contact, only: contact_type, touching_row
+  use amontons_contact_tangent, only: link_type
+  use amontons_contact_matrices, only: contact_springs
+  implicit none
+  private
+  public :: find_near, robin_springs, skin_rows
+
+  real(DP), parameter :: SHARE = 0.3_DP            !< rho: of a node's own stiffness [-]
+  real(DP), parameter :: NEAR = 0.5_DP             !< an open node nearer than this times the edge has a spring [-]
+
+contains
+
+  !> Which slaves touch their master or are near it.
+  pure function find_near(contact, fields) result(is_near)
+    type(contact_type), intent(in) :: contact
+    type(fields_type), intent(in) :: fields
+    logical :: is_near(size(fields%slaves))
+    integer :: s
+    do s = 1, size(is_near)
+      associate (slave => fields%slaves(s))
+        is_near(s) = slave%facet > 0
+        if (is_near(s)) is_near(s) = slave%status /= STATUS_OPEN .or. slave%gap <= NEAR * contact%edge(slave%pair)
+      end associate
+    end do
+  end function find_near
+
+
+  !> The springs of the slaves that are near, as the upper triangle of a stiffness. Slaves at one node share its spring.
+  subroutine robin_springs(contact, fields, is_near, n_unknowns, springs, error)
+    type(contact_type), intent(in) :: contact
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_near(:)              !< (n_slaves)
+    integer, intent(in) :: n_unknowns
+    type(sparse_type), intent(out) :: springs      !< [force/length]
+    type(error_type), allocatable, intent(out) :: error
+    type(link_type), allocatable :: links(:)
+    type(contact_row_type) :: row
+    integer :: n_at(n_unknowns / 3), s, n
+    n_at = 0
+    do s = 1, size(is_near)
+      if (is_near(s)) n_at(fields%slaves(s)%node) = n_at(fields%slaves(s)%node) + 1
+    end do
+    allocate (links(count(is_near)))
+    n = 0
+    do s = 1, size(is_near)
+      if (.not. is_near(s)) cycle
+      n = n + 1
+      associate (slave => fields%slaves(s), link => links(n))
+        call touching_row(contact, slave, row)
+        link%is_spring = .true.
+        link%n_weights = size(row%nodes)
+        link%nodes = row%nodes
+        link%weights = row%weights
+        link%spring = SHARE * slave%stiffness / real(n_at(slave%node), DP) * contact%free(:, :, s)
+      end associate
+    end do
+    call contact_springs(links, n_unknowns, springs, error)
+  end subroutine robin_springs
+
+
+  !> The nodes of the rows of closed slaves and of those that are near: the skin. The slave node comes first; no values.
+  subroutine skin_rows(contact, fields, is_near, links, n_nodes, rows)
+    type(contact_type), intent(in) :: contact
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_near(:)              !< (n_slaves) when the springs were made
+    type(link_type), intent(in) :: links(:)        !< of the closed slaves, in their order
+    integer, intent(in) :: n_nodes
+    type(sparse_type), intent(out) :: rows
+    type(contact_row_type) :: row
+    integer :: s, n, k, pass, n_entries
+    do pass = 1, 2
+      n = 0
+      k = 1                                        ! next link
+      n_entries = 0
+      do s = 1, size(is_near)
+        if (is_link(k, s)) then
+          call put([links(k)%node, links(k)%nodes(:links(k)%n_weights), links(k)%own])
+          k = k + 1
+        else if (is_near(s)) then
+          row%nodes = [fields%slaves(s)%node]
+          if (fields%slaves(s)%facet > 0) call touching_row(contact, fields%slaves(s), row)
+          call put([fields%slaves(s)%node, row%nodes])
+        end if
+      end do
+      if (pass == 1) then
+        rows%n_rows = n
+        rows%n_columns = n_nodes
+        allocate (rows%first(n + 1), rows%column(n_entries))
+      end if
+    end do
+    rows%first(n + 1) = n_entries + 1
+
+  contains
+
+    !> Whether the link is that of the slave.
+    pure logical function is_link(number, slave)
+      integer, intent(in) :: number, slave
+      is_link = number <= size(links)
+      if (is_link) is_link = links(number)%slave == slave
+    end function is_link
+
+    !> A row; nodes may come twice.
+    subroutine put(nodes)
+      integer, intent(in) :: nodes(:)
+      n = n + 1
+      if (pass == 2) then
+        rows%first(n) = n_entries + 1
+        rows%column(n_entries + 1:n_entries + size(nodes)) = nodes
+      end if
+      n_entries = n_entries + size(nodes)
+    end subroutine put
+
+  end subroutine skin_rows
+
+end module amontons_robin
