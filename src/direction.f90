@@ -37,7 +37,7 @@ module amontons_direction
     TROUBLE_ELEMENT, TROUBLE_SOLVER
   implicit none
   private
-  public :: find_direction, correct_direction, linearise, carry_bodies, change_forces, tangent_matrix
+  public :: find_direction, correct_direction, linearise, carry_bodies, skin_goal, change_forces, tangent_matrix
 
   real(DP), parameter :: KRYLOV_TOLERANCE = 1.0e-9_DP    !< of a direction, relative to the right-hand side [-]
   real(DP), parameter :: KRYLOV_SHARE = 1.0e-3_DP        !< of the residual that Newton allows: what a direction may leave [-]
@@ -53,6 +53,7 @@ module amontons_direction
   real(DP), parameter :: SKIN_FIRST = 1.0e-2_DP          !< tolerance of a direction while statuses change [-]
   real(DP), parameter :: SKIN_LAST = 1.0e-4_DP           !< and when none does [-]
   real(DP), parameter :: SKIN_ALONE = 1.0e-7_DP          !< and where no round follows [-]
+  real(DP), parameter :: GOAL_OF_SKIN = 2.0_DP              !< of the residual that needs no correction [-]
   real(DP), parameter :: SKIN_ENOUGH = 0.1_DP            !< a direction that leaves more of its right-hand side is none [-]
 
   !> J: the exact tangent as an operator on the free unknowns.
@@ -114,6 +115,7 @@ contains
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     integer, intent(out) :: trouble                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
+    real(DP) :: floor                              ! [force]
     integer(I64) :: clock
     call start_clock(system, clock)
     trouble = TROUBLE_SOLVER
@@ -124,9 +126,19 @@ contains
     if (allocated(error) .or. .not. system%is_condensed) return
     call stop_clock(system, clock, PHASE_FACTOR)
     system%skin_tolerance = merge(SKIN_FIRST, SKIN_LAST, system%contact%n_changed > 0)
-    call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, du, trouble, error)
+    floor = KRYLOV_SHARE * step%controls%r_n * system%largest_force
+    if (system%is_skin) floor = 0.5_DP * skin_goal(system, step)
+    call solve_direction(system, floor, du, trouble, error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine correct_direction
+
+
+  !> What is left of the merit where rounds by the skin have done enough: no correction is wanted beyond it.
+  pure real(DP) function skin_goal(system, step) result(goal)
+    type(system_type), intent(in) :: system
+    type(step_type), intent(in) :: step
+    goal = GOAL_OF_SKIN * step%controls%r_l * system%largest_force
+  end function skin_goal
 
 
   !> The residual that a direction may leave, where another Newton iteration follows and work can be saved.

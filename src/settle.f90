@@ -17,7 +17,7 @@ module amontons_settle
   use amontons_forensics, only: forensics_type, note_slaves, find_cycle, DEPTH
   use amontons_cycles, only: keep_to_edges, walk_type
   use amontons_system, only: system_type, place_type, place_of, foresee, return_to, TROUBLE_NONE
-  use amontons_direction, only: correct_direction
+  use amontons_direction, only: correct_direction, skin_goal
   implicit none
   private
   public :: settle_contact
@@ -28,7 +28,6 @@ module amontons_settle
   real(DP), parameter :: NO_BETTER = 0.99_DP       !< of the merit before: not less [-]
   real(DP), parameter :: NEGLIGIBLE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any case [-]
   real(DP), parameter :: SKIN_SETTLED = 1.0e-6_DP  !< the same as SETTLED where the bulk is linear and directions are not exact [-]
-  real(DP), parameter :: SKIN_NEGLIGIBLE = 0.1_DP  !< and as NEGLIGIBLE [-]
   real(DP), parameter :: ROUNDING = 1.0e-10_DP     !< part of the largest merit of the rounds: no less is left where u had none [-]
 
   real(DP), parameter :: LESS = 1.0_DP - 1.0e-9_DP   !< of a merit: what is not below this is the same but for rounding [-]
@@ -221,15 +220,15 @@ contains
     type(step_type), intent(in) :: step
     type(place_type), intent(in) :: start          !< u
     real(DP), intent(in) :: largest                !< merit of the rounds [force]
-    real(DP) :: settled, negligible_share
+    real(DP) :: settled, negligible_force          ! [-], [force]
     settled = SETTLED
-    negligible_share = NEGLIGIBLE
+    negligible_force = NEGLIGIBLE * step%controls%r_n * system%largest_force
     if (system%is_skin .and. system%is_constant) then   ! rounds do what further iterations would
       settled = SKIN_SETTLED
-      negligible_share = SKIN_NEGLIGIBLE
+      negligible_force = skin_goal(system, step)
     end if
     is_in_balance = system%contact%n_changed == 0 .and. system%merit <= max(settled * start%merit, ROUNDING * largest, &
-      negligible_share * step%controls%r_n * system%largest_force, system%rounding * sqrt(real(size(start%u), DP)))
+      negligible_force, system%rounding * sqrt(real(size(start%u), DP)))
   end function is_in_balance
 
 

@@ -153,7 +153,7 @@ def read_counts(path: Path, cost: Cost) -> None:
     with h5py.File(path) as file:
         history, iterations = file["AMONTONS/history"], file["AMONTONS/iterations"]
         cost.increments = int(history["is_converged"][:].sum())
-        cost.failed = len(history["is_converged"]) - cost.increments
+        cost.failed = int((history["increment"][:] > 0).sum()) - cost.increments
         cost.factorisations = int(history["n_factorisations"][:].sum())
         cost.iterations = len(iterations["n_rounds"])
         cost.rounds = int(iterations["n_rounds"][:].sum()) + cost.iterations
