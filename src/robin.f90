@@ -1,11 +1,12 @@
 !> Robin: springs between slave nodes and master that hold the bodies in the preconditioner of wide contact, and the skin's rows.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/solver.md, "The contact skin". A slave node near its master has the spring rho c in all directions that
-!! supports leave free, c its own stiffness, between itself and the point of the master in front of it.
+!! Theory: doc/theory/solver.md, "The contact skin". A slave node near its master has springs between itself and the point of the
+!! master in front of it, in all directions that supports leave free: c along the normal, its own stiffness, and a part of it across.
 module amontons_robin
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
+  use amontons_tensor, only: outer
   use amontons_sparse, only: sparse_type
   use amontons_state, only: fields_type, STATUS_OPEN
   use amontons_rows, only: contact_row_type
@@ -16,7 +17,8 @@ module amontons_robin
   private
   public :: find_near, robin_springs, skin_rows
 
-  real(DP), parameter :: SHARE = 0.3_DP            !< rho: of a node's own stiffness [-]
+  real(DP), parameter :: ALONG = 1.0_DP            !< rho_n: spring along the normal over the node's own stiffness [-]
+  real(DP), parameter :: ACROSS = 0.1_DP           !< rho_t: the same across it [-]
   real(DP), parameter :: NEAR = 0.5_DP             !< an open node nearer than this times the edge has a spring [-]
 
 contains
@@ -62,7 +64,8 @@ contains
         link%n_weights = size(row%nodes)
         link%nodes = row%nodes
         link%weights = row%weights
-        link%spring = SHARE * slave%stiffness / real(n_at(slave%node), DP) * contact%free(:, :, s)
+        link%spring = slave%stiffness / real(n_at(slave%node), DP) * (ACROSS * contact%free(:, :, s) + &
+          (ALONG - ACROSS) * outer(matmul(contact%free(:, :, s), slave%normal), matmul(contact%free(:, :, s), slave%normal)))
       end associate
     end do
     call contact_springs(links, n_unknowns, springs, error)

@@ -18,6 +18,7 @@ module amontons_system
   use amontons_reduced, only: reduced_type, plan_reduced, is_small
   use amontons_condensed, only: condensed_type
   use amontons_skin, only: skin_type
+  use amontons_free_motions, only: free_motions_type
   use amontons_constraints, only: constraints_type, condense_forces
   use amontons_bonds, only: keep_supports, curved_nodes, levers
   use amontons_supports, only: support_model
@@ -61,6 +62,7 @@ module amontons_system
     type(reduced_type) :: reduced                  !< A and its factor
     type(condensed_type) :: condensed              !< the bulk with its interface, where that is cheaper
     type(skin_type) :: skin                        !< the preconditioner of contact on wide interfaces
+    type(free_motions_type) :: motions             !< of bodies that supports alone do not hold
     logical, allocatable :: is_near(:)             !< (n_slaves) they have a spring in it
     real(DP) :: skin_tolerance = 1.0e-6_DP         !< of a direction by it: residual over right-hand side [-]
     logical :: is_skin = .false.                   !< the present direction goes by it
