@@ -38,7 +38,7 @@ module amontons_direction
     TROUBLE_ELEMENT, TROUBLE_SOLVER
   implicit none
   private
-  public :: find_direction, correct_direction, linearise, carry_bodies, skin_goal, change_forces, tangent_matrix
+  public :: find_direction, correct_direction, linearise, carry_bodies, skin_goal, solve_roughly, change_forces, tangent_matrix
 
   real(DP), parameter :: KRYLOV_TOLERANCE = 1.0e-9_DP    !< of a direction, relative to the right-hand side [-]
   real(DP), parameter :: KRYLOV_SHARE = 1.0e-3_DP        !< of the residual that Newton allows: what a direction may leave [-]
@@ -52,9 +52,11 @@ module amontons_direction
   integer, parameter :: SKIN_RESTART = 50                !< its vectors: two an iteration
   integer, parameter :: SKIN_OLD = 25                    !< Krylov iterations after which an old bulk solver of it is given up
   real(DP), parameter :: SKIN_FIRST = 1.0e-2_DP          !< tolerance of a direction while statuses change [-]
+  real(DP), parameter :: SKIN_CAREFUL = 1.0e-3_DP        !< the same where corrections had to be halved [-]
+  real(DP), parameter :: SKIN_ROUGH = 0.1_DP             !< where the length of a correction is all that is wanted [-]
   real(DP), parameter :: SKIN_LAST = 1.0e-4_DP           !< and when none does [-]
   real(DP), parameter :: SKIN_ALONE = 1.0e-7_DP          !< and where no round follows [-]
-  real(DP), parameter :: GOAL_OF_SKIN = 2.0_DP              !< of the residual that needs no correction [-]
+  real(DP), parameter :: GOAL_OF_SKIN = 0.3_DP              !< of the residual that needs no correction [-]
   real(DP), parameter :: SKIN_ENOUGH = 0.1_DP            !< a direction that leaves more of its right-hand side is none [-]
 
   !> J: the exact tangent as an operator on the free unknowns.
@@ -127,6 +129,7 @@ contains
     if (allocated(error) .or. .not. system%is_condensed) return
     call stop_clock(system, clock, PHASE_FACTOR)
     system%skin_tolerance = merge(SKIN_FIRST, SKIN_LAST, system%contact%n_changed > 0)
+    if (system%n_halved > 1) system%skin_tolerance = min(system%skin_tolerance, SKIN_CAREFUL)
     floor = KRYLOV_SHARE * step%controls%r_n * system%largest_force
     if (system%is_skin) floor = 0.5_DP * skin_goal(system, step)
     call solve_direction(system, floor, du, trouble, error)
@@ -587,6 +590,25 @@ contains
     if (report%status == KRYLOV_CONVERGED .or. report%residual <= SKIN_ENOUGH) return
     trouble = TROUBLE_SOLVER
   end subroutine iterate_skin
+
+
+  !> v ~ inv(J) b with the factor at hand. Cost: one solution; by the skin the iterations of one digit.
+  subroutine solve_roughly(system, b, v)
+    type(system_type), intent(inout), target :: system
+    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
+    real(DP), intent(out) :: v(:)                  !< (n_free) [length]
+    type(preconditioner_type) :: preconditioner
+    type(error_type), allocatable :: error         ! no memory: the guess is what there is
+    integer :: trouble
+    preconditioner%system => system
+    v = 0.0_DP
+    if (system%is_skin) then
+      system%skin_tolerance = SKIN_ROUGH
+      call iterate_skin(system, 0.0_DP, b, v, trouble, error)
+    else
+      call preconditioner%apply(b, v)
+    end if
+  end subroutine solve_roughly
 
 
   !> Whether a direction solves its equations as well as numbers can: what it leaves is rounding of the products of the stiffness

@@ -14,10 +14,9 @@ module amontons_line_search
   use amontons_steps, only: step_type, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
   use amontons_state, only: state_type, slave_type, STATUS_OPEN
   use amontons_slip, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip, NODE_SLIP, NODE_BALANCED
+  use amontons_direction, only: solve_roughly
   use amontons_travel, only: farthest_travel
   use amontons_sparse, only: multiply, multiply_transpose
-  use amontons_condensed, only: apply_condensed
-  use amontons_reduced, only: apply_reduced
   use amontons_system, only: system_type, place_type, place_of, evaluate, residual_pair, components_of, &
     sizes_of, TROUBLE_NONE
   implicit none
@@ -296,11 +295,7 @@ contains
     associate (whole => system%whole)
       allocate (b(whole%n_free), v(whole%n_free), flat(whole%n_unknowns))
       call multiply_transpose(whole%map, reshape(system%residual, [whole%n_unknowns]), b)
-      if (system%is_condensed) then
-        call apply_condensed(system%condensed, b, v)
-      else
-        call apply_reduced(system%reduced, b, v)
-      end if
+      call solve_roughly(system, b, v)
       call multiply(whole%map, v, flat)
     end associate
     length = length_of(system, reshape(flat, [3, size(flat) / 3]))

@@ -104,6 +104,7 @@ contains
     real(DP) :: largest
     logical :: is_kept, is_round
     is_round = .false.
+    system%n_halved = 0
     largest = 0.0_DP
     first = du
     best%du = du
@@ -191,6 +192,7 @@ contains
     real(DP) :: largest
     integer :: n
     there%is_settled = .false.
+    system%n_halved = 0
     largest = 0.0_DP
     allocate (correction, mold=there%du)
     state%new%slaves = there%slaves
@@ -280,6 +282,7 @@ contains
       least = min(least, system%merit)
       if (LESS * system%merit <= before) exit
     end do
+    if (chosen < 1.0_DP) system%n_halved = system%n_halved + 1
     if (chosen < length .or. chosen > length) then
       state%new%slaves = slaves
       call foresee(system, model, start, du + chosen * correction, state)

@@ -98,6 +98,7 @@ module amontons_system
     integer :: n_before = 0                        !< the same when the direction was wanted
     integer :: n_krylov = 0
     integer :: n_rounds = 0                        !< corrections of directions while contact settled
+    integer :: n_halved = 0                        !< corrections that were halved while contact settled along a direction
     integer :: n_unstable = 0                      !< factorisations of the bulk in this attempt that found it not stable
     integer :: n_shifted = 0                       !< factorisations that needed a shift
     integer :: n_whole = 0                         !< directions that needed UMFPACK
