@@ -117,6 +117,7 @@ $(B)/%.o: src/%.c
 	$(Q)$(CC) $(CFLAGS) $(INCLUDES) -Isrc -c $< -o $@
 
 $(B)/suitesparse_shim.o $(B)/supernodes_shim.o: src/supernodes_shim.h
+$(B)/supernodes_shim.o: src/supernodes_solve.h
 
 $(B)/dense.o $(B)/sprung.o: src/dense.inc
 

@@ -48,6 +48,10 @@ module amontons_direction
   integer, parameter :: MOST_OLD = 8                     !< Krylov iterations after which an old factor of the bulk is given up
   integer, parameter :: MOST_UNSTABLE = 3                !< such factorisations after which an attempt goes on without the interface
   integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
+  real(DP), parameter :: DENSE_WORK = 9.0e-12_DP         !< a round on the dense interface, over the cube of its unknowns [s]
+  real(DP), parameter :: SKIN_ITERATIONS = 12.0_DP       !< a round by the skin [-]
+  real(DP), parameter :: PRODUCT_WORK = 5.0e-7_DP        !< products of an iteration, over the unknowns [s]
+  real(DP), parameter :: ENTRY_WORK = 2.5e-8_DP          !< its triangular solutions, over the unknowns to the power 4/3 [s]
   integer, parameter :: SKIN_MOST = 150                  !< Krylov iterations of one direction by the skin
   integer, parameter :: SKIN_RESTART = 50                !< its vectors: two an iteration
   integer, parameter :: SKIN_OLD = 25                    !< Krylov iterations after which an old bulk solver of it is given up
@@ -293,20 +297,20 @@ contains
   end subroutine factorise_condensed
 
 
-  !> Whether the contact subproblem is solved by the skin: where the dense interface is reckoned to be dearer.
-  logical function takes_skin(system, step)
+  !> Whether the contact subproblem is solved by the skin: where a round on the dense interface is reckoned to take longer. Its
+  !! factor takes n_c^3 operations, a round by the skin some iterations with products and two triangular solutions each.
+  pure logical function takes_skin(system, step)
     type(system_type), intent(in) :: system
     type(step_type), intent(in) :: step
+    real(DP) :: n, n_c
     takes_skin = step%interface == INTERFACE_SKIN
-    block
-      character(8) :: v
-      integer :: st
-      call get_environment_variable('SKIN', v, status=st)
-      if (st == 0) takes_skin = .true.
-      if (st == 0) return
-    end block
     if (step%interface /= INTERFACE_AUTO) return
-    takes_skin = system%reduced%is_iterative .or. count(system%is_contact) > MOST_INTERFACE
+    takes_skin = system%reduced%is_iterative
+    if (takes_skin .or. .not. allocated(system%is_contact)) return
+    n = real(system%base%n_free, DP)
+    n_c = real(count(system%is_contact), DP)
+    takes_skin = n_c > MOST_INTERFACE .or. &
+      DENSE_WORK * n_c**3 > SKIN_ITERATIONS * (PRODUCT_WORK * n + ENTRY_WORK * n**(4.0_DP / 3.0_DP))
   end function takes_skin
 
 
@@ -375,6 +379,7 @@ contains
     if (allocated(error)) return
     system%skin%robin%asked = step%solver
     system%skin%robin%is_repeated = .true.
+    system%skin%robin%is_rounded = .true.
     call factorise_reduced(system%skin%robin, sum_of(system%assembly%stiffness, 1.0_DP, springs), .true., system%base, model%mesh, &
       status, error)
     if (allocated(error)) return

@@ -13,7 +13,7 @@ module amontons_factor
   implicit none
   private
   public :: factor_type, lu_type
-  public :: analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, set_blas_threads, choose_blas_kernels
+  public :: analyse, factorise, round_factor, solve, estimate_memory, lu_factorise, lu_solve, set_blas_threads, choose_blas_kernels
   public :: elimination_order, trailing_block, solve_forward, solve_backward
   public :: FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
 
@@ -94,6 +94,11 @@ module amontons_factor
       real(c_double), intent(out) :: ratio
       integer(c_int) :: status
     end function cholesky_factorise
+
+    subroutine cholesky_round(handle) bind(C, name='amontons_cholesky_round')
+      import :: c_ptr
+      type(c_ptr), value :: handle
+    end subroutine cholesky_round
 
     function cholesky_solve(handle, n_columns, b, x) bind(C, name='amontons_cholesky_solve') result(status)
       import :: c_ptr, c_int, c_double
@@ -247,6 +252,14 @@ contains
     if (factor%n_unknowns > 0) status = cholesky_solve(factor%handle, 1, b, x)
     if (status /= 0) x = 0   ! cannot be: the workspace was taken by the analysis
   end subroutine solve_one
+
+
+  !> Rounds a factor to single precision: half its memory and half the time of a solution, for a preconditioner. Its halves
+  !! (solve_forward, solve_backward) and its trailing block are not there any more.
+  subroutine round_factor(factor)
+    type(factor_type), intent(inout) :: factor         !< ready
+    if (factor%n_unknowns > 0) call cholesky_round(factor%handle)
+  end subroutine round_factor
 
 
   !> X = A^-1 B, all columns at once where memory allows.

@@ -12,7 +12,7 @@ module amontons_reduced
   use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
     is_same_pattern
-  use amontons_factor, only: factor_type, analyse, factorise, solve, estimate_memory, FACTOR_OK
+  use amontons_factor, only: factor_type, analyse, factorise, round_factor, solve, estimate_memory, FACTOR_OK
   use amontons_partition, only: partition_mesh, order_unknowns, order_by_node, order_of_nodes, separator_of
   use amontons_iterative, only: iterative_type, prepare_parts, prepare_iterative, apply_iterative, parts_for, &
     iterative_megabytes
@@ -45,6 +45,7 @@ module amontons_reduced
     logical :: is_iterative = .false.              !< the second
     integer :: asked = SOLVER_AUTO                 !< SOLVER_... of the step
     integer :: most_iterations = MOST_ITERATIONS   !< after which iterating is given up
+    logical :: is_rounded = .false.                !< the factor is kept in single precision: it is a preconditioner only
     logical :: is_given_up = .false.               !< iterating was tried and did not arrive
     logical :: is_repeated = .false.               !< a factor will serve many times
     logical :: is_current = .false.                !< the factor is that of the present K and C
@@ -119,6 +120,8 @@ contains
     self%n_made = 1
     self%is_current = status == FACTOR_OK
     if (.not. self%is_current) call factorise_shifted(self, status, error)
+    if (allocated(error) .or. status /= FACTOR_OK) return
+    if (self%is_rounded) call round_factor(self%factor)
   end subroutine factorise_reduced
 
 

@@ -32,6 +32,10 @@ extern void dtrsv_(const char *, const char *, const char *, const int *, const 
 extern void dgemv_(const char *, const int *, const int *, const double *, const double *, const int *, const double *,
                    const int *, const double *, double *, const int *);
 
+extern void strsv_(const char *, const char *, const char *, const int *, const float *, const int *, float *, const int *);
+extern void sgemv_(const char *, const int *, const int *, const float *, const float *, const int *, const float *,
+                   const int *, const float *, float *, const int *);
+
 static const double ONE = 1, MINUS = -1, ZERO = 0;
 static const int STEP = 1;
 
@@ -397,118 +401,23 @@ int amontons_plan_factorise(const supernode_plan *plan, const cholmod_sparse *a,
 
 /* --- solves -------------------------------------------------------------------------------------------------------- */
 
-/* x = inv(L_ss) x for one supernode, and what that gives to the rows below: to x within the subtree, to `above` beyond. */
-static void forward_alone(const cholmod_factor *l, int s, int end, double *x, double *above, double *product)
-{
-  node up = node_of(l, s);
-  int below = up.rows - up.columns;
-  const int *row = up.row + up.columns;
-  dtrsv_("L", "N", "N", &up.columns, up.x, &up.rows, x + up.column, &STEP);
-  if (below == 0) return;
-  dgemv_("N", &below, &up.columns, &ONE, up.x + up.columns, &up.rows, x + up.column, &STEP, &ZERO, product, &STEP);
-  int k = 0;
-  for (; k < below && row[k] < end; k++) x[row[k]] -= product[k];
-  for (; k < below; k++) above[row[k]] -= product[k];
-}
-
-static void backward_alone(const cholmod_factor *l, int s, double *x, double *gathered)
-{
-  node up = node_of(l, s);
-  int below = up.rows - up.columns;
-  const int *row = up.row + up.columns;
-  for (int k = 0; k < below; k++) gathered[k] = x[row[k]];
-  if (below > 0)
-    dgemv_("T", &below, &up.columns, &MINUS, up.x + up.columns, &up.rows, gathered, &STEP, &ONE, x + up.column, &STEP);
-  dtrsv_("L", "T", "N", &up.columns, up.x, &up.rows, x + up.column, &STEP);
-}
-
-/* The same by all threads of a team. */
-static void forward_together(const cholmod_factor *l, int s, double *x, double *product, int id, int team)
-{
-  node up = node_of(l, s);
-  for (int c = 0; c < up.columns; c += SLICE) {
-    int width = up.columns - c < SLICE ? up.columns - c : SLICE, end = c + width;
-    double *panel = up.x + (size_t)c * (size_t)up.rows;
-    if (id == 0) dtrsv_("L", "N", "N", &width, panel + c, &up.rows, x + up.column + c, &STEP);
-#pragma omp barrier
-    int from = cut_at(end, up.rows, id, team), rows = cut_at(end, up.rows, id + 1, team) - from;
-    if (rows > 0) {
-      dgemv_("N", &rows, &width, &ONE, panel + from, &up.rows, x + up.column + c, &STEP, &ZERO, product, &STEP);
-      for (int k = 0; k < rows; k++) x[up.row[from + k]] -= product[k];
-    }
-#pragma omp barrier
-  }
-}
-
-static void backward_together(const cholmod_factor *l, int s, double *x, double *gathered, int id, int team)
-{
-  node up = node_of(l, s);
-  for (int c = (up.columns - 1) / SLICE * SLICE; c >= 0; c -= SLICE) {
-    int width = up.columns - c < SLICE ? up.columns - c : SLICE, end = c + width, below = up.rows - end;
-    double *panel = up.x + (size_t)c * (size_t)up.rows;
-    int from = cut_at(0, width, id, team), columns = cut_at(0, width, id + 1, team) - from;
-    if (below > 0 && columns > 0) {
-      for (int k = 0; k < below; k++) gathered[k] = x[up.row[end + k]];
-      dgemv_("T", &below, &columns, &MINUS, panel + (size_t)from * (size_t)up.rows + end, &up.rows, gathered, &STEP, &ONE,
-             x + up.column + c + from, &STEP);
-    }
-#pragma omp barrier
-    if (id == 0) dtrsv_("L", "T", "N", &width, panel + c, &up.rows, x + up.column + c, &STEP);
-#pragma omp barrier
-  }
-}
-
 /* Applies `what` to each column of the supernodes above the parts. */
 #define EACH_ABOVE(c)                                                               \
   for (int k_ = plan->start[plan->n_parts]; k_ < plan->n_supernodes; k_++)          \
     for (int c = node_of(l, plan->members[k_]).column, end_ = c + node_of(l, plan->members[k_]).columns; c < end_; c++)
 
-/* x = inv(L) x in the order of elimination. Returns 0 without memory. */
-int amontons_plan_forward(const supernode_plan *plan, const cholmod_factor *l, double *x)
-{
-  int n_parts = plan->n_parts, is_poor = 0;
-  size_t room = plan->n_above > 0 ? l->n : 1;
-  double *above = malloc((size_t)n_parts * room * sizeof(double));
-  if (!above) return 0;
-#pragma omp parallel num_threads(n_parts)
-  {
-    int id, team;
-    double *product = malloc(((size_t)plan->most_rows + 1) * sizeof(double));
-    join_team(product != NULL, &id, &team, &is_poor);
-    for (int p = id; p < n_parts && !is_poor; p += team) {
-      double *mine = above + (size_t)p * room;
-      EACH_ABOVE(c) mine[c] = 0;
-      for (int k = plan->start[p]; k < plan->start[p + 1]; k++)
-        forward_alone(l, plan->members[k], plan->end[plan->members[k]], x, mine, product);
-    }
-#pragma omp barrier
-#pragma omp master
-    if (!is_poor)
-      EACH_ABOVE(c)
-        for (int p = 0; p < n_parts; p++) x[c] += above[(size_t)p * room + (size_t)c];
-#pragma omp barrier
-    for (int k = plan->start[n_parts]; k < plan->n_supernodes && !is_poor; k++)
-      forward_together(l, plan->members[k], x, product, id, team);
-    free(product);
-  }
-  free(above);
-  return !is_poor;
-}
+#define REAL double
+#define KIND(name) name
+#define TRSV dtrsv_
+#define GEMV dgemv_
+#include "supernodes_solve.h"
+#undef REAL
+#undef KIND
+#undef TRSV
+#undef GEMV
 
-/* x = inv(L') x in the order of elimination. Returns 0 without memory. */
-int amontons_plan_backward(const supernode_plan *plan, const cholmod_factor *l, double *x)
-{
-  int n_parts = plan->n_parts, is_poor = 0;
-#pragma omp parallel num_threads(n_parts)
-  {
-    int id, team;
-    double *gathered = malloc(((size_t)plan->most_rows + 1) * sizeof(double));
-    join_team(gathered != NULL, &id, &team, &is_poor);
-    for (int k = plan->n_supernodes - 1; k >= plan->start[n_parts] && !is_poor; k--)
-      backward_together(l, plan->members[k], x, gathered, id, team);
-    for (int p = id; p < n_parts && !is_poor; p += team)
-      for (int k = plan->start[p + 1] - 1; k >= plan->start[p]; k--) backward_alone(l, plan->members[k], x, gathered);
-    free(gathered);
-  }
-  return !is_poor;
-}
+#define REAL float
+#define KIND(name) name##_single
+#define TRSV strsv_
+#define GEMV sgemv_
+#include "supernodes_solve.h"

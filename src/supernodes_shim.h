@@ -12,5 +12,7 @@ int amontons_plan_parts(const supernode_plan *plan);
 int amontons_plan_factorise(const supernode_plan *plan, const cholmod_sparse *a, cholmod_factor *l);
 int amontons_plan_forward(const supernode_plan *plan, const cholmod_factor *l, double *x);
 int amontons_plan_backward(const supernode_plan *plan, const cholmod_factor *l, double *x);
+int amontons_plan_forward_single(const supernode_plan *plan, const cholmod_factor *l, float *x);
+int amontons_plan_backward_single(const supernode_plan *plan, const cholmod_factor *l, float *x);
 
 #endif
