@@ -19,7 +19,7 @@ module amontons_direction
   use amontons_factor, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
   use amontons_reduced, only: factorise_reduced, apply_reduced, give_up_iterative
   use amontons_sprung, only: springs_type
-  use amontons_skin, only: cut_skin, renew_skin, apply_bulk, correct_skin
+  use amontons_skin, only: cut_skin, renew_skin, apply_bulk, correct_skin, subtract_contact
   use amontons_free_motions, only: find_motions, is_singular_along
   use amontons_robin, only: find_near, robin_springs, skin_rows
   use amontons_condensed, only: is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
@@ -182,7 +182,7 @@ contains
       if (allocated(error)) return
       if (state%new%damping(DAMPING_NOW) > 0.0_DP) call stiffen(system%share, state, system%assembly%stiffness)
       system%is_assembled = system%is_constant .or. step%direction == DIRECTION_LAGGED
-      system%is_bulk_new = system%is_constant .and. system%condensed%is_ready
+      system%is_bulk_new = system%is_constant .and. (system%condensed%is_ready .or. system%skin%is_ready)
       call add_carry(system)
       if (step%is_nlgeom .and. n_bonds(model) > 0) call add_curvatures(system%base, system%assembly, model, state%new)
     end if
@@ -305,7 +305,7 @@ contains
     real(DP) :: n, n_c
     takes_skin = step%interface == INTERFACE_SKIN
     if (step%interface /= INTERFACE_AUTO) return
-    takes_skin = system%reduced%is_iterative
+    takes_skin = system%reduced%is_iterative .or. system%skin%is_ready   ! one that is there goes on serving
     if (takes_skin .or. .not. allocated(system%is_contact)) return
     n = real(system%base%n_free, DP)
     n_c = real(count(system%is_contact), DP)
@@ -690,6 +690,10 @@ contains
     allocate (d_imbalance(3, size(flat) / 3), d_force(3, size(flat) / 3))
     du = reshape(flat, [3, size(flat) / 3])
     call condense_forces(system%base, reshape(-w, shape(du)), d_imbalance)
+    if (system%is_skin) then
+      call subtract_contact(system%skin, flat, reshape(d_imbalance, shape(w)), w)
+      return
+    end if
     call apply_contact_tangent(system%links, system%contact%passing, du, d_imbalance, d_force)
     w = w - reshape(d_force, shape(w))
   end subroutine change_forces

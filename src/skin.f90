@@ -18,7 +18,7 @@ module amontons_skin
   use amontons_tiles, only: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
   implicit none
   private
-  public :: skin_type, cut_skin, renew_skin, apply_bulk, correct_skin
+  public :: skin_type, cut_skin, renew_skin, apply_bulk, correct_skin, subtract_contact
 
   integer, parameter :: SLAVES_A_TILE = 64         !< at most
 
@@ -35,6 +35,8 @@ module amontons_skin
     type(sparse_type), private :: directions       !< D' (n_dependent x n_unknowns) [-]
     integer, allocatable, private :: bulk_of(:)    !< (n_unknowns) number in K_rho; 0: not in it
     integer, private :: n_bulk = 0
+    type(sparse_type), private :: by_imbalance     !< D_R (n_unknowns x n_unknowns) [-]
+    type(sparse_type), private :: by_displacement  !< D_u (n_unknowns x n_unknowns) [force/length]
     type(tangent_parts_type), private :: parts
     type(tile_type), allocatable, private :: tiles(:)
   end type skin_type
@@ -74,6 +76,8 @@ contains
     do i = 1, whole%n_unknowns
       if (whole%free_of(i) > 0) self%unknown_of(whole%free_of(i)) = i
     end do
+    self%by_imbalance = by_imbalance
+    self%by_displacement = by_displacement
     self%bulk_of = base%free_of
     self%n_bulk = base%n_free
     call relate_rows(self, base, whole, error)
@@ -327,5 +331,20 @@ contains
     call correct_tiles(self%tiles, d(self%free_of), correction)
     x(self%free_of) = x(self%free_of) + correction
   end subroutine correct_skin
+
+
+  !> w = w - dF_c, the change of the contact forces, dF_c = D_R dRhat + D_u du.
+  subroutine subtract_contact(self, du, d_imbalance, w)
+    type(skin_type), intent(in) :: self
+    real(DP), intent(in) :: du(:)                  !< (n_unknowns) [length]
+    real(DP), intent(in) :: d_imbalance(:)         !< (n_unknowns) dRhat, condensed [force]
+    real(DP), intent(inout) :: w(:)                !< (n_unknowns) [force]
+    real(DP), allocatable :: d_force(:)
+    allocate (d_force(size(w)))
+    call multiply(self%by_imbalance, d_imbalance, d_force)
+    w = w - d_force
+    call multiply(self%by_displacement, du, d_force)
+    w = w - d_force
+  end subroutine subtract_contact
 
 end module amontons_skin

@@ -429,6 +429,7 @@ contains
     if (size(state%new%slaves) == 0) return
     if (system%n_unstable > 0) system%is_dense_wanted = .true.   ! an attempt knows nothing of those before it
     system%n_unstable = 0
+    if (may_keep_skin(system, step, is_step_start)) return
     is_kept = all(model%materials%is_plain) .and. .not. allocated(model%mesh%spring) .and. system%base%n_rows == 0 .and. &
       (.not. step%is_nlgeom .or. size(step%distributed) == 0) .and. .not. is_damped(step)
     if (is_kept .and. is_step_start) is_kept = is_same_bulk(system) .and. .not. (allocated(step%is_absent) .or. &
@@ -446,6 +447,17 @@ contains
     system%is_dense_wanted = .true.
     call move_alloc(is_contact, system%is_contact)
   end subroutine drop_bulk
+
+
+  !> Whether the bulk solver of the skin goes on serving: the same unknowns are held. It is a preconditioner, and given up where it
+  !! takes too many iterations, so that it need not be that of the present bulk.
+  pure logical function may_keep_skin(system, step, is_step_start) result(is_kept)
+    type(system_type), intent(in) :: system
+    type(step_type), intent(in) :: step
+    logical, intent(in) :: is_step_start
+    is_kept = system%skin%is_ready .and. is_same_bulk(system)
+    if (is_kept .and. is_step_start) is_kept = .not. (allocated(step%is_absent) .or. allocated(step%material))
+  end function may_keep_skin
 
 
   !> Whether the bulk of a new step is that of the last one: the same unknowns are held, and NLGEOM is as it was.
