@@ -54,7 +54,7 @@ module amontons_direction
   real(DP), parameter :: ENTRY_WORK = 2.5e-8_DP          !< its triangular solutions, over the unknowns to the power 4/3 [s]
   integer, parameter :: SKIN_MOST = 150                  !< Krylov iterations of one direction by the skin
   integer, parameter :: SKIN_RESTART = 50                !< its vectors: two an iteration
-  integer, parameter :: SKIN_OLD = 25                    !< Krylov iterations after which an old bulk solver of it is given up
+  integer, parameter :: SKIN_OLD = 25                    !< Krylov iterations of a slow round: after some the bulk solver is made anew
   real(DP), parameter :: SKIN_FIRST = 1.0e-2_DP          !< tolerance of a direction while statuses change [-]
   real(DP), parameter :: SKIN_CAREFUL = 1.0e-3_DP        !< the same where corrections had to be halved [-]
   real(DP), parameter :: SKIN_ROUGH = 0.1_DP             !< where the length of a correction is all that is wanted [-]
@@ -375,7 +375,7 @@ contains
     is_slave(fields%slaves%node) = .true.
     call cut_skin(system%skin, model%mesh%coordinates, pack([(i, i=1, size(is_slave))], is_slave), model%mesh%n_nodes)
     system%is_near = find_near(system%contact, fields)
-    call robin_springs(system%contact, fields, system%is_near, system%base%n_unknowns, springs, error)
+    call robin_springs(system%contact, fields, system%is_near, system%links, system%base%n_unknowns, springs, error)
     if (allocated(error)) return
     system%skin%robin%asked = step%solver
     system%skin%robin%is_repeated = .true.
@@ -591,7 +591,12 @@ contains
     call gmres(tangent, preconditioner, b, v, options, report, error)
     if (allocated(error)) return
     system%n_krylov = system%n_krylov + report%n_iterations
-    if (report%n_iterations > SKIN_OLD .and. .not. system%is_bulk_new) call forget_bulk(system)
+    if (report%n_iterations > SKIN_OLD) system%skin%n_slow = system%skin%n_slow + 1
+    if (system%skin%n_slow > system%skin%patience) then
+      call forget_bulk(system)
+      system%skin%n_slow = 0
+      system%skin%patience = 4 * system%skin%patience      ! one that helped for a while is made again later, if at all
+    end if
     if (report%status == KRYLOV_CONVERGED .or. report%residual <= SKIN_ENOUGH) return
     trouble = TROUBLE_SOLVER
   end subroutine iterate_skin

@@ -3,12 +3,13 @@
 !!
 !! Theory: doc/theory/solver.md, "The contact skin". A slave node near its master has springs between itself and the point of the
 !! master in front of it, in all directions that supports leave free: c along the normal, its own stiffness, and a part of it across.
+!! Under a compliant law the springs are those of the law, in the mean over the closed slaves of the pair.
 module amontons_robin
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_tensor, only: outer
   use amontons_sparse, only: sparse_type
-  use amontons_state, only: fields_type, STATUS_OPEN
+  use amontons_state, only: fields_type, STATUS_OPEN, STATUS_STICK
   use amontons_rows, only: contact_row_type
   use amontons_contact, only: contact_type, touching_row
   use amontons_contact_tangent, only: link_type
@@ -17,8 +18,9 @@ module amontons_robin
   private
   public :: find_near, robin_springs, skin_rows
 
-  real(DP), parameter :: ALONG = 1.0_DP            !< rho_n: spring along the normal over the node's own stiffness [-]
-  real(DP), parameter :: ACROSS = 0.1_DP           !< rho_t: the same across it [-]
+  real(DP), parameter :: SHEARED = 0.3_DP          !< of the stick slope of a compliant law [-]
+  real(DP), parameter :: STIFF_ALONG = 1.0_DP      !< rho_n: spring along the normal over the node's own stiffness [-]
+  real(DP), parameter :: STIFF_ACROSS = 0.1_DP     !< rho_t: the same across it [-]
   real(DP), parameter :: NEAR = 0.5_DP             !< an open node nearer than this times the edge has a spring [-]
 
 contains
@@ -39,16 +41,19 @@ contains
 
 
   !> The springs of the slaves that are near, as the upper triangle of a stiffness. Slaves at one node share its spring.
-  subroutine robin_springs(contact, fields, is_near, n_unknowns, springs, error)
+  subroutine robin_springs(contact, fields, is_near, closed, n_unknowns, springs, error)
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_near(:)              !< (n_slaves)
+    type(link_type), intent(in) :: closed(:)       !< of the closed slaves
     integer, intent(in) :: n_unknowns
     type(sparse_type), intent(out) :: springs      !< [force/length]
     type(error_type), allocatable, intent(out) :: error
     type(link_type), allocatable :: links(:)
     type(contact_row_type) :: row
+    real(DP) :: slope(2, size(contact%facets)), along, across
     integer :: n_at(n_unknowns / 3), s, n
+    call mean_slopes(contact, fields, closed, slope)
     n_at = 0
     do s = 1, size(is_near)
       if (is_near(s)) n_at(fields%slaves(s)%node) = n_at(fields%slaves(s)%node) + 1
@@ -64,12 +69,42 @@ contains
         link%n_weights = size(row%nodes)
         link%nodes = row%nodes
         link%weights = row%weights
-        link%spring = slave%stiffness / real(n_at(slave%node), DP) * (ACROSS * contact%free(:, :, s) + &
-          (ALONG - ACROSS) * outer(matmul(contact%free(:, :, s), slave%normal), matmul(contact%free(:, :, s), slave%normal)))
+        along = STIFF_ALONG * slave%stiffness / real(n_at(slave%node), DP)
+        across = STIFF_ACROSS * slave%stiffness / real(n_at(slave%node), DP)
+        if (slope(1, slave%pair) > 0.0_DP) along = slope(1, slave%pair) * slave%area
+        if (slope(2, slave%pair) > 0.0_DP) across = SHEARED * slope(2, slave%pair) * slave%area
+        link%spring = across * contact%free(:, :, s) + (along - across) * &
+          outer(matmul(contact%free(:, :, s), slave%normal), matmul(contact%free(:, :, s), slave%normal))
       end associate
     end do
     call contact_springs(links, n_unknowns, springs, error)
   end subroutine robin_springs
+
+
+  !> The mean slopes of compliant laws over the areas of their closed slaves: of the pressure, and of the shear where they stick.
+  pure subroutine mean_slopes(contact, fields, closed, slope)
+    type(contact_type), intent(in) :: contact
+    type(fields_type), intent(in) :: fields
+    type(link_type), intent(in) :: closed(:)
+    real(DP), intent(out) :: slope(2, size(contact%facets))   !< (2, n_pairs) 0: not known, or no compliant law [stress/length]
+    real(DP) :: area(2, size(contact%facets)), along
+    integer :: i, k
+    slope = 0.0_DP
+    area = 0.0_DP
+    do i = 1, size(closed)
+      if (.not. closed(i)%is_spring) cycle
+      associate (slave => fields%slaves(closed(i)%slave))
+        along = dot_product(slave%normal, matmul(closed(i)%spring, slave%normal))
+        slope(1, slave%pair) = slope(1, slave%pair) + along
+        area(1, slave%pair) = area(1, slave%pair) + slave%area
+        if (slave%status /= STATUS_STICK) cycle
+        slope(2, slave%pair) = slope(2, slave%pair) + &
+          0.5_DP * (sum([(closed(i)%spring(k, k), k=1, 3)]) - along)
+        area(2, slave%pair) = area(2, slave%pair) + slave%area
+      end associate
+    end do
+    where (area > 0.0_DP) slope = slope / area
+  end subroutine mean_slopes
 
 
   !> The nodes of the rows of closed slaves and of those that are near: the skin. The slave node comes first; no values.

@@ -28,6 +28,8 @@ module amontons_skin
     type(reduced_type) :: robin                    !< K_rho, and P
     integer, allocatable :: tile_of_node(:)        !< (n_nodes) of slave nodes, where P was made; 0: no slave node
     integer :: n_tiles = 0
+    integer :: n_slow = 0                          !< rounds that took many iterations since P was made
+    integer :: patience = 2                        !< so many of them are borne
     integer, allocatable, private :: unknown_of(:) !< (n_free) unknown of each free one
     integer, allocatable, private :: free_of(:)    !< (free unknowns of the skin) number among all free ones
     integer, allocatable, private :: skin_of_free(:)   !< (the same) unknown of the skin
