@@ -13,6 +13,7 @@ module amontons_direction
   use amontons_model, only: model_type, n_bonds
   use amontons_steps, only: step_type, SEARCH_AUTO, DIRECTION_SYMMETRIC, DIRECTION_LAGGED, INTERFACE_AUTO, INTERFACE_SKIN
   use amontons_history, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
+  use amontons_surfaces, only: is_compliant
   use amontons_state, only: state_type, fields_type, DAMPING_NOW
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, product_of, transpose_of, &
     full_of, sum_of
@@ -50,6 +51,7 @@ module amontons_direction
   integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
   real(DP), parameter :: DENSE_WORK = 9.0e-12_DP         !< a round on the dense interface, over the cube of its unknowns [s]
   real(DP), parameter :: SKIN_ITERATIONS = 12.0_DP       !< a round by the skin [-]
+  real(DP), parameter :: SPRUNG_ITERATIONS = 30.0_DP     !< the same where all laws are compliant [-]
   real(DP), parameter :: PRODUCT_WORK = 5.0e-7_DP        !< products of an iteration, over the unknowns [s]
   real(DP), parameter :: ENTRY_WORK = 2.5e-8_DP          !< its triangular solutions, over the unknowns to the power 4/3 [s]
   integer, parameter :: SKIN_MOST = 150                  !< Krylov iterations of one direction by the skin
@@ -302,15 +304,16 @@ contains
   pure logical function takes_skin(system, step)
     type(system_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    real(DP) :: n, n_c
+    real(DP) :: n, n_c, iterations
     takes_skin = step%interface == INTERFACE_SKIN
     if (step%interface /= INTERFACE_AUTO) return
     takes_skin = system%reduced%is_iterative .or. system%skin%is_ready   ! one that is there goes on serving
     if (takes_skin .or. .not. allocated(system%is_contact)) return
     n = real(system%base%n_free, DP)
     n_c = real(count(system%is_contact), DP)
+    iterations = merge(SPRUNG_ITERATIONS, SKIN_ITERATIONS, all(is_compliant(system%contact%laws)))
     takes_skin = n_c > MOST_INTERFACE .or. &
-      DENSE_WORK * n_c**3 > SKIN_ITERATIONS * (PRODUCT_WORK * n + ENTRY_WORK * n**(4.0_DP / 3.0_DP))
+      DENSE_WORK * n_c**3 > iterations * (PRODUCT_WORK * n + ENTRY_WORK * n**(4.0_DP / 3.0_DP))
   end function takes_skin
 
 
@@ -732,7 +735,8 @@ contains
   end subroutine apply_preconditioner
 
 
-  !> y ~ inv(J) x by the bulk solver and then by the tiles.
+  !> y ~ inv(J) x by the bulk solver and then by the tiles. Where all contact is by springs the bulk solver has them, and tiles, which
+  !! these springs couple, would only disturb.
   subroutine apply_skin(system, x, y)
     type(system_type), intent(inout), target :: system
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
@@ -742,6 +746,7 @@ contains
     tangent%system => system
     allocate (rest(size(x)))
     call apply_bulk(system%skin, x, y)
+    if (all(system%links%is_spring) .and. size(system%links) > 0) return
     call tangent%apply(y, rest)
     call correct_skin(system%skin, x - rest, y)
   end subroutine apply_skin

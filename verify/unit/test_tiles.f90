@@ -1,0 +1,171 @@
+!> Tests of tiles and free motions: even tiles that cover all points once, corrections against LAPACK, the same bits for any number of
+!! threads; a free body, one that slides, one that is held, and an unsymmetric tangent.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_tiles
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_sparse, only: sparse_type, from_triplets, transpose_of
+  use amontons_dense, only: solve_small
+  use amontons_tiles, only: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
+  use amontons_constraints, only: constraints_type, start_constraints, fix_unknown, finish_constraints
+  use amontons_free_motions, only: free_motions_type, find_motions, is_singular_along
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  integer :: k
+  call random_seed(put=[(17 * k, k=1, 64)])
+  call test_cuts()
+  call test_corrections()
+  call test_motions(.false., 0, 6)
+  call test_motions(.true., 1, 5)
+  call test_motions(.true., 3, 3)
+  call suite%finish()
+
+contains
+
+  !> Every point has a tile, none is too large, and halves of a grid are halves.
+  subroutine test_cuts()
+    real(DP) :: place(3, 640)
+    integer :: tile(640), n_tiles, i, members
+    place = reshape([(real(mod(i, 32), DP), real(i / 32, DP), 0.0_DP, i=0, 639)], [3, 640])
+    call cut_tiles(place, 64, tile, n_tiles)
+    call suite%that('every point lies in a tile', &
+      minval(tile) == 1 .and. maxval(tile) == n_tiles)
+    do i = 1, n_tiles
+      members = count(tile == i)
+      call suite%that('a tile is neither empty nor too large', &
+      members > 0 .and. members <= 64)
+    end do
+    call suite%that('halves of halves: 640 points in 16 tiles of 40', &
+      n_tiles == 16)
+    call cut_tiles(place(:, :0), 64, tile(:0), n_tiles)
+    call suite%that('no point, no tile', &
+      n_tiles == 0)
+  end subroutine test_cuts
+
+
+  !> x_F = inv(T_F' ((1 + D_R) K - D_u) T_F) r_F with all matrices full of numbers.
+  subroutine test_corrections()
+    integer, parameter :: N = 24, M = 20
+    type(tangent_parts_type) :: parts
+    type(tile_type) :: tiles(2)
+    type(error_type), allocatable :: error
+    type(sparse_type) :: relation, stiffness, d_r, d_u
+    real(DP) :: t(N, M), k(N, N), r_(N, N), u(N, N), j(M, M), r(M), x(M), wanted(M), part(M / 2)
+    integer :: i, status
+    call random_number(t)
+    call random_number(k)
+    call random_number(r_)
+    call random_number(u)
+    t = 0.1_DP * t
+    do i = 1, M
+      t(i, i) = 1.0_DP
+    end do
+    k = k + transpose(k)
+    do i = 1, N
+      k(i, i) = k(i, i) + 40.0_DP
+    end do
+    r_ = 0.02_DP * r_
+    relation = sparse_of(t)
+    stiffness = sparse_of(k)
+    d_r = sparse_of(r_)
+    d_u = sparse_of(u)
+    parts%relation = relation
+    parts%relation_t = transpose_of(relation)
+    parts%stiffness = stiffness
+    parts%by_imbalance_t = transpose_of(d_r)
+    parts%by_displacement_t = transpose_of(d_u)
+    tiles(1)%member = [(i, i=1, M, 2)]
+    tiles(2)%member = [(i, i=2, M, 2)]
+    call factorise_tiles(parts, tiles, error)
+    call suite%that('there is memory for two tiles', &
+      .not. allocated(error))
+    call random_number(r)
+    x = 1.0_DP
+    call correct_tiles(tiles, r, x)
+    j = matmul(transpose(t), matmul(k + matmul(r_, k) - u, t))
+    do i = 1, 2
+      associate (f => tiles(i)%member)
+        call solve_small(j(f, f), r(f), part, status)
+        wanted(f) = part
+      end associate
+    end do
+    call suite%that('corrections are those of the tangent on each tile, to single precision', &
+      maxval(abs(x - 1.0_DP - wanted)) < 1.0e-5_DP * maxval(abs(wanted)))
+  end subroutine test_corrections
+
+
+  !> A full matrix as a sparse one.
+  function sparse_of(full) result(matrix)
+    real(DP), intent(in) :: full(:, :)
+    type(sparse_type) :: matrix
+    type(error_type), allocatable :: error
+    integer :: i, j
+    call from_triplets(size(full, 1), size(full, 2), [((i, j=1, size(full, 2)), i=1, size(full, 1))], &
+      [((j, j=1, size(full, 2)), i=1, size(full, 1))], [((full(i, j), j=1, size(full, 2)), i=1, size(full, 1))], matrix, error)
+  end function sparse_of
+
+
+  !> A tetrahedron of six springs: so many of its rigid motions are left when unknowns of its first node are held.
+  subroutine test_motions(is_held, n_held, n_wanted)
+    logical, intent(in) :: is_held
+    integer, intent(in) :: n_held, n_wanted
+    real(DP), parameter :: PLACE(3, 4) = reshape([0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, &
+      0.0_DP, 0.0_DP, 1.0_DP], [3, 4])
+    type(constraints_type) :: base
+    type(free_motions_type) :: motions
+    type(sparse_type) :: upper
+    real(DP) :: k(12, 12), d(3), images(12, 12), scales(12, 12)
+    integer :: a, b, i, j, n
+    k = 0.0_DP
+    do a = 1, 3
+      do b = a + 1, 4
+        d = (PLACE(:, b) - PLACE(:, a)) / norm2(PLACE(:, b) - PLACE(:, a))
+        do i = 1, 3
+          do j = 1, 3
+            k(3 * a - 3 + i, 3 * a - 3 + j) = k(3 * a - 3 + i, 3 * a - 3 + j) + d(i) * d(j)
+            k(3 * b - 3 + i, 3 * b - 3 + j) = k(3 * b - 3 + i, 3 * b - 3 + j) + d(i) * d(j)
+            k(3 * a - 3 + i, 3 * b - 3 + j) = k(3 * a - 3 + i, 3 * b - 3 + j) - d(i) * d(j)
+            k(3 * b - 3 + i, 3 * a - 3 + j) = k(3 * b - 3 + i, 3 * a - 3 + j) - d(i) * d(j)
+          end do
+        end do
+      end do
+    end do
+    upper = upper_of(k)
+    call start_constraints(base, 12)
+    if (is_held) then
+      do i = 1, n_held
+        call fix_unknown(base, i, 0.0_DP)
+      end do
+    end if
+    call finish_constraints(base)
+    call find_motions(upper, base, PLACE, [(.false., i=1, 4)], motions)
+    n = motions%n
+    call suite%that('the rigid motions that supports leave are kept', &
+      n >= n_wanted)
+    images(:, :n) = matmul(k, motions%value)
+    do i = 1, 12
+      if (base%owner(i) /= 0) images(i, :n) = 0.0_DP
+      scales(i, :n) = k(i, i) * motions%value(i, :)
+    end do
+    call suite%that('a body with a free motion is free', &
+      is_singular_along(images(:, :n), scales(:, :n)))
+    do i = 1, 12
+      images(i, :n) = images(i, :n) + 1.0e-4_DP * motions%value(i, :)
+    end do
+    call suite%that('a weak spring at each node holds it', &
+      .not. is_singular_along(images(:, :n), scales(:, :n)))
+  end subroutine test_motions
+
+
+  !> The upper triangle of a symmetric matrix.
+  function upper_of(full) result(matrix)
+    real(DP), intent(in) :: full(:, :)
+    type(sparse_type) :: matrix
+    type(error_type), allocatable :: error
+    integer :: i, j
+    call from_triplets(size(full, 1), size(full, 2), [((i, j=i, size(full, 2)), i=1, size(full, 1))], &
+      [((j, j=i, size(full, 2)), i=1, size(full, 1))], [((full(i, j), j=i, size(full, 2)), i=1, size(full, 1))], matrix, error)
+  end function upper_of
+
+end program test_tiles
