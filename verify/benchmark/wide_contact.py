@@ -59,6 +59,7 @@ class Model:
     by_displacement: bool = False
     is_block: bool = False
     increments: int = 10
+    dome: float = DOME  #: [1/length]
 
 
 @dataclass
@@ -86,7 +87,7 @@ def plates(model: Model) -> Mesh:
     lower = block(wide, wide, np.linspace(-high, 0.0, layers + 1), "LOWER")
     upper = block(line, line, np.linspace(0.0, high, layers + 1), "UPPER")
     x, y, z = upper.nodes.T
-    upper.nodes[:, 2] = z + DOME * (x**2 + y**2) * (1.0 - z / high)
+    upper.nodes[:, 2] = z + model.dome * (x**2 + y**2) * (1.0 - z / high)
     upper.select("SIDE", lambda p: np.abs(p[:, 0] + 0.5) < 1e-9)
     mesh = join([lower, upper])
     mesh.element_sets["ALL"] = np.arange(len(mesh.elements))

@@ -1,0 +1,47 @@
+"""The same answer on the dense interface and by the contact skin: two plates, pressed and dragged, under all laws and formulations.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Run
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
+
+from proof import Job  # noqa: E402
+from wide_contact import Model, deck_of  # noqa: E402
+
+MODELS = {
+    "hard": Model(8, increments=4, dome=0.0),
+    "hard, surface to surface": Model(8, kind="surface", increments=4, dome=0.0),
+    "hard, NLGEOM": Model(8, is_nlgeom=True, increments=4, dome=0.0),
+    "hard, thick": Model(6, thickness=0.5, mu=0.8, increments=4, dome=0.0),
+    "hard, domed without friction": Model(8, mu=0.0, increments=4),
+    "surface to surface, domed without friction": Model(8, kind="surface", mu=0.0, increments=4),
+    "linear": Model(8, law="linear", increments=4),
+}
+
+
+@pytest.mark.parametrize("name", list(MODELS))
+def test_both_ways(run: Run, tmp_path: Path, name: str) -> None:
+    """The statuses are the same and no attempt fails; fields agree to 1e-6 of the largest, Newton's tolerance. Plates with friction
+    under exact contact touch from the start: where a node lands within an increment the origin of its slip depends on the rounds."""
+    jobs = []
+    for interface in ("DENSE", "SKIN"):
+        (tmp_path / f"{interface}.inp").write_text(deck_of(MODELS[name], interface))
+        done = run([interface], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout + done.stderr
+        jobs.append(Job(tmp_path / f"{interface}.vtkhdf", interface))
+        assert not jobs[-1].history["n_cutbacks"].any()
+    dense, skin = jobs
+    assert skin.history["n_krylov"].sum() > 2 * dense.history["n_krylov"].sum(), "the second job did not go by the skin"
+    assert (skin.last("CSTATUS") == dense.last("CSTATUS")).all()
+    for field, scale in (("U", "U"), ("CNORMF", "CNORMF"), ("CSHEARF", "CNORMF")):
+        largest = np.abs(dense.last(scale)).max()
+        assert np.abs(skin.last(field) - dense.last(field)).max() <= 1e-6 * largest, field
