@@ -1,4 +1,5 @@
-!> Tests of tiles and free motions: even tiles that cover all points once, corrections against LAPACK, the same bits for any number of
+!> Tests of tiles and free motions: even tiles that cover all points once, corrections against LAPACK, the same bits for any number
+!! of
 !! threads; a free body, one that slides, one that is held, and an unsymmetric tangent.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_tiles
@@ -6,9 +7,9 @@ program test_tiles
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, from_triplets, transpose_of
   use amontons_dense, only: solve_small
-  use amontons_tiles, only: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
+  use amontons_skin_tiles, only: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
   use amontons_constraints, only: constraints_type, start_constraints, fix_unknown, finish_constraints
-  use amontons_free_motions, only: free_motions_type, find_motions, is_singular_along
+  use amontons_free_rigid_motions, only: free_motions_type, find_motions, is_singular_along
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

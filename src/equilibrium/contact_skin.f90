@@ -1,0 +1,352 @@
+!> Skin: the contact subproblem on wide interfaces: a preconditioner that needs one solution with the bulk and small dense tiles.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/solver.md, "The contact skin". With K_rho = K + rho sum c_s B_s'B_s (Robin springs between slave nodes and
+!! master, in all directions alike) and P ~ inv(K_rho), one application to a force r on the free unknowns is
+!!
+!!     x = R Pi P Pi' R' r,      then on each tile F:  x_F = x_F + inv(J_FF) (r - J x)_F
+!!
+!! R picks the free unknowns, Pi = 1 - D A moves the slave nodes back onto the rows A of contact in the directions D of these rows.
+!! P knows nothing of statuses, normals and friction: it outlives many increments. The tiles are made anew for each tangent.
+module amontons_contact_skin
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_sparse, only: sparse_type, from_triplets, transpose_of, multiply, multiply_transpose
+  use amontons_dense, only: solve_small
+  use amontons_constraints, only: constraints_type
+  use amontons_reduced_system, only: reduced_type, apply_reduced
+  use amontons_skin_tiles, only: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
+  implicit none
+  private
+  public :: skin_type, cut_skin, renew_skin, apply_bulk, correct_skin, subtract_contact
+
+  integer, parameter :: SLAVES_A_TILE = 64         !< at most
+
+  !> The preconditioner.
+  type :: skin_type
+    logical :: is_ready = .false.                  !< P is there
+    type(reduced_type) :: robin                    !< K_rho, and P
+    integer, allocatable :: tile_of_node(:)        !< (n_nodes) of slave nodes, where P was made; 0: no slave node
+    integer :: n_tiles = 0
+    integer :: n_slow = 0                          !< rounds that took many iterations since P was made
+    integer :: patience = 2                        !< so many of them are borne
+    integer, allocatable, private :: unknown_of(:) !< (n_free) unknown of each free one
+    integer, allocatable, private :: free_of(:)    !< (free unknowns of the skin) number among all free ones
+    integer, allocatable, private :: skin_of_free(:)   !< (the same) unknown of the skin
+    type(sparse_type), private :: rows             !< A (n_dependent x n_unknowns) [-]
+    type(sparse_type), private :: directions       !< D' (n_dependent x n_unknowns) [-]
+    integer, allocatable, private :: bulk_of(:)    !< (n_unknowns) number in K_rho; 0: not in it
+    integer, private :: n_bulk = 0
+    type(sparse_type), private :: by_imbalance     !< D_R (n_unknowns x n_unknowns) [-]
+    type(sparse_type), private :: by_displacement  !< D_u (n_unknowns x n_unknowns) [force/length]
+    type(tangent_parts_type), private :: parts
+    type(tile_type), allocatable, private :: tiles(:)
+  end type skin_type
+
+contains
+
+  !> Cuts the slave nodes into tiles.
+  subroutine cut_skin(self, place, node, n_nodes)
+    type(skin_type), intent(inout) :: self
+    real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) coordinates [length]
+    integer, intent(in) :: node(:)                 !< slave nodes, each once
+    integer, intent(in) :: n_nodes
+    integer :: tile(size(node))
+    call cut_tiles(place(:, node), SLAVES_A_TILE, tile, self%n_tiles)
+    if (allocated(self%tile_of_node)) deallocate (self%tile_of_node)
+    allocate (self%tile_of_node(n_nodes), source=0)
+    self%tile_of_node(node) = tile
+    if (allocated(self%tiles)) deallocate (self%tiles)
+    allocate (self%tiles(self%n_tiles))
+  end subroutine cut_skin
+
+
+  !> The preconditioner for a tangent: projection and tiles.
+  subroutine renew_skin(self, base, whole, stiffness, by_imbalance, by_displacement, rows, error)
+    type(skin_type), intent(inout) :: self         !< cut; P may come later
+    type(constraints_type), intent(in) :: base     !< without contact rows
+    type(constraints_type), intent(in) :: whole    !< with them
+    type(sparse_type), intent(in) :: stiffness     !< K, upper triangle (n_unknowns x n_unknowns) [force/length]
+    type(sparse_type), intent(in) :: by_imbalance      !< D_R (n_unknowns x n_unknowns) [-]
+    type(sparse_type), intent(in) :: by_displacement   !< D_u (n_unknowns x n_unknowns) [force/length]
+    type(sparse_type), intent(in) :: rows          !< nodes (columns) of the row of each slave, the slave node first; no values
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: skin_of(:), tile_of(:)
+    integer :: i
+    if (allocated(self%unknown_of)) deallocate (self%unknown_of)
+    allocate (self%unknown_of(whole%n_free))
+    do i = 1, whole%n_unknowns
+      if (whole%free_of(i) > 0) self%unknown_of(whole%free_of(i)) = i
+    end do
+    self%by_imbalance = by_imbalance
+    self%by_displacement = by_displacement
+    self%bulk_of = base%free_of
+    self%n_bulk = base%n_free
+    call relate_rows(self, base, whole, error)
+    if (allocated(error)) return
+    call lay_skin(self, rows, skin_of, tile_of)
+    call take_parts(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
+    if (allocated(error)) return
+    call share_members(self, tile_of)
+    call factorise_tiles(self%parts, self%tiles, error)
+  end subroutine renew_skin
+
+
+  !> A and D: the rows of unknowns that contact makes dependent, and for each the direction at its node that brings it back.
+  subroutine relate_rows(self, base, whole, error)
+    type(skin_type), intent(inout) :: self
+    type(constraints_type), intent(in) :: base, whole
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: row(:), column(:), d_row(:), d_column(:)
+    real(DP), allocatable :: value(:), d_value(:)
+    real(DP) :: own(3, 3), inverse(3, 3)
+    integer :: i, j, k, m, n, n_d, n_rows, node, dependent(3)
+    m = count(base%owner == 0 .and. whole%owner > 0)
+    n = m
+    do i = 1, whole%n_unknowns
+      if (base%owner(i) == 0 .and. whole%owner(i) > 0) n = n + whole%map%first(i + 1) - whole%map%first(i)
+    end do
+    allocate (row(n), column(n), value(n), d_row(3 * m), d_column(3 * m), d_value(3 * m))
+    n = 0
+    n_d = 0
+    n_rows = 0
+    do node = 1, whole%n_unknowns / 3
+      own = 0.0_DP
+      k = 0
+      do j = 1, 3
+        i = 3 * (node - 1) + j
+        if (base%owner(i) /= 0 .or. whole%owner(i) <= 0) cycle
+        k = k + 1
+        dependent(k) = n_rows + k
+        call put_row(i, dependent(k), own(k, :))
+      end do
+      if (k == 0) cycle
+      n_rows = n_rows + k
+      call invert_own(own(:k, :), inverse(:, :k))
+      do j = 1, k
+        d_row(n_d + 1:n_d + 3) = dependent(j)
+        d_column(n_d + 1:n_d + 3) = 3 * (node - 1) + [1, 2, 3]
+        d_value(n_d + 1:n_d + 3) = inverse(:, j)
+        n_d = n_d + 3
+      end do
+    end do
+    call from_triplets(n_rows, whole%n_unknowns, row(:n), column(:n), value(:n), self%rows, error)
+    if (allocated(error)) return
+    call from_triplets(n_rows, whole%n_unknowns, d_row(:n_d), d_column(:n_d), d_value(:n_d), self%directions, error)
+
+  contains
+
+    !> The row e_i - T_i, and what of it is at its own node.
+    subroutine put_row(unknown, number, at_node)
+      integer, intent(in) :: unknown, number
+      real(DP), intent(inout) :: at_node(3)
+      integer :: p, other
+      call put(unknown, 1.0_DP)
+      at_node(unknown - 3 * (node - 1)) = 1.0_DP
+      do p = whole%map%first(unknown), whole%map%first(unknown + 1) - 1
+        other = self%unknown_of(whole%map%column(p))
+        call put(other, -whole%map%value(p))
+        if ((other + 2) / 3 == node) at_node(other - 3 * (node - 1)) = -whole%map%value(p)
+      end do
+      row(n - (whole%map%first(unknown + 1) - whole%map%first(unknown)):n) = number
+    end subroutine put_row
+
+    !> One entry of A.
+    subroutine put(unknown, amount)
+      integer, intent(in) :: unknown
+      real(DP), intent(in) :: amount
+      n = n + 1
+      column(n) = unknown
+      value(n) = amount
+    end subroutine put
+
+  end subroutine relate_rows
+
+
+  !> a'(a a')^-1 of one, two or three rows at a node.
+  subroutine invert_own(own, inverse)
+    real(DP), intent(in) :: own(:, :)              !< a (k, 3)
+    real(DP), intent(out) :: inverse(:, :)         !< (3, k)
+    real(DP) :: gram(size(own, 1), size(own, 1)), solution(size(own, 1), 3)
+    integer :: status
+    gram = matmul(own, transpose(own))
+    call solve_small(gram, own, solution, status)
+    inverse = transpose(solution)                  ! 0 where the rows depend on each other, which they do not
+  end subroutine invert_own
+
+
+  !> The unknowns of the skin: the nodes of all rows. Nodes that are no slave nodes come into the tile of the first row they are in.
+  subroutine lay_skin(self, rows, skin_of, tile_of)
+    type(skin_type), intent(in) :: self
+    type(sparse_type), intent(in) :: rows
+    integer, allocatable, intent(out) :: skin_of(:)   !< (n_nodes) number in the skin; 0: not in it
+    integer, allocatable, intent(out) :: tile_of(:)   !< (nodes of the skin)
+    integer :: i, p, n, tile
+    allocate (skin_of(size(self%tile_of_node)), tile_of(size(self%tile_of_node)))
+    skin_of = 0
+    n = 0
+    do i = 1, rows%n_rows
+      tile = self%tile_of_node(rows%column(rows%first(i)))
+      do p = rows%first(i), rows%first(i + 1) - 1
+        associate (node => rows%column(p))
+          if (skin_of(node) > 0) cycle
+          n = n + 1
+          skin_of(node) = n
+          tile_of(n) = merge(self%tile_of_node(node), tile, self%tile_of_node(node) > 0)
+        end associate
+      end do
+    end do
+    tile_of = tile_of(:n)
+  end subroutine lay_skin
+
+
+  !> The parts of the tangent on the skin.
+  subroutine take_parts(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
+    type(skin_type), intent(inout) :: self
+    type(constraints_type), intent(in) :: whole
+    type(sparse_type), intent(in) :: stiffness, by_imbalance, by_displacement
+    integer, intent(in) :: skin_of(:)              !< (n_nodes)
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: taken
+    integer, allocatable :: unknown(:), skin(:), free(:)
+    integer :: i, n, node
+    n = 3 * maxval([0, skin_of])
+    allocate (unknown(n), skin(whole%n_unknowns), free(whole%n_free))
+    skin = 0
+    do node = 1, size(skin_of)
+      if (skin_of(node) == 0) cycle
+      do i = 1, 3
+        unknown(3 * (skin_of(node) - 1) + i) = 3 * (node - 1) + i
+        skin(3 * (node - 1) + i) = 3 * (skin_of(node) - 1) + i
+      end do
+    end do
+    self%free_of = pack(whole%free_of(unknown), whole%free_of(unknown) > 0)
+    self%skin_of_free = pack([(i, i=1, n)], whole%free_of(unknown) > 0)
+    free = 0
+    free(self%free_of) = [(i, i=1, size(self%free_of))]
+    call take_rows(whole%map, unknown, free, size(self%free_of), self%parts%relation, error)
+    if (allocated(error)) return
+    self%parts%relation_t = transpose_of(self%parts%relation)
+    call take_rows(stiffness, unknown, skin, n, self%parts%stiffness, error, is_symmetric=.true.)
+    if (allocated(error)) return
+    call take_rows(by_imbalance, unknown, skin, n, taken, error)
+    if (allocated(error)) return
+    self%parts%by_imbalance_t = transpose_of(taken)
+    call take_rows(by_displacement, unknown, skin, n, taken, error)
+    if (.not. allocated(error)) self%parts%by_displacement_t = transpose_of(taken)
+  end subroutine take_parts
+
+
+  !> Some rows of a matrix and of them the columns that have a new number. Of a symmetric one, given by its upper triangle, both.
+  subroutine take_rows(matrix, rows, number, n_columns, taken, error, is_symmetric)
+    type(sparse_type), intent(in) :: matrix
+    integer, intent(in) :: rows(:)
+    integer, intent(in) :: number(:)               !< (n_columns of matrix) 0: not taken
+    integer, intent(in) :: n_columns
+    type(sparse_type), intent(out) :: taken        !< (size(rows) x n_columns)
+    type(error_type), allocatable, intent(out) :: error
+    logical, intent(in), optional :: is_symmetric
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+    integer :: i, p, n
+    logical :: is_both
+    is_both = .false.
+    if (present(is_symmetric)) is_both = is_symmetric
+    n = sum(matrix%first(rows + 1) - matrix%first(rows))
+    if (is_both) n = 2 * n
+    allocate (row(n), column(n), value(n))
+    n = 0
+    do i = 1, size(rows)
+      do p = matrix%first(rows(i)), matrix%first(rows(i) + 1) - 1
+        if (number(matrix%column(p)) == 0) cycle
+        n = n + 1
+        row(n) = i
+        column(n) = number(matrix%column(p))
+        value(n) = matrix%value(p)
+        if (.not. is_both .or. column(n) == i) cycle
+        n = n + 1
+        row(n) = column(n - 1)
+        column(n) = i
+        value(n) = value(n - 1)
+      end do
+    end do
+    call from_triplets(size(rows), n_columns, row(:n), column(:n), value(:n), taken, error)
+  end subroutine take_rows
+
+
+  !> The free unknowns of each tile.
+  subroutine share_members(self, tile_of)
+    type(skin_type), intent(inout) :: self
+    integer, intent(in) :: tile_of(:)              !< (nodes of the skin)
+    integer :: tile(size(self%free_of)), n(self%n_tiles), k, t
+    tile = tile_of((self%skin_of_free + 2) / 3)
+    n = 0
+    do k = 1, size(tile)
+      n(tile(k)) = n(tile(k)) + 1
+    end do
+    do t = 1, self%n_tiles
+      if (allocated(self%tiles(t)%member)) deallocate (self%tiles(t)%member)
+      allocate (self%tiles(t)%member(n(t)))
+    end do
+    n = 0
+    do k = 1, size(tile)
+      t = tile(k)
+      n(t) = n(t) + 1
+      self%tiles(t)%member(n(t)) = k
+    end do
+  end subroutine share_members
+
+
+  !> x = R Pi P Pi' R' r.
+  subroutine apply_bulk(self, r, x)
+    type(skin_type), intent(inout) :: self
+    real(DP), intent(in) :: r(:)                   !< (n_free) [force]
+    real(DP), intent(out) :: x(:)                  !< (n_free) [length]
+    real(DP), allocatable :: g(:), change(:), t(:), b(:), y(:)
+    integer :: i
+    allocate (g(size(self%bulk_of)), change(size(self%bulk_of)), t(self%rows%n_rows), b(self%n_bulk), y(self%n_bulk))
+    g = 0.0_DP
+    g(self%unknown_of) = r
+    call multiply(self%directions, g, t)
+    call multiply_transpose(self%rows, t, change)
+    do i = 1, size(g)
+      if (self%bulk_of(i) > 0) b(self%bulk_of(i)) = g(i) - change(i)
+    end do
+    call apply_reduced(self%robin, b, y)
+    do i = 1, size(g)
+      g(i) = 0.0_DP
+      if (self%bulk_of(i) > 0) g(i) = y(self%bulk_of(i))
+    end do
+    call multiply(self%rows, g, t)
+    call multiply_transpose(self%directions, t, change)
+    x = g(self%unknown_of) - change(self%unknown_of)
+  end subroutine apply_bulk
+
+
+  !> x_F = x_F + inv(J_FF) d_F on all tiles.
+  subroutine correct_skin(self, d, x)
+    type(skin_type), intent(in) :: self
+    real(DP), intent(in) :: d(:)                   !< (n_free) r - J x [force]
+    real(DP), intent(inout) :: x(:)                !< (n_free) [length]
+    real(DP) :: correction(size(self%free_of))
+    correction = 0.0_DP
+    call correct_tiles(self%tiles, d(self%free_of), correction)
+    x(self%free_of) = x(self%free_of) + correction
+  end subroutine correct_skin
+
+
+  !> w = w - dF_c, the change of the contact forces, dF_c = D_R dRhat + D_u du.
+  subroutine subtract_contact(self, du, d_imbalance, w)
+    type(skin_type), intent(in) :: self
+    real(DP), intent(in) :: du(:)                  !< (n_unknowns) [length]
+    real(DP), intent(in) :: d_imbalance(:)         !< (n_unknowns) dRhat, condensed [force]
+    real(DP), intent(inout) :: w(:)                !< (n_unknowns) [force]
+    real(DP), allocatable :: d_force(:)
+    allocate (d_force(size(w)))
+    call multiply(self%by_imbalance, d_imbalance, d_force)
+    w = w - d_force
+    call multiply(self%by_displacement, du, d_force)
+    w = w - d_force
+  end subroutine subtract_contact
+
+end module amontons_contact_skin

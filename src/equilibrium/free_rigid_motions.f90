@@ -1,0 +1,241 @@
+!> Free motions: the rigid motions of bodies that supports alone hold weakly or not at all, and whether contact holds them.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/solver.md, "The contact skin". A body is what the stiffness and the rows of the base constraints couple. Its
+!! six
+!! rigid motions z give z'Kz; those with little of it beside z'diag(K)z are kept for a bulk. For each tangent J the kept ones Z are
+!! free if J Z y = 0 for some y: the preconditioner is positive whatever holds the bodies, and would not tell.
+module amontons_free_rigid_motions
+  use amontons_kinds, only: DP
+  use amontons_sparse, only: sparse_type
+  use amontons_constraints, only: constraints_type
+  use amontons_dense, only: symmetric_eigen, DENSE_OK
+  implicit none
+  private
+  public :: free_motions_type, find_motions, is_singular_along
+
+  real(DP), parameter :: WEAK = 1.0e-2_DP          !< z'Kz over z'diag(K)z of a motion that is kept, at most [-]
+  real(DP), parameter :: DEPENDENT = 1.0e-10_DP    !< motions of a body that are so little new are none [-]
+  real(DP), parameter :: SUSPECT = 1.0e-6_DP       !< |J Z y| over |diag(K) Z y| that is looked at again [-]
+  real(DP), parameter :: FREE = 1.0e-9_DP          !< and below which nothing holds a body [-]
+  integer, parameter :: MOST = 48                  !< motions that are kept
+
+  !> The motions that are kept.
+  type :: free_motions_type
+    integer :: n = 0
+    real(DP), allocatable :: value(:, :)           !< (n_unknowns, n)
+  end type free_motions_type
+
+contains
+
+  !> The rigid motions that the base constraints hold weakly or not at all.
+  subroutine find_motions(stiffness, base, place, is_angle, motions)
+    type(sparse_type), intent(in) :: stiffness     !< K, upper triangle with its diagonal
+    type(constraints_type), intent(in) :: base     !< finished
+    real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) coordinates [length]
+    logical, intent(in) :: is_angle(:)             !< (n_nodes) its unknowns are angles
+    type(free_motions_type), intent(out) :: motions
+    integer, allocatable :: body(:)
+    real(DP), allocatable :: z(:, :), energy(:, :, :), scale(:, :, :)
+    real(DP) :: combination(6, 6)
+    integer :: n_bodies, b, k, m, i
+    call find_coupled(stiffness, base, size(place, 2), body, n_bodies)
+    allocate (z(6, base%n_unknowns))
+    call fill_motions(place, is_angle, body, n_bodies, z)
+    call constrain_motions(base, z)
+    call measure_motions(stiffness, body, n_bodies, z, energy, scale)
+    allocate (motions%value(base%n_unknowns, 0))
+    do b = 1, n_bodies
+      call weak_combinations(energy(:, :, b), scale(:, :, b), m, combination)
+      do k = 1, min(m, MOST - motions%n)
+        motions%n = motions%n + 1
+        motions%value = reshape(motions%value, [base%n_unknowns, motions%n], pad=[0.0_DP])
+        do i = 1, base%n_unknowns
+          if (body((i + 2) / 3) == b) motions%value(i, motions%n) = dot_product(combination(:, k), z(:, i))
+        end do
+      end do
+    end do
+  end subroutine find_motions
+
+
+  !> Which nodes hang together by the stiffness or by rows of the base constraints. Method: union-find.
+  subroutine find_coupled(stiffness, base, n_nodes, body, n_bodies)
+    type(sparse_type), intent(in) :: stiffness
+    type(constraints_type), intent(in) :: base
+    integer, intent(in) :: n_nodes
+    integer, allocatable, intent(out) :: body(:)   !< (n_nodes) from 1
+    integer, intent(out) :: n_bodies
+    integer :: parent(n_nodes), i, k, p
+    parent = [(i, i=1, n_nodes)]
+    do i = 1, stiffness%n_rows, 3                  ! the rows of a node have the same columns
+      do p = stiffness%first(i), stiffness%first(i + 1) - 1
+        call unite((i + 2) / 3, (stiffness%column(p) + 2) / 3)
+      end do
+    end do
+    do k = 1, base%n_rows
+      do p = 1, size(base%rows(k)%unknown)
+        call unite((base%rows(k)%pivot + 2) / 3, (base%rows(k)%unknown(p) + 2) / 3)
+      end do
+    end do
+    allocate (body(n_nodes), source=0)
+    n_bodies = 0
+    do i = 1, n_nodes                              ! the root of a tree is its smallest number
+      if (parent(i) == i) n_bodies = n_bodies + 1
+      if (parent(i) == i) body(i) = n_bodies
+      if (parent(i) /= i) body(i) = body(root_of(i))
+    end do
+
+  contains
+
+    !> The root of a node; the path to it is halved on the way.
+    pure integer function root_of(node) result(root)
+      integer, intent(in) :: node
+      root = node
+      do while (parent(root) /= root)
+        root = parent(root)
+      end do
+    end function root_of
+
+    !> Puts two nodes into one tree.
+    subroutine unite(a, b)
+      integer, intent(in) :: a, b
+      integer :: r, s
+      r = root_of(a)
+      s = root_of(b)
+      parent(max(r, s)) = min(r, s)
+      parent(a) = min(r, s)
+      parent(b) = min(r, s)
+    end subroutine unite
+
+  end subroutine find_coupled
+
+
+  !> Three translations and three rotations of each body about its middle, over its size.
+  pure subroutine fill_motions(place, is_angle, body, n_bodies, z)
+    real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) [length]
+    logical, intent(in) :: is_angle(:)             !< (n_nodes)
+    integer, intent(in) :: body(:), n_bodies
+    real(DP), intent(out) :: z(:, :)               !< (6, n_unknowns)
+    real(DP) :: low(3, n_bodies), high(3, n_bodies), extent(n_bodies), x(3)
+    integer :: i, k, at
+    low = huge(1.0_DP)
+    high = -huge(1.0_DP)
+    do i = 1, size(body)
+      if (is_angle(i)) cycle
+      low(:, body(i)) = min(low(:, body(i)), place(:, i))
+      high(:, body(i)) = max(high(:, body(i)), place(:, i))
+    end do
+    extent = max(0.5_DP * norm2(max(high - low, 0.0_DP), dim=1), tiny(1.0_DP))
+    z = 0.0_DP
+    do i = 1, size(body)
+      at = 3 * (i - 1)
+      if (is_angle(i)) then
+        do k = 1, 3
+          z(3 + k, at + k) = 1.0_DP / extent(body(i))
+        end do
+        cycle
+      end if
+      x = (place(:, i) - 0.5_DP * (low(:, body(i)) + high(:, body(i)))) / extent(body(i))
+      do k = 1, 3
+        z(k, at + k) = 1.0_DP
+      end do
+      z(5:6, at + 1) = [x(3), -x(2)]
+      z([4, 6], at + 2) = [-x(3), x(1)]
+      z(4:5, at + 3) = [x(2), -x(1)]
+    end do
+  end subroutine fill_motions
+
+
+  !> What the base constraints leave of the motions: nothing at what is held, and dependent unknowns follow.
+  pure subroutine constrain_motions(base, z)
+    type(constraints_type), intent(in) :: base
+    real(DP), intent(inout) :: z(:, :)             !< (6, n_unknowns)
+    real(DP) :: of_free(6, base%n_free)
+    integer :: i, p
+    do i = 1, base%n_unknowns
+      if (base%free_of(i) > 0) of_free(:, base%free_of(i)) = z(:, i)
+    end do
+    do i = 1, base%n_unknowns
+      if (base%owner(i) == 0) cycle
+      z(:, i) = 0.0_DP
+      do p = base%map%first(i), base%map%first(i + 1) - 1
+        z(:, i) = z(:, i) + base%map%value(p) * of_free(:, base%map%column(p))
+      end do
+    end do
+  end subroutine constrain_motions
+
+
+  !> z'Kz and z'diag(K)z of the motions of each body.
+  pure subroutine measure_motions(stiffness, body, n_bodies, z, energy, scale)
+    type(sparse_type), intent(in) :: stiffness
+    integer, intent(in) :: body(:), n_bodies
+    real(DP), intent(in) :: z(:, :)                !< (6, n_unknowns)
+    real(DP), allocatable, intent(out) :: energy(:, :, :), scale(:, :, :)   !< (6, 6, n_bodies)
+    real(DP) :: product(6)
+    integer :: i, p, k, b
+    allocate (energy(6, 6, n_bodies), scale(6, 6, n_bodies), source=0.0_DP)
+    do i = 1, stiffness%n_rows
+      b = body((i + 2) / 3)
+      p = stiffness%first(i)
+      product = 0.5_DP * stiffness%value(p) * z(:, i)
+      do k = 1, 6
+        scale(:, k, b) = scale(:, k, b) + stiffness%value(p) * z(:, i) * z(k, i)
+      end do
+      do p = stiffness%first(i) + 1, stiffness%first(i + 1) - 1
+        product = product + stiffness%value(p) * z(:, stiffness%column(p))
+      end do
+      do k = 1, 6
+        energy(:, k, b) = energy(:, k, b) + product * z(k, i) + z(:, i) * product(k)
+      end do
+    end do
+  end subroutine measure_motions
+
+
+  !> The combinations of a body's motions with little energy beside their scale.
+  subroutine weak_combinations(energy, scale, m, combination)
+    real(DP), intent(in) :: energy(6, 6), scale(6, 6)
+    integer, intent(out) :: m
+    real(DP), intent(out) :: combination(6, 6)     !< in its first m columns
+    real(DP) :: values(6), vectors(6, 6), whiten(6, 6)
+    integer :: k, n, status
+    m = 0
+    call symmetric_eigen(scale, values, vectors, status)
+    if (status /= DENSE_OK .or. .not. values(6) > 0.0_DP) return
+    n = 0
+    whiten = 0.0_DP
+    do k = 6, 1, -1
+      if (values(k) <= DEPENDENT * values(6)) exit
+      n = n + 1
+      whiten(:, n) = vectors(:, k) / sqrt(values(k))
+    end do
+    vectors = 0.0_DP
+    call symmetric_eigen(matmul(transpose(whiten(:, :n)), matmul(energy, whiten(:, :n))), values(:n), vectors(:n, :n), status)
+    if (status /= DENSE_OK) return
+    m = count(values(:n) <= WEAK)
+    combination(:, :m) = matmul(whiten(:, :n), vectors(:n, :m))
+  end subroutine weak_combinations
+
+
+  !> Whether some combination of columns gives nothing.
+  logical function is_singular_along(images, scales) result(is_singular)
+    real(DP), intent(in) :: images(:, :)           !< (n_free, m) J Z [force]
+    real(DP), intent(in) :: scales(:, :)           !< (n_free, m) diag(K) Z [force]
+    real(DP) :: gram(size(images, 2), size(images, 2)), values(size(images, 2)), vectors(size(images, 2), size(images, 2))
+    real(DP) :: length(size(images, 2)), y(size(images, 2))
+    integer :: k, m, status
+    m = size(images, 2)
+    is_singular = .false.
+    length = norm2(scales, dim=1)
+    if (m == 0 .or. any(.not. length > 0.0_DP)) return
+    gram = matmul(transpose(images), images)
+    do k = 1, m
+      gram(:, k) = gram(:, k) / (length * length(k))
+    end do
+    call symmetric_eigen(gram, values, vectors, status)
+    if (status /= DENSE_OK) return
+    if (values(1) > SUSPECT**2) return
+    y = vectors(:, 1) / length
+    is_singular = norm2(matmul(images, y)) <= FREE * norm2(matmul(scales, y))
+  end function is_singular_along
+
+end module amontons_free_rigid_motions

@@ -1,0 +1,165 @@
+!> Robin: springs between slave nodes and master that hold the bodies in the preconditioner of wide contact, and the skin's rows.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/solver.md, "The contact skin". A slave node near its master has springs between itself and the point of the
+!! master in front of it, in all directions that supports leave free: c along the normal, its own stiffness, and a part of it
+!! across.
+!! Under a compliant law the springs are those of the law, in the mean over the closed slaves of the pair.
+module amontons_robin_springs
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_tensor, only: outer
+  use amontons_sparse, only: sparse_type
+  use amontons_state, only: fields_type, STATUS_OPEN, STATUS_STICK
+  use amontons_contact_constraint_rows, only: contact_row_type
+  use amontons_contact_pairs, only: contact_type, touching_row
+  use amontons_contact_linearization, only: link_type
+  use amontons_contact_operators, only: contact_springs
+  implicit none
+  private
+  public :: find_near, robin_springs, skin_rows
+
+  real(DP), parameter :: SHEARED = 0.3_DP          !< of the stick slope of a compliant law [-]
+  real(DP), parameter :: STIFF_ALONG = 1.0_DP      !< rho_n: spring along the normal over the node's own stiffness [-]
+  real(DP), parameter :: STIFF_ACROSS = 0.1_DP     !< rho_t: the same across it [-]
+  real(DP), parameter :: NEAR = 0.5_DP             !< an open node nearer than this times the edge has a spring [-]
+
+contains
+
+  !> Which slaves touch their master or are near it.
+  pure function find_near(contact, fields) result(is_near)
+    type(contact_type), intent(in) :: contact
+    type(fields_type), intent(in) :: fields
+    logical :: is_near(size(fields%slaves))
+    integer :: s
+    do s = 1, size(is_near)
+      associate (slave => fields%slaves(s))
+        is_near(s) = slave%facet > 0
+        if (is_near(s)) is_near(s) = slave%status /= STATUS_OPEN .or. slave%gap <= NEAR * contact%edge(slave%pair)
+      end associate
+    end do
+  end function find_near
+
+
+  !> The springs of the slaves that are near, as the upper triangle of a stiffness. Slaves at one node share its spring.
+  subroutine robin_springs(contact, fields, is_near, closed, n_unknowns, springs, error)
+    type(contact_type), intent(in) :: contact
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_near(:)              !< (n_slaves)
+    type(link_type), intent(in) :: closed(:)       !< of the closed slaves
+    integer, intent(in) :: n_unknowns
+    type(sparse_type), intent(out) :: springs      !< [force/length]
+    type(error_type), allocatable, intent(out) :: error
+    type(link_type), allocatable :: links(:)
+    type(contact_row_type) :: row
+    real(DP) :: slope(2, size(contact%facets)), along, across
+    integer :: n_at(n_unknowns / 3), s, n
+    call mean_slopes(contact, fields, closed, slope)
+    n_at = 0
+    do s = 1, size(is_near)
+      if (is_near(s)) n_at(fields%slaves(s)%node) = n_at(fields%slaves(s)%node) + 1
+    end do
+    allocate (links(count(is_near)))
+    n = 0
+    do s = 1, size(is_near)
+      if (.not. is_near(s)) cycle
+      n = n + 1
+      associate (slave => fields%slaves(s), link => links(n))
+        call touching_row(contact, slave, row)
+        link%is_spring = .true.
+        link%n_weights = size(row%nodes)
+        link%nodes = row%nodes
+        link%weights = row%weights
+        along = STIFF_ALONG * slave%stiffness / real(n_at(slave%node), DP)
+        across = STIFF_ACROSS * slave%stiffness / real(n_at(slave%node), DP)
+        if (slope(1, slave%pair) > 0.0_DP) along = slope(1, slave%pair) * slave%area
+        if (slope(2, slave%pair) > 0.0_DP) across = SHEARED * slope(2, slave%pair) * slave%area
+        link%spring = across * contact%free(:, :, s) + (along - across) * &
+          outer(matmul(contact%free(:, :, s), slave%normal), matmul(contact%free(:, :, s), slave%normal))
+      end associate
+    end do
+    call contact_springs(links, n_unknowns, springs, error)
+  end subroutine robin_springs
+
+
+  !> The mean slopes of compliant laws over the areas of their closed slaves: of the pressure, and of the shear where they stick.
+  pure subroutine mean_slopes(contact, fields, closed, slope)
+    type(contact_type), intent(in) :: contact
+    type(fields_type), intent(in) :: fields
+    type(link_type), intent(in) :: closed(:)
+    real(DP), intent(out) :: slope(2, size(contact%facets))   !< (2, n_pairs) 0: not known, or no compliant law [stress/length]
+    real(DP) :: area(2, size(contact%facets)), along
+    integer :: i, k
+    slope = 0.0_DP
+    area = 0.0_DP
+    do i = 1, size(closed)
+      if (.not. closed(i)%is_spring) cycle
+      associate (slave => fields%slaves(closed(i)%slave))
+        along = dot_product(slave%normal, matmul(closed(i)%spring, slave%normal))
+        slope(1, slave%pair) = slope(1, slave%pair) + along
+        area(1, slave%pair) = area(1, slave%pair) + slave%area
+        if (slave%status /= STATUS_STICK) cycle
+        slope(2, slave%pair) = slope(2, slave%pair) + &
+          0.5_DP * (sum([(closed(i)%spring(k, k), k=1, 3)]) - along)
+        area(2, slave%pair) = area(2, slave%pair) + slave%area
+      end associate
+    end do
+    where (area > 0.0_DP) slope = slope / area
+  end subroutine mean_slopes
+
+
+  !> The nodes of the rows of closed slaves and of those that are near: the skin. The slave node comes first; no values.
+  subroutine skin_rows(contact, fields, is_near, links, n_nodes, rows)
+    type(contact_type), intent(in) :: contact
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_near(:)              !< (n_slaves) when the springs were made
+    type(link_type), intent(in) :: links(:)        !< of the closed slaves, in their order
+    integer, intent(in) :: n_nodes
+    type(sparse_type), intent(out) :: rows
+    type(contact_row_type) :: row
+    integer :: s, n, k, pass, n_entries
+    do pass = 1, 2
+      n = 0
+      k = 1                                        ! next link
+      n_entries = 0
+      do s = 1, size(is_near)
+        if (is_link(k, s)) then
+          call put([links(k)%node, links(k)%nodes(:links(k)%n_weights), links(k)%own])
+          k = k + 1
+        else if (is_near(s)) then
+          row%nodes = [fields%slaves(s)%node]
+          if (fields%slaves(s)%facet > 0) call touching_row(contact, fields%slaves(s), row)
+          call put([fields%slaves(s)%node, row%nodes])
+        end if
+      end do
+      if (pass == 1) then
+        rows%n_rows = n
+        rows%n_columns = n_nodes
+        allocate (rows%first(n + 1), rows%column(n_entries))
+      end if
+    end do
+    rows%first(n + 1) = n_entries + 1
+
+  contains
+
+    !> Whether the link is that of the slave.
+    pure logical function is_link(number, slave)
+      integer, intent(in) :: number, slave
+      is_link = number <= size(links)
+      if (is_link) is_link = links(number)%slave == slave
+    end function is_link
+
+    !> A row; nodes may come twice.
+    subroutine put(nodes)
+      integer, intent(in) :: nodes(:)
+      n = n + 1
+      if (pass == 2) then
+        rows%first(n) = n_entries + 1
+        rows%column(n_entries + 1:n_entries + size(nodes)) = nodes
+      end if
+      n_entries = n_entries + size(nodes)
+    end subroutine put
+
+  end subroutine skin_rows
+
+end module amontons_robin_springs
