@@ -140,12 +140,12 @@ debug: ready ## Build with all run-time checks into build/debug
 
 sanitize: ready $(VENV)/installed ## Build with the address and undefined-behaviour sanitizers into build/sanitize, and run jobs under them
 	@$(MAKE) BUILD=sanitize build
-	@$(PY) verify/sanitizers/run.py --program build/sanitize/bin/amontons
+	@PYTHONPATH=python $(PY) -m verify.sanitizers.run --program build/sanitize/bin/amontons
 
 races: ready $(VENV)/installed ## Build with ThreadSanitizer into build/races, and run jobs on two threads under it (gcc, Linux)
 	@$(MAKE) BUILD=races build
 	$(Q)$(CC) -std=c11 -O1 $(CWARN) -fPIC -shared -o build/races/gomp_order.so verify/sanitizers/gomp_order.c -ldl
-	@$(PY) verify/sanitizers/run.py --program build/races/bin/amontons --preload build/races/gomp_order.so
+	@PYTHONPATH=python $(PY) -m verify.sanitizers.run --program build/races/bin/amontons --preload build/races/gomp_order.so
 
 # --- what must be there first -------------------------------------------------------------------------------------
 deps: ready ## Install what is missing (Debian, Ubuntu: apt; elsewhere it is told), and the Python packages into .venv
@@ -169,7 +169,7 @@ $(VENV)/installed: verify/requirements.txt | ready
 run: all $(VENV)/installed ## Run input/shear_block.inp with progress; results and a picture go to results/
 	@mkdir -p results
 	$(BIN)/amontons --outdir results input/shear_block.inp
-	$(PY) verify/picture.py results/shear_block.vtkhdf --output results/shear_block.png
+	$(PY) -m verify.picture results/shear_block.vtkhdf --output results/shear_block.png
 	@echo "The picture is results/shear_block.png; open results/shear_block.vtkhdf with ParaView for the rest."
 
 report: all $(VENV)/installed ## Turn JOB=job.vtkhdf into one HTML page beside it (default: results/shear_block.vtkhdf)
@@ -193,27 +193,27 @@ verify: programs $(VENV)/installed ## Run the verification cases and write their
 
 bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) and write the table of doc/performance.md
 	@$(MAKE) $(B)/kernels
-	@$(PY) verify/benchmark/bench.py --program $(BIN)/amontons --kernels $(B)/kernels --write
+	@$(PY) -m verify.benchmark.bench --program $(BIN)/amontons --kernels $(B)/kernels --write
 
 study: programs $(VENV)/installed ## Iterations of all line searches by friction, shape and size of the increments: ironing, blocks, cylinder, ball
-	@$(PY) verify/study/ironing_table.py --program $(BIN)/amontons
-	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons
-	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons --direction SYMMETRIC --seconds 60
-	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons --direction LAGGED --seconds 60
-	@$(PY) verify/study/random_contact.py --program $(BIN)/amontons --seeds 1 200
-	@$(PY) verify/study/contact_table.py --program $(BIN)/amontons --runs $(B)/study.csv
-	@$(PY) verify/study/contact_table.py --show $(B)/study.csv
+	@$(PY) -m verify.study.ironing_table --program $(BIN)/amontons
+	@$(PY) -m verify.study.line_search_table --program $(BIN)/amontons
+	@$(PY) -m verify.study.line_search_table --program $(BIN)/amontons --direction SYMMETRIC --seconds 60
+	@$(PY) -m verify.study.line_search_table --program $(BIN)/amontons --direction LAGGED --seconds 60
+	@$(PY) -m verify.study.random_contact --program $(BIN)/amontons --seeds 1 200
+	@$(PY) -m verify.study.contact_table --program $(BIN)/amontons --runs $(B)/study.csv
+	@$(PY) -m verify.study.contact_table --show $(B)/study.csv
 
 # --- the documentation --------------------------------------------------------------------------------------------
 doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, and the pages of the source into build/site/api
-	$(BIN)/amontons --cards | $(PYTHON) verify/card_reference.py > doc/manual/cards.md
-	$(PYTHON) verify/rooms.py > doc/developer/rooms.md
+	$(BIN)/amontons --cards | $(PYTHON) -m verify.card_reference > doc/manual/cards.md
+	$(PYTHON) -m verify.rooms > doc/developer/rooms.md
 	$(Q)NO_MKDOCS_2_WARNING=1 $(VENV)-doc/bin/mkdocs build
 	@$(MAKE) api
 	@echo "The site is build/site/index.html."
 
 api: $(VENV)-api/installed $(VENV)-doc/installed ## Build the pages of the source (FORD) into build/site/api
-	$(Q)$(VENV)-doc/bin/python verify/api_pages.py $(VENV)-api/bin/ford build/site/api
+	$(Q)$(VENV)-doc/bin/python -m verify.api_pages $(VENV)-api/bin/ford build/site/api
 
 $(VENV)-doc/installed: doc/requirements.txt
 $(VENV)-api/installed: doc/requirements-api.txt
@@ -227,12 +227,12 @@ $(VENV)-doc/installed $(VENV)-api/installed: | ready
 SOURCES = $(wildcard src/*.f90 verify/unit/*.f90)
 
 format: $(VENV)/installed ## Put the white space of the Fortran files in order
-	@$(PY) verify/layout.py $(SOURCES)
+	@$(PY) -m verify.layout $(SOURCES)
 
 lint: $(VENV)/installed ## Prove depends.mk, the limits of the house, the white space, and fortitude's rules
 	@failed=0; \
-	  $(PY) verify/lint.py || failed=1; \
-	  $(PY) verify/layout.py --check $(SOURCES) || failed=1; \
+	  $(PY) -m verify.lint || failed=1; \
+	  $(PY) -m verify.layout --check $(SOURCES) || failed=1; \
 	  $(VENV)/bin/fortitude check --output-format concise $(SOURCES) || failed=1; \
 	  exit $$failed
 

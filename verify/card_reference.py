@@ -1,6 +1,6 @@
 """Turns `amontons --cards` into the card reference of the manual (Markdown).
 
-    bin/amontons --cards | python verify/card_reference.py > doc/manual/cards.md
+    bin/amontons --cards | python -m verify.card_reference > doc/manual/cards.md
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

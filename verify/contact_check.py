@@ -1,6 +1,6 @@
 """Checks the contact of a finished job without believing its contact output.
 
-    python verify/contact_check.py job.vtkhdf [--deck job.inp] [--json report.json]
+    python -m verify.contact_check job.vtkhdf [--deck job.inp] [--json report.json]
 
 From the mesh, the deck and the displacements alone it recomputes, increment by increment, the internal forces (own
 element), from them the contact force of every slave node, its distance to the master facets, and judges: Coulomb's
@@ -18,11 +18,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from independent.contact import ContactCheck, IncrementCheck  # noqa: E402
-from independent.deck import DeckError, read_deck  # noqa: E402
-from independent.results import read_results  # noqa: E402
+from verify.independent.contact import ContactCheck, IncrementCheck
+from verify.independent.deck import DeckError, read_deck
+from verify.independent.results import read_results
 
 HEADER = (
     "step    time  open stick  slip    normal     shear  friction    unused  penetrat   tension  openforc"

@@ -1,6 +1,6 @@
 """Draws how nodes and faces of the elements are numbered: doc/pictures/elements.png, of doc/manual/elements.md.
 
-    python verify/element_picture.py [--output doc/pictures/elements.png]
+    python -m verify.element_picture [--output doc/pictures/elements.png]
 
 `verify/test_element_picture.py` compares the faces with those of the program.
 

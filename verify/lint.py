@@ -33,6 +33,7 @@ PRINT = re.compile(r"^print\b|\bwrite\s*\(\s*(?:\*|6|output_unit|error_unit)\s*,
 USE = re.compile(r"^use\s+amontons_(\w+)", re.I)
 THEORY_HEADING = re.compile(r"^#+ .*\[([^\]]+)\]$")
 FLOOR_ROW = re.compile(r"^\| \d \w+ \|([^|]*)\|")
+SEARCH_PATH = re.compile(r"\bsys\.path\b")
 NOT_A_VARIABLE = re.compile(r"^(?:use|public|private|procedure|generic|import|type|interface|end)\b", re.I)
 
 
@@ -251,6 +252,13 @@ def check_documents(names: set[str], root: Path) -> list[str]:
     return troubles
 
 
+def check_search_paths(root: Path) -> list[str]:
+    """No Python file or page changes where Python searches: all imports start at `verify` or `amontons`."""
+    files = sorted(path for folder in ("verify", "python", "doc") for ending in ("*.py", "*.md") for path in (root / folder).rglob(ending))
+    return [f"{path.relative_to(root)}:{number}: the search path of Python is changed; import from the package verify"
+            for path in files for number, line in enumerate(path.read_text().splitlines(), 1) if SEARCH_PATH.search(line)]  # fmt: skip
+
+
 def main() -> int:
     """See the top of this file."""
     rooms = {path.stem: read_room(path) for path in sorted(SOURCE.glob("*.f90"))}
@@ -258,7 +266,7 @@ def main() -> int:
     if "--write" in sys.argv:
         write_uses(rooms, floors)
         floors = read_floors()
-    troubles = check_floors(rooms, floors) + repeated_rooms() + check_documents(set(rooms), ROOT)
+    troubles = check_floors(rooms, floors) + repeated_rooms() + check_documents(set(rooms), ROOT) + check_search_paths(ROOT)
     troubles += [trouble for room in rooms.values() for trouble in room.troubles]
     print("\n".join(troubles or [f"lint: {len(rooms)} rooms, nothing wrong."]))
     return 1 if troubles else 0

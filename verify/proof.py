@@ -24,8 +24,9 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from independent.results import Floats, Results, read_field, read_history, read_results
 from numpy.typing import NDArray
+
+from verify.independent.results import Floats, Results, read_field, read_history, read_results
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 MOST_OVER_ALL = 6.0  #: the same over all cases together
@@ -256,7 +257,7 @@ class Case:
         """Writes the page, with a picture of the last job if the case drew none, and judges."""
         if self.pages is not None:
             if self.jobs and not self.figures:
-                import picture
+                from verify import picture
 
                 figure, caption = picture.shape(self.jobs[-1].path)
                 self.figure(lambda: figure, f"Job \"{self.jobs[-1].name}\": {caption}" if len(self.jobs) > 1 else caption)

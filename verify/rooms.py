@@ -1,6 +1,6 @@
 """Writes the page of all rooms from src/depends.mk and the first line of each file:
 
-    python verify/rooms.py > doc/developer/rooms.md
+    python -m verify.rooms > doc/developer/rooms.md
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

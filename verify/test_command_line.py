@@ -8,8 +8,9 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import Run
-from solids import unit_cube
+
+from verify.conftest import Run
+from verify.decks.solids import unit_cube
 
 USAGE, DECK, IO = 2, 3, 7
 

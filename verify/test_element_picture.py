@@ -10,8 +10,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import Run
-from element_picture import FACES, PLACES, main
+
+from verify.conftest import Run
+from verify.element_picture import FACES, PLACES, main
 
 
 @pytest.mark.parametrize("kind", PLACES)

@@ -9,7 +9,8 @@ import re
 from pathlib import Path
 
 import pytest
-from conftest import ROOT, Run
+
+from verify.conftest import ROOT, Run
 
 DECK = """*HEADING
 explained

@@ -9,13 +9,13 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT
 from PIL import Image
+
+from verify.conftest import ROOT
 
 PAGES = [ROOT / "README.md", *sorted(path for path in (ROOT / "doc").rglob("*.md") if path.parent.name != "verification" and path.name not in ("cards.md", "rooms.md"))]
 FIGURE = re.compile(
@@ -61,14 +61,15 @@ def test_the_rule_finds_what_it_should() -> None:
 def test_scripts_that_are_named_are_there() -> None:
     """The files that the commands name."""
     for page in PAGES:
-        for name in re.findall(r"`(?:python3? )?(verify/[\w/]+\.py)", page.read_text()):
+        text = page.read_text()
+        modules = (f"{name.replace('.', '/')}.py" for name in re.findall(r"-m (verify[\w.]*\w)", text))
+        for name in [*re.findall(r"\b(verify/[a-z0-9_/]+\.\w+)", text), *modules]:
             assert (ROOT / name).exists(), f"{page.name} names {name}"
 
 
 def test_study_figure_comes_from_its_table(tmp_path: Path) -> None:
     """The bars of doc/study/line_search.png are the cells of the table above it."""
-    sys.path.insert(0, str(ROOT / "verify" / "study"))
-    from line_search_table import MODES, draw, rows_of
+    from verify.study.line_search_table import MODES, draw, rows_of
 
     cases, bars = rows_of((ROOT / "doc" / "study" / "line_search.md").read_text())
     assert len(cases) == 6
@@ -77,19 +78,18 @@ def test_study_figure_comes_from_its_table(tmp_path: Path) -> None:
     draw(cases, bars, tmp_path / "line_search.png")
     drawn, kept = (np.asarray(Image.open(file).convert("L").resize((350, 200)), dtype=float) for file in
                    (tmp_path / "line_search.png", ROOT / "doc" / "study" / "line_search.png"))  # fmt: skip
-    assert np.abs(drawn - kept).mean() < 3, "draw it again: python verify/study/line_search_table.py --draw doc/study/line_search.md"
+    assert np.abs(drawn - kept).mean() < 3, "draw it again: python -m verify.study.line_search_table --draw doc/study/line_search.md"
 
 
 def test_study_tables_come_from_its_runs(tmp_path: Path) -> None:
     """Each table over all contact cases in doc/study/line_search.md, and its figure, are those of doc/study/runs.csv."""
-    sys.path.insert(0, str(ROOT / "verify" / "study"))
-    from contact_table import DIRECTIONS, FRICTIONS, MODES, PROBLEMS, SIZES, draw, read_runs, show
+    from verify.study.contact_table import DIRECTIONS, FRICTIONS, MODES, PROBLEMS, SIZES, draw, read_runs, show
 
     runs = read_runs(ROOT / "doc" / "study" / "runs.csv")
     assert len(runs) == len(DIRECTIONS) * len(PROBLEMS) * len(FRICTIONS) * len(SIZES) * len(MODES)
     page = (ROOT / "doc" / "study" / "line_search.md").read_text()
     for table in show(runs).split("\n\n"):
-        assert table in page, "write it again: python verify/study/contact_table.py --show doc/study/runs.csv"
+        assert table in page, "write it again: python -m verify.study.contact_table --show doc/study/runs.csv"
     draw(runs, tmp_path / "contact_table.png")
     drawn, kept = (np.asarray(Image.open(file).convert("L").resize((350, 150)), dtype=float) for file in
                    (tmp_path / "contact_table.png", ROOT / "doc" / "study" / "contact_table.png"))  # fmt: skip

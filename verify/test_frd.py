@@ -7,21 +7,20 @@ from __future__ import annotations
 
 import os
 import re
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from conftest import Run
+
+from verify.conftest import Run
+from verify.decks import make_decks
+from verify.decks.solids import KINDS, as_kind, node_set
+from verify.independent.results import read_field
+from verify.peers.dat import Block, read_dat, read_frd
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE / "decks"), str(HERE / "peers")]
 
-import make_decks  # noqa: E402
-from dat import Block, read_dat, read_frd  # noqa: E402
-from independent.results import read_field  # noqa: E402
-from solids import KINDS, as_kind, node_set  # noqa: E402
 
 DECKS = Path(os.environ.get("AMONTONS_DECKS", HERE.parents[1] / "shared" / "decks"))
 DIGITS = 1e-5  # a column holds six digits

@@ -4,8 +4,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-import lint
 import pytest
+
+from verify import lint
 
 HEAD = "!> Sample: a room for this test.\n!! SPDX-License-Identifier: GPL-3.0-or-later\n"
 
@@ -28,7 +29,7 @@ NESTED = "\n".join(["    if (.true.) then"] * 5 + ["    end if"] * 5)
 
 
 def test_floors_hold() -> None:
-    """Nothing upward, nothing stale, nothing missing. `python3 verify/lint.py --write` mends the last two."""
+    """Nothing upward, nothing stale, nothing missing. `python3 -m verify.lint --write` mends the last two."""
     rooms = {path.stem: lint.read_room(path) for path in sorted(lint.SOURCE.glob("*.f90"))}
     assert len(rooms) > 20
     assert lint.check_floors(rooms, lint.read_floors()) == []
@@ -131,6 +132,16 @@ def test_rooms_of_the_documents(tmp_path: Path) -> None:
     (developer / "architecture.md").write_text("| floor | rooms |\n|---|---|\n| 4 kernels | `slip` `kernel` | pure `procedures` |\n")
     assert lint.check_documents({"slip", "gap"}, tmp_path) == [
         "doc/theory/contact.md:4: there is no room crossing", "doc/developer/architecture.md:3: there is no room kernel"]
+
+
+def test_search_paths_stay_as_they_are(tmp_path: Path) -> None:
+    """A file or page that changes the search path of Python is found; one that only names a path is not."""
+    (tmp_path / "verify" / "study").mkdir(parents=True)
+    (tmp_path / "doc").mkdir()
+    (tmp_path / "verify" / "study" / "table.py").write_text("import sys\n\nsys" + ".path.insert(0, 'decks')\n")
+    (tmp_path / "doc" / "page.md").write_text("os.path, syspath\n")
+    assert lint.check_search_paths(tmp_path) == [
+        "verify/study/table.py:3: the search path of Python is changed; import from the package verify"]
 
 
 def test_layout(tmp_path: Path) -> None:

@@ -17,9 +17,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from card_reference import MANUAL, find_examples, page_of, read_cards
-from conftest import ROOT, Run
-from rooms import page as rooms_page
+
+from verify.card_reference import MANUAL, find_examples, page_of, read_cards
+from verify.conftest import ROOT, Run
+from verify.rooms import page as rooms_page
 
 PAGES = sorted((ROOT / "doc").rglob("*.md"))
 DECK = re.compile(r"```abaqus\n(.*?)```", re.DOTALL)

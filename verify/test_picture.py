@@ -5,19 +5,16 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
 
-sys.path.insert(0, str(Path(__file__).resolve().parent / "decks"))
-
-import picture  # noqa: E402
-from planes import flat_deck, flatten  # noqa: E402
-from sheets import between, fix, pair, sheet, step  # noqa: E402
-from solids import unit_cube  # noqa: E402
+from verify import picture
+from verify.conftest import Run
+from verify.decks.planes import flat_deck, flatten
+from verify.decks.sheets import between, fix, pair, sheet, step
+from verify.decks.solids import unit_cube
 
 BALL = """*NODE
 90, 0.5, 0.5, 3.

@@ -10,7 +10,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 import pytest
-from proof import CHAPTERS, MOST_OVER_ALL, Case, Check, write_index
+
+from verify.proof import CHAPTERS, MOST_OVER_ALL, Case, Check, write_index
 
 
 def test_mean_effort(tmp_path: Path) -> None:

@@ -10,21 +10,17 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE / "decks"), str(HERE.parent / "python")]
-
-import make_decks  # noqa: E402
-from amontons.report import main, make_report, round_factor, sections, view_data  # noqa: E402
-from amontons.report.charts import number  # noqa: E402
-from amontons.report.data import Job, read_job  # noqa: E402
-from solids import KINDS, as_kind, node_set  # noqa: E402
+from amontons.report import main, make_report, round_factor, sections, view_data
+from amontons.report.charts import number
+from amontons.report.data import Job, read_job
+from verify.conftest import Run
+from verify.decks import make_decks
+from verify.decks.solids import KINDS, as_kind, node_set
 
 BROWSER = next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
 LOADS = r"""<(?:link|script|img|iframe|object|embed)[^>]*(?:src|href)=|@import|url\(|\bfetch\(|XMLHttpRequest|WebSocket|https?://"""

@@ -15,10 +15,11 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
-from card_reference import page_of, read_cards
-from conftest import ROOT, Run
-from rooms import page as rooms_page
-from test_report import BROWSER, open_in_browser
+
+from verify.card_reference import page_of, read_cards
+from verify.conftest import ROOT, Run
+from verify.rooms import page as rooms_page
+from verify.test_report import BROWSER, open_in_browser
 
 MKDOCS = Path(os.environ.get("AMONTONS_MKDOCS", ROOT / ".venv-doc" / "bin" / "mkdocs"))
 FORD = Path(os.environ.get("AMONTONS_FORD", ROOT / ".venv-api" / "bin" / "ford"))

@@ -12,24 +12,21 @@ from __future__ import annotations
 
 import importlib
 import re
-import sys
 from collections.abc import Callable
 from functools import partial
 from inspect import signature
 from pathlib import Path
-from types import ModuleType
 
 import pytest
-from conftest import ROOT, Run
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent / "decks"), str(HERE.parent / "verification"), str(HERE.parent / "library"), str(HERE)]
-
-import common  # noqa: E402  (finds the library and its Python package)
-import amontons  # noqa: E402
-from proof import Job  # noqa: E402
-from comparison import SYSTEMS, InUnits, View, same  # noqa: E402
-from scaling import Units, renumbered, rotation, scaled, shuffled, turned  # noqa: E402
+import amontons
+from verify.conftest import ROOT, Run
+from verify.invariance.comparison import SYSTEMS, InUnits, View, same
+from verify.invariance.scaling import Units, renumbered, rotation, scaled, shuffled, turned
+from verify.library import common
+from verify.proof import Job
+from verify.study import contact_table
+from verify.verification import test_defaults, test_mortar, test_sliding
 
 
 class TakenError(Exception):
@@ -50,7 +47,7 @@ def deck_of_case(module: str, function: str, changes: dict[str, object] | None =
         def __getattr__(self, name: str) -> Callable[..., None]:
             return lambda *_, **__: None
 
-    home = importlib.import_module(module)
+    home = importlib.import_module(f"verify.verification.{module}")
     case = getattr(home, function)
     fixtures = {"proof": lambda *_, **__: Thief(), "run_deck": Thief().run, "tmp_path": None, "run": None}
     values |= {name: fixture for name, fixture in fixtures.items() if name in signature(case).parameters}
@@ -73,7 +70,7 @@ def deck_of_file(name: str) -> str:
 
 def default_deck(name: str) -> str:
     """A deck of those that run with default settings."""
-    return deck_of_case("test_defaults", "test_defaults", make=getattr(importlib.import_module("test_defaults"), name))
+    return deck_of_case("test_defaults", "test_defaults", make=getattr(test_defaults, name))
 
 
 def in_dialect(deck: str, text: str) -> str:
@@ -92,12 +89,6 @@ def shorter(deck: str, by: float) -> str:
     return re.sub(r"(\*STATIC[^\n]*\n)([^\n]*)", cut, deck)
 
 
-def study() -> ModuleType:
-    """The study over all contact cases, which makes decks."""
-    importlib.import_module("test_sliding")  # knows where it is
-    return importlib.import_module("contact_table")
-
-
 CASES: dict[str, Callable[[], str]] = {
     "three cubes": lambda: deck_of_file("input/three_cubes.inp"),
     "example contact": lambda: deck_of_file("doc/manual/examples/contact.inp"),
@@ -106,7 +97,7 @@ CASES: dict[str, Callable[[], str]] = {
     "patch, 3 on 4": lambda: deck_of_case("test_contact_patch", "test_not_matching", upper=3, lower=4),
     "patch by mortar": lambda: deck_of_case("test_mortar", "test_plane_patch", kinds=("CPE8", "CPE8")),
     "patch of rings": lambda: deck_of_case("test_plane_contact", "test_patch", kind="CAX4", inner=1.0),
-    "slope": lambda: importlib.import_module("test_sliding").slope_deck(0.29, True),
+    "slope": lambda: test_sliding.slope_deck(0.29, True),
     "slope in the plane": lambda: deck_of_case("test_plane_friction", "test_block_on_a_slope"),
     "drawn slab": lambda: deck_of_case("test_plane_friction", "test_drawn_slab", kind="CPE4"),
     "pull-out of rings": lambda: deck_of_case("test_plane_friction", "test_pull_out"),
@@ -140,7 +131,7 @@ CASES: dict[str, Callable[[], str]] = {
     "pushed to a wall": lambda: deck_of_case("test_carry", "test_pushed_to_a_wall"),
     "rigid indenter": lambda: deck_of_case("test_rigid_masters", "test_indentation_by_a_rigid_body"),
     "rigid body turns": lambda: deck_of_case("test_rigid_masters", "test_turning_rigid_body"),
-    "patch by mortar in space": lambda: deck_of_case("test_mortar", "test_patch", name=next(iter(importlib.import_module("test_mortar").PATCHES))),
+    "patch by mortar in space": lambda: deck_of_case("test_mortar", "test_patch", name=next(iter(test_mortar.PATCHES))),
     "reversal by mortar": lambda: deck_of_case("test_mortar", "test_reversal"),
     "turning block by mortar": lambda: deck_of_case("test_mortar", "test_stuck_block_turns", degrees=10),
     "Hertz by mortar": lambda: deck_of_case("test_mortar", "test_hertz_point"),
@@ -151,8 +142,8 @@ CASES: dict[str, Callable[[], str]] = {
     "coarse side first": lambda: deck_of_case("test_overlaps", "test_coarse_side_first"),
     "lap of rings": lambda: deck_of_case("test_plane_contact", "test_lap_of_rings"),
     "capstan": lambda: deck_of_case("test_sliding", "test_capstan"),
-    "block dragged at once": lambda: deck_of_case("test_sliding", "test_dragged_at_once", what="block", make=study().drag, mu=0.3, steps=2),
-    "cylinder dragged at once": lambda: deck_of_case("test_sliding", "test_dragged_at_once", what="cylinder", make=study().cylinder, mu=1.0, steps=3),
+    "block dragged at once": lambda: deck_of_case("test_sliding", "test_dragged_at_once", what="block", make=contact_table.drag, mu=0.3, steps=2),
+    "cylinder dragged at once": lambda: deck_of_case("test_sliding", "test_dragged_at_once", what="cylinder", make=contact_table.cylinder, mu=1.0, steps=3),
     "cubes under a law": lambda: deck_of_case("test_sliding", "test_cubes_under_a_law", slope=1e8, stick=1e7),
     "Prandtl's punch": lambda: deck_of_case("test_inelastic", "test_prandtl_punch"),
     "led by supports": lambda: deck_of_case("test_sliding", "test_led_by_supports"),

@@ -6,15 +6,11 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from feature_decks import HARD, LINEAR, NODES, NONLINEAR, SOFT, TABULAR, bodies, push, sections, step  # noqa: E402
-from joint_decks import FACES, OUT, law, pair  # noqa: E402
-from parts import Part, rows  # noqa: E402
+from verify.peers.feature_decks import HARD, LINEAR, NODES, NONLINEAR, SOFT, TABULAR, bodies, push, sections, step
+from verify.peers.joint_decks import FACES, OUT, law, pair
+from verify.peers.parts import Part, rows
 
 MORTAR = "MORTAR"
 RUB = "*FRICTION\n.3, 1.E5\n"

@@ -8,16 +8,12 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from parts import Floats, Part, rows  # noqa: E402
-from solids import FACES, KINDS  # noqa: E402
+from verify.decks.solids import FACES, KINDS
+from verify.peers.parts import Floats, Part, rows
 
 STEEL = "*MATERIAL, NAME=EL\n*ELASTIC\n210000., .3\n*DENSITY\n7.8E-9\n*EXPANSION\n1.2E-5\n"
 SOFT = STEEL.replace("210000.", "10000.")

@@ -5,16 +5,12 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from feature_decks import SOFT, STEEL, bodies, sections, step  # noqa: E402
-from parts import Floats, Part  # noqa: E402
+from verify.peers.feature_decks import SOFT, STEEL, bodies, sections, step
+from verify.peers.parts import Floats, Part
 
 NODES, FACES = "NODE TO SURFACE", "SURFACE TO SURFACE"
 OUT = "*NODE PRINT, NSET=NALL\nU, RF\n*EL PRINT, ELSET=EALL\nS\n*NODE FILE\nU, RF\n*EL FILE\nS\n"

@@ -9,19 +9,15 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import block  # noqa: E402
-from planes import grid_rows, number_mid_sides  # noqa: E402
-from solids import KINDS, Solids, as_kind  # noqa: E402
+from verify.decks.make_decks import block
+from verify.decks.planes import grid_rows, number_mid_sides
+from verify.decks.solids import KINDS, Solids, as_kind
 
 Floats = NDArray[np.float64]
 SEED = 20
@@ -92,7 +88,7 @@ def solid(kind: str, cells: tuple[int, int, int] = (2, 1, 1), distortion: float 
 
 def nodes_of(mesh: Solids, faces: Iterable[tuple[int, int]]) -> set[int]:
     """The corners of faces and the middles of their edges."""
-    from solids import _EDGES, _HEX_EDGES, FACES, QUADRATIC
+    from verify.decks.solids import _EDGES, _HEX_EDGES, FACES, QUADRATIC
 
     edges = _EDGES.get(mesh.kind, _HEX_EDGES)
     result: set[int] = set()

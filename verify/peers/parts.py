@@ -5,20 +5,15 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import block  # noqa: E402
-from mixed_decks import nodes_of  # noqa: E402
-from planes import grid_rows, number_mid_sides  # noqa: E402
-from solids import Solids, as_kind  # noqa: E402
+from verify.decks.make_decks import block
+from verify.decks.planes import grid_rows, number_mid_sides
+from verify.decks.solids import Solids, as_kind
+from verify.peers.mixed_decks import nodes_of
 
 Floats = NDArray[np.float64]
 SIDES = [("X0", 0, 0), ("X1", 0, 1), ("Y0", 1, 0), ("Y1", 1, 1), ("Z0", 2, 0), ("Z1", 2, 1)]

@@ -5,21 +5,17 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import block  # noqa: E402
-from proof import Case  # noqa: E402
-from sheets import Floats, between, fix, step  # noqa: E402
-from solids import KINDS, as_kind, node_set, prescribed  # noqa: E402
-from test_elastic import NU, YOUNG, distorted, hencky_stress, hooke, voigt  # noqa: E402
-from test_elements import sheet  # noqa: E402
+from verify.decks.make_decks import block
+from verify.decks.sheets import Floats, between, fix, step
+from verify.decks.solids import KINDS, as_kind, node_set, prescribed
+from verify.proof import Case
+from verify.verification.test_elastic import NU, YOUNG, distorted, hencky_stress, hooke, voigt
+from verify.verification.test_elements import sheet
 
 Proof = Callable[..., Case]
 TIGHT = "*CONTROLS, PARAMETERS=FIELD\n1e-10, 1e-10, , , 1e-10\n"

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
-from conftest import Run
+
+from verify.conftest import Run
 
 SETUP = 4
 Point = tuple[float, float, float]

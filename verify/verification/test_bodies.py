@@ -5,23 +5,19 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-import make_decks  # noqa: E402
-from make_decks import Mesh, _named_grid, block, grid_elements  # noqa: E402
-from proof import Case, Job, observed_order  # noqa: E402
-from sheets import Floats, between, fix, plane_deck, sheet, step  # noqa: E402
-from solids import Solids, as_kind, node_set, pressure_on  # noqa: E402
-from test_elastic import tip_shares  # noqa: E402
+from verify.decks import make_decks
+from verify.decks.make_decks import Mesh, block, grid_elements
+from verify.decks.sheets import Floats, between, fix, plane_deck, sheet, step
+from verify.decks.solids import Solids, as_kind, node_set, pressure_on
+from verify.proof import Case, Job, observed_order
+from verify.verification.test_elastic import tip_shares
 
 Proof = Callable[..., Case]
 

@@ -9,19 +9,16 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
-from course_files import read_sta
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import Mesh, block  # noqa: E402
-from solids import FACES, Solids, as_kind, node_set  # noqa: E402
+from verify.conftest import Run
+from verify.course_files import read_sta
+from verify.decks.make_decks import Mesh, block
+from verify.decks.solids import FACES, Solids, as_kind, node_set
 
 MU, TENSION = 0.2, 20000.0
 SHANK, HOLE, HEAD, THICK, END = 8.0, 8.5, 13.0, 8.0, 40.0  # half widths, thickness of a plate, where the plates end

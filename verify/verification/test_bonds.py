@@ -10,19 +10,15 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
-from course_files import read_cvg, read_sta
-from solids import unit_cube
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import block, join  # noqa: E402
-from solids import FACES, as_kind, node_set  # noqa: E402
+from verify.conftest import Run
+from verify.course_files import read_cvg, read_sta
+from verify.decks.make_decks import block, join
+from verify.decks.solids import FACES, as_kind, node_set, unit_cube
 
 YOUNG, NU = 1000.0, 0.25
 TOLERANCE = 1e-6  # of the largest value: six digits are printed

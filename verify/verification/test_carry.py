@@ -6,21 +6,18 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from conftest import Run
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import Mesh, block  # noqa: E402
-from planes import flat_deck, flatten, join_planes  # noqa: E402
-from proof import Case  # noqa: E402
-from sheets import Floats, between, fix, pair, sheet, solid_deck, step  # noqa: E402
+from verify.conftest import Run
+from verify.decks.make_decks import Mesh, block
+from verify.decks.planes import flat_deck, flatten, join_planes
+from verify.decks.sheets import Floats, between, fix, pair, sheet, solid_deck, step
+from verify.proof import Case
 
 Proof = Callable[..., Case]
 STEEL, SOFT = (210000.0, 0.3), (2000.0, 0.3)

@@ -9,7 +9,8 @@ import re
 from pathlib import Path
 
 import pytest
-from conftest import Run
+
+from verify.conftest import Run
 
 YOUNG = 1000.0
 DIGITS = 2e-6  # seven digits are printed

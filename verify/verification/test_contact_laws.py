@@ -14,7 +14,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import Run
+
+from verify.conftest import Run
 
 MODULUS = 1000.0
 HEAD = """** dialect: calculix

@@ -10,7 +10,6 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
-import sys
 from dataclasses import dataclass, field
 from math import log, pi
 from pathlib import Path
@@ -18,17 +17,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import Run
 from numpy.typing import NDArray
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent / "decks"), str(HERE.parent / "peers")]
-
-import solids  # noqa: E402
-from dat import read_frd  # noqa: E402
-from make_decks import block  # noqa: E402
-from planes import flatten  # noqa: E402
-from sheets import sheet  # noqa: E402
+from verify.conftest import Run
+from verify.decks import solids
+from verify.decks.make_decks import block
+from verify.decks.planes import flatten
+from verify.decks.sheets import sheet
+from verify.peers.dat import read_frd
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -5,19 +5,14 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-import make_decks  # noqa: E402
-import solids  # noqa: E402
-from proof import Case  # noqa: E402
-from sheets import between, fix, pair, solid_deck, step  # noqa: E402
+from verify.decks import make_decks
+from verify.decks.sheets import between, fix, pair, solid_deck, step
+from verify.proof import Case
 
 Proof = Callable[..., Case]
 

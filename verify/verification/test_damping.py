@@ -10,8 +10,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import Run
-from solids import unit_cube
+
+from verify.conftest import Run
+from verify.decks.solids import unit_cube
 
 CUBE = unit_cube() + """*MATERIAL, NAME=M
 *ELASTIC

@@ -5,19 +5,15 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import Mesh  # noqa: E402
-from planes import flat_deck, flatten, join_planes  # noqa: E402
-from proof import Case  # noqa: E402
-from sheets import Floats, between, fix, pair, sheet  # noqa: E402
+from verify.decks.make_decks import Mesh
+from verify.decks.planes import flat_deck, flatten, join_planes
+from verify.decks.sheets import Floats, between, fix, pair, sheet
+from verify.proof import Case
 
 Proof = Callable[..., Case]
 STEEL, SOFT, RUBBER = (210000.0, 0.3), (2000.0, 0.3), (10.0, 0.45)

@@ -8,21 +8,18 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
 from numpy.typing import NDArray
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-import make_decks  # noqa: E402
-from independent.results import read_field  # noqa: E402
-from solids import as_kind, node_set, prescribed, pressure_on  # noqa: E402
+from verify.conftest import Run
+from verify.decks import make_decks
+from verify.decks.solids import as_kind, node_set, pressure_on
+from verify.independent.results import read_field
 
 Floats = NDArray[np.float64]
 Map = Callable[[Floats, Floats], tuple[Floats, Floats]]

@@ -5,18 +5,15 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from conftest import Run
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import Floats, block  # noqa: E402
-from sheets import between, fix, pair, solid_deck, step  # noqa: E402
+from verify.conftest import Run
+from verify.decks.make_decks import Floats, block
+from verify.decks.sheets import between, fix, pair, solid_deck, step
 
 TERMS = ("strain_energy", "contact_energy", "friction_work", "plastic_work", "carried_work")
 

@@ -6,22 +6,19 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from conftest import Run
-from independent.results import read_history
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import block  # noqa: E402
-from planes import flat_deck, flatten  # noqa: E402
-from sheets import Floats, between, fix, pair, sheet, solid_deck  # noqa: E402
-from test_carry import LEAN, PRESS, STIFF, WEAK, pole  # noqa: E402
-from test_defaults import gasket_at_edges  # noqa: E402
+from verify.conftest import Run
+from verify.decks.make_decks import block
+from verify.decks.planes import flat_deck, flatten
+from verify.decks.sheets import Floats, between, fix, pair, sheet, solid_deck
+from verify.independent.results import read_history
+from verify.verification.test_carry import LEAN, PRESS, STIFF, WEAK, pole
+from verify.verification.test_defaults import gasket_at_edges
 
 ELASTIC = "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n"
 STATIC = "*STEP, NLGEOM, INC=100\n*STATIC\n0.1, 1., 0.01, 0.1\n"

@@ -5,19 +5,16 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
 from scipy.optimize import fsolve
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from independent.results import read_field, read_history  # noqa: E402
-from make_decks import block  # noqa: E402
-from solids import as_kind, node_set, pressure_on  # noqa: E402
+from verify.conftest import Run
+from verify.decks.make_decks import block
+from verify.decks.solids import as_kind, node_set, pressure_on
+from verify.independent.results import read_field, read_history
 
 C10, D1, TENSION = 1.9, 0.026, 2.0
 TIGHT = "*CONTROLS, PARAMETERS=FIELD\n1e-9, 1e-9, , , 1e-9\n"

@@ -5,20 +5,16 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from independent.deck import read_deck  # noqa: E402
-from make_decks import Mesh, graded, hertz_deck, join  # noqa: E402
-from proof import Case, Job, observed_order  # noqa: E402
-from sheets import Floats, fix, pair, plane_deck, rows_of, sheet, step  # noqa: E402
+from verify.conftest import ROOT
+from verify.decks.make_decks import Mesh, graded, hertz_deck, join
+from verify.decks.sheets import Floats, fix, pair, plane_deck, rows_of, sheet, step
+from verify.independent.deck import read_deck
+from verify.proof import Case, Job, observed_order
 
 Proof = Callable[..., Case]
 

@@ -6,17 +6,14 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
-from independent.results import read_field, read_history
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / folder) for folder in ("decks", "study")]
-
-from contact_table import ball, cylinder  # noqa: E402
+from verify.conftest import Run
+from verify.independent.results import read_field, read_history
+from verify.study.contact_table import ball, cylinder
 
 FAST, SLOW, FEW = 6, 12, 4  #: iterations: IG, IL of doc/theory/newton.md, and those after which what was not foreseen counts
 SHORTER, LONGER, CUTS = 0.75, 1.5, (0.25, 0.5)  #: D_B, D_D, (D_F, D_C)

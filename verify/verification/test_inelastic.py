@@ -5,22 +5,18 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from planes import flat_deck, flatten  # noqa: E402
-from proof import Case, observed_order  # noqa: E402
-from sheets import Floats, between, fix, pair, step  # noqa: E402
-from sheets import sheet as grid  # noqa: E402
-from solids import node_set, pressure_on  # noqa: E402
-from test_bodies import octant  # noqa: E402
-from test_elements import Sheet, sheet, supports  # noqa: E402
+from verify.decks.planes import flat_deck, flatten
+from verify.decks.sheets import Floats, between, fix, pair, step
+from verify.decks.sheets import sheet as grid
+from verify.decks.solids import node_set, pressure_on
+from verify.proof import Case, observed_order
+from verify.verification.test_bodies import octant
+from verify.verification.test_elements import Sheet, sheet, supports
 
 Proof = Callable[..., Case]
 

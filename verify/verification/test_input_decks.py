@@ -5,27 +5,24 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT, Run
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-import make_decks  # noqa: E402
-import picture  # noqa: E402
-from contact_check import check_file  # noqa: E402
-from independent.deck import Deck, read_deck  # noqa: E402
-from independent.element import reference_gradients  # noqa: E402
-from independent.results import read_field, read_history, read_results  # noqa: E402
+from verify import picture
+from verify.conftest import ROOT, Run
+from verify.contact_check import check_file
+from verify.decks import make_decks
+from verify.independent.deck import Deck, read_deck
+from verify.independent.element import reference_gradients
+from verify.independent.results import read_field, read_history, read_results
 
 INPUT = ROOT / "input"
 
 
 def test_input_is_what_the_generator_writes() -> None:
-    """Nobody edits a mesh by hand: `python verify/decks/make_decks.py` writes input/ again."""
+    """Nobody edits a mesh by hand: `python -m verify.decks.make_decks` writes input/ again."""
     for name, text in make_decks.input_decks().items():
         assert (INPUT / name).read_text() == text, f"input/{name} differs from the generator's"
 

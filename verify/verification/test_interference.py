@@ -6,18 +6,15 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import block  # noqa: E402
-from proof import Job  # noqa: E402
-from sheets import between, fix, pair, solid_deck, step  # noqa: E402
+from verify.decks.make_decks import block
+from verify.decks.sheets import between, fix, pair, solid_deck, step
+from verify.proof import Job
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 OVERLAP = 0.02

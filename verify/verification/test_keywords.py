@@ -11,8 +11,9 @@ import re
 from pathlib import Path
 
 import pytest
-from conftest import Run
-from solids import unit_cube
+
+from verify.conftest import Run
+from verify.decks.solids import unit_cube
 
 READ = """AMPLITUDE|BOUNDARY|CHANGE FRICTION|CHANGE MATERIAL|CHANGE PLASTIC|CHANGE SOLID SECTION|CHANGE SURFACE BEHAVIOR|CLEARANCE|CLOAD|
 CONTACT FILE|CONTACT OUTPUT|CONTACT PAIR|CONTACT PRINT|CONTROLS|COUPLING|CREEP|CYCLIC HARDENING|CYCLIC SYMMETRY MODEL|

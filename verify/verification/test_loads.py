@@ -9,8 +9,9 @@ import re
 from pathlib import Path
 
 import pytest
-from conftest import Run
-from course_files import read_sta
+
+from verify.conftest import Run
+from verify.course_files import read_sta
 
 YOUNG, DENSITY, LENGTH = 1000.0, 2.0, 4.0
 DIGITS = 2e-6  # seven digits are printed

@@ -5,18 +5,14 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from proof import Case, observed_order  # noqa: E402
-from sheets import Floats, step  # noqa: E402
-from test_elements import Sheet, material, sheet, supports  # noqa: E402
+from verify.decks.sheets import Floats, step
+from verify.proof import Case, observed_order
+from verify.verification.test_elements import Sheet, material, sheet, supports
 
 Proof = Callable[..., Case]
 

@@ -5,25 +5,17 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-import make_decks  # noqa: E402
-import solids  # noqa: E402
-import test_hertz  # noqa: E402
-import test_sliding  # noqa: E402
-from numpy.typing import NDArray  # noqa: E402
-from proof import Case  # noqa: E402
-from sheets import between  # noqa: E402
+from verify.decks import make_decks, solids
+from verify.decks.sheets import between
+from verify.proof import Case
+from verify.verification import test_hertz, test_sliding
 
 Proof = Callable[..., Case]
 Floats = NDArray[np.float64]

@@ -6,22 +6,18 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import subprocess
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-import solids  # noqa: E402
-from make_decks import block  # noqa: E402
-from planes import Plane, flat_deck, flatten  # noqa: E402
-from proof import Case, Job  # noqa: E402
-from sheets import Floats, between, fix, pair, sheet, solid_deck, step  # noqa: E402
-from test_hertz import arc, slab  # noqa: E402
+from verify.decks import solids
+from verify.decks.make_decks import block
+from verify.decks.planes import Plane, flat_deck, flatten
+from verify.decks.sheets import Floats, between, fix, pair, sheet, solid_deck, step
+from verify.proof import Case, Job
+from verify.verification.test_hertz import arc, slab
 
 Proof = Callable[..., Case]
 YOUNG, NU = 1000.0, 0.3

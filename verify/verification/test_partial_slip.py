@@ -5,19 +5,15 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.special import ellipk
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import Mesh, graded, join  # noqa: E402
-from proof import Case, Job  # noqa: E402
-from sheets import Floats, both_ways, fix, pair, plane_deck, rows_of, sheet, step  # noqa: E402
+from verify.decks.make_decks import Mesh, graded, join
+from verify.decks.sheets import Floats, both_ways, fix, pair, plane_deck, rows_of, sheet, step
+from verify.proof import Case, Job
 
 Proof = Callable[..., Case]
 

@@ -5,22 +5,18 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import Mesh, graded  # noqa: E402
-from planes import Plane, flat_deck, flatten  # noqa: E402
-from proof import Case, observed_order  # noqa: E402
-from sheets import Floats, between, fix, pair, plane_deck, sheet, step  # noqa: E402
-from test_hertz import arc, fitted, slab  # noqa: E402
-from test_partial_slip import FAR, MU, NU, RADIUS, YOUNG, cylinders, mindlin  # noqa: E402
-from test_sliding import strap_and_drum  # noqa: E402
+from verify.decks.make_decks import Mesh, graded
+from verify.decks.planes import Plane, flat_deck, flatten
+from verify.decks.sheets import Floats, between, fix, pair, plane_deck, sheet, step
+from verify.proof import Case, observed_order
+from verify.verification.test_hertz import arc, fitted, slab
+from verify.verification.test_partial_slip import FAR, MU, NU, RADIUS, YOUNG, cylinders, mindlin
+from verify.verification.test_sliding import strap_and_drum
 
 Proof = Callable[..., Case]
 

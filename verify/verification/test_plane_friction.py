@@ -5,21 +5,18 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import graded  # noqa: E402
-from planes import flat_deck, flatten, join_planes  # noqa: E402
-from proof import Case, Job, observed_order  # noqa: E402
-from sheets import Floats, between, fix, pair, plane_deck, rows_of, sheet, step  # noqa: E402
-from test_sliding import DENSITY, GRAVITY, SLOPE, SOFT  # noqa: E402
+from verify.conftest import Run
+from verify.decks.make_decks import graded
+from verify.decks.planes import flat_deck, flatten, join_planes
+from verify.decks.sheets import Floats, between, fix, pair, plane_deck, rows_of, sheet, step
+from verify.proof import Case, Job, observed_order
+from verify.verification.test_sliding import DENSITY, GRAVITY, SLOPE, SOFT
 
 Proof = Callable[..., Case]
 

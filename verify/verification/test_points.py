@@ -10,17 +10,14 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from conftest import Run
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "peers"))
-
-from dat import read_frd  # noqa: E402
+from verify.conftest import Run
+from verify.peers.dat import read_frd
 
 MODULUS, PRESSURE, STIFFNESS = 1000.0, 2.0, 1.0e5
 HEX20 = [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1), (0, -1, -1), (1, 0, -1), (0, 1, -1),

@@ -9,7 +9,8 @@ import re
 from pathlib import Path
 
 import pytest
-from conftest import Run
+
+from verify.conftest import Run
 
 ALPHA, HEAT, STRETCH, YOUNG = 1e-3, 40.0, 0.02, 100.0
 BAR = f"""*NODE, NSET=N

@@ -5,12 +5,9 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "study"))
-
-from random_contact import run  # noqa: E402
+from verify.study.random_contact import run
 
 SEEDS = range(1, 31)
 MOST_BY_LAWS = 2.0  # iterations per increment of surfaces that give

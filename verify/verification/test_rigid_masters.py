@@ -5,18 +5,13 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
-import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from planes import Plane, flat_deck, flatten  # noqa: E402
-from proof import Case  # noqa: E402
-from sheets import Floats, between, fix, pair, sheet, step  # noqa: E402
+from verify.decks.planes import Plane, flat_deck, flatten
+from verify.decks.sheets import Floats, between, fix, pair, sheet, step
+from verify.proof import Case
 
 Proof = Callable[..., Case]
 RADIUS, YOUNG, NU = 2.0, 1000.0, 0.3

@@ -5,22 +5,18 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from independent.half_space import Punch, solve_punch  # noqa: E402
-from make_decks import Mesh, block, graded  # noqa: E402
-from planes import flat_deck, flatten  # noqa: E402
-from proof import Case, Job, observed_order  # noqa: E402
-from rounds import quarter_disk  # noqa: E402
-from sheets import Floats, between, fix, pair, sheet, solid_deck, step  # noqa: E402
+from verify.decks.make_decks import Mesh, block, graded
+from verify.decks.planes import flat_deck, flatten
+from verify.decks.rounds import quarter_disk
+from verify.decks.sheets import Floats, between, fix, pair, sheet, solid_deck, step
+from verify.independent.half_space import Punch, solve_punch
+from verify.proof import Case, Job, observed_order
 
 Proof = Callable[..., Case]
 reference = cache(solve_punch)

@@ -5,23 +5,19 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, newton
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-import make_decks  # noqa: E402
-from make_decks import Mesh, grid_elements  # noqa: E402
-from proof import Case, observed_order  # noqa: E402
-from sheets import Floats, between, step  # noqa: E402
-from solids import as_kind, node_set, prescribed  # noqa: E402
-from test_elements import sheet, supports  # noqa: E402
+from verify.decks import make_decks
+from verify.decks.make_decks import Mesh, grid_elements
+from verify.decks.sheets import Floats, between, step
+from verify.decks.solids import as_kind, node_set, prescribed
+from verify.proof import Case, observed_order
+from verify.verification.test_elements import sheet, supports
 
 Proof = Callable[..., Case]
 Energy = Callable[[np.ndarray], complex]

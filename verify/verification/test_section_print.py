@@ -5,18 +5,15 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
 from numpy.typing import NDArray
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import block  # noqa: E402
-from solids import KINDS, Solids, as_kind, prescribed  # noqa: E402
+from verify.conftest import Run
+from verify.decks.make_decks import block
+from verify.decks.solids import KINDS, Solids, as_kind, prescribed
 
 YOUNG, NU = 1000.0, 0.3
 TOLERANCE = 2e-6  # of the largest value: seven digits are printed

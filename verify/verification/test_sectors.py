@@ -11,8 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
-from solids import unit_cube
+
+from verify.conftest import Run
+from verify.decks.solids import unit_cube
 
 DIGITS = 2e-6  # seven digits are printed
 YOUNG, NU, DENSITY = 1000.0, 0.3, 2.0

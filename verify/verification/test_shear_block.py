@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT, Run
-from contact_check import check_file
-from independent.contact import IncrementCheck
-from independent.results import read_history, read_results
+
+from verify.conftest import ROOT, Run
+from verify.contact_check import check_file
+from verify.independent.contact import IncrementCheck
+from verify.independent.results import read_history, read_results
 
 pytestmark = pytest.mark.slow
 

@@ -6,17 +6,14 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "peers"))
-
-from dat import read_dat  # noqa: E402
-from parts import Part  # noqa: E402
+from verify.peers.dat import read_dat
+from verify.peers.parts import Part
 
 Run = Callable[..., object]
 LENGTH, HEIGHT, LOAD = 10.0, 0.5, 4.0

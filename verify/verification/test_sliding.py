@@ -6,22 +6,18 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "study"))
-
-from contact_table import cylinder, drag  # noqa: E402
-from make_decks import Mesh, _named_grid, block, graded, join, material_cards, mesh_cards  # noqa: E402
-from planes import Plane, flat_deck, flatten  # noqa: E402
-from proof import Case  # noqa: E402
-from sheets import Floats, between, fix, pair, plane_deck, rows_of, sheet, solid_deck, step  # noqa: E402
+from verify.conftest import Run
+from verify.decks.make_decks import Mesh, block, join, material_cards, mesh_cards
+from verify.decks.planes import Plane, flat_deck, flatten
+from verify.decks.sheets import Floats, between, fix, pair, plane_deck, sheet, solid_deck, step
+from verify.proof import Case
+from verify.study.contact_table import cylinder, drag
 
 Proof = Callable[..., Case]
 

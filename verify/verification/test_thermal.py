@@ -5,20 +5,16 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import block  # noqa: E402
-from planes import flatten  # noqa: E402
-from proof import Case, Job, observed_order  # noqa: E402
-from sheets import Floats, between, fix, sheet, step  # noqa: E402
-from solids import as_kind, node_set  # noqa: E402
+from verify.decks.make_decks import block
+from verify.decks.planes import flatten
+from verify.decks.sheets import Floats, between, fix, sheet, step
+from verify.decks.solids import as_kind, node_set
+from verify.proof import Case, Job, observed_order
 
 Proof = Callable[..., Case]
 

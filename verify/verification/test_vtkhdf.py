@@ -14,11 +14,12 @@ import h5py
 import numpy as np
 import pytest
 import pyvista
-from conftest import Run
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
 from vtkmodules.vtkIOHDF import vtkHDFReader
+
+from verify.conftest import Run
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = ROOT / os.environ.get("AMONTONS_UNITS", "build/unit") / "test_results"

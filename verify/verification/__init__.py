@@ -1,0 +1,4 @@
+"""Verification cases.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
