@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from verify.proof import MOST_OVER_ALL, Case, write_index
+from verify.cases.proof import MOST_OVER_ALL, Case, write_index
 
 ROOT = Path(__file__).resolve().parent.parent
 TIME_LIMIT = 900  # [s] of one job

@@ -17,7 +17,7 @@ from verify.conftest import Run
 from verify.decks import make_decks
 from verify.decks.solids import KINDS, as_kind, node_set
 from verify.independent.results import read_field
-from verify.peers.dat import Block, read_dat, read_frd
+from verify.readers.dat_frd_files import Block, read_dat, read_frd
 
 HERE = Path(__file__).resolve().parent
 

@@ -14,10 +14,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from verify.cases.proof import Job
 from verify.independent.results import Floats
 from verify.invariance.scaling import Units, cards, keyword
 from verify.invariance.test_invariance import stress_back
-from verify.proof import Job
 
 Ints = NDArray[np.int64]
 SYSTEMS = {"SI": Units(1e-3, 1.0), "m-kN": Units(1e-3, 1e-3), "inch-pound": Units(1 / 25.4, 0.22480894387096)}

@@ -20,11 +20,11 @@ from pathlib import Path
 import pytest
 
 import amontons
+from verify.cases.proof import Job
 from verify.conftest import ROOT, Run
 from verify.invariance.comparison import SYSTEMS, InUnits, View, same
 from verify.invariance.scaling import Units, renumbered, rotation, scaled, shuffled, turned
 from verify.library import common
-from verify.proof import Job
 from verify.study import contact_table
 from verify.verification import test_defaults, test_mortar, test_sliding
 

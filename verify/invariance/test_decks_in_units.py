@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from verify.cases.proof import Job
 from verify.conftest import ROOT, Run
 from verify.invariance.comparison import IN_UNITS, SYSTEMS, InUnits, has, same, same_counts
 from verify.invariance.scaling import Units, cards, keyword, scaled
-from verify.proof import Job
 
 DECKS = Path(os.environ.get("AMONTONS_DECKS", ROOT.parent / "shared" / "decks"))
 FILES = sorted([*DECKS.glob("contact/*.inp"), *DECKS.glob("static/*.inp")])

@@ -18,10 +18,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from verify.cases.proof import Case, Job
 from verify.conftest import Run
 from verify.invariance.comparison import SYSTEMS, InUnits, same, same_counts
 from verify.invariance.scaling import Units, scaled
-from verify.proof import Case, Job
 
 HERE = Path(__file__).resolve().parent
 

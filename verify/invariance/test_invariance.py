@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from verify.cases.proof import Job
 from verify.conftest import Run
 from verify.decks.make_decks import Mesh, block, join, material_cards
 from verify.independent.results import Floats
-from verify.proof import Job
 
 FIELDS = ["U", "S", "CPRESS", "CNORMF", "CSHEARF"]
 YOUNG, NU, MU, PRESS, DRAG = 210000.0, 0.3, 0.3, 0.002, 0.0009

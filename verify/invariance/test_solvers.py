@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from verify.cases.proof import Job
 from verify.conftest import Run
 from verify.decks.make_decks import block
 from verify.decks.solids import as_kind, node_set
 from verify.invariance.test_invariance import FIELDS, Saying, deck
-from verify.proof import Job
 
 ITERATIVE = "*STATIC, SOLVER=ITERATIVE CHOLESKY"
 

@@ -20,8 +20,8 @@ import h5py
 import pytest
 
 from verify.conftest import Run
-from verify.course_files import read_sta
 from verify.library.common import bits, block, cubes, frames, same_results  # noqa: F401
+from verify.readers.sta_cvg_files import read_sta
 
 DECK, SETUP, NOT_CONVERGED, SOLVER, IO = 3, 4, 5, 6, 7
 

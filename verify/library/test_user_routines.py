@@ -15,8 +15,8 @@ import pytest
 
 import amontons
 from verify.conftest import Run
-from verify.course_files import read_cvg
 from verify.library.common import ROOT, same_results
+from verify.readers.sta_cvg_files import read_cvg
 
 ROUTINES = ROOT / "verify" / "library" / "routines"
 USAGE, SETUP, NOT_CONVERGED, IO = 2, 4, 5, 7

@@ -12,10 +12,10 @@ from pathlib import Path
 import h5py
 import pytest
 
+from verify.decks import feature_decks
+from verify.decks.mixed_decks import deck, hold, prints, solid, step
 from verify.decks.solids import unit_cube
-from verify.peers import feature_decks
-from verify.peers.dat import Block, read_dat, read_frd
-from verify.peers.mixed_decks import deck, hold, prints, solid, step
+from verify.readers.dat_frd_files import Block, read_dat, read_frd
 
 CUBE = unit_cube("N") + """*BOUNDARY
 1, 1, 3

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from verify.peers.dat import Deviation, compare, read_dat
+from verify.readers.dat_frd_files import Deviation, compare, read_dat
 
 HEX = [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1), (0, -1, -1), (1, 0, -1), (0, 1, -1),
        (-1, 0, -1), (0, -1, 1), (1, 0, 1), (0, 1, 1), (-1, 0, 1), (-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import pytest
 
-from verify.peers import behaviour_decks, feature_decks, joint_decks
-from verify.peers.dat import Block, compare, compare_block, read_dat, read_frd
+from verify.decks import behaviour_decks, feature_decks, joint_decks
 from verify.peers.test_mixed_decks import leave_out_residue, run_peer
+from verify.readers.dat_frd_files import Block, compare, compare_block, read_dat, read_frd
 
 CASES = feature_decks.cases() | joint_decks.cases() | behaviour_decks.cases()
 LINEAR, NONLINEAR = 2e-3, 1e-2

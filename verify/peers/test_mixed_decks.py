@@ -18,8 +18,8 @@ from pathlib import Path
 
 import pytest
 
-from verify.peers import mixed_decks
-from verify.peers.dat import Deviation, compare, read_dat
+from verify.decks import mixed_decks
+from verify.readers.dat_frd_files import Deviation, compare, read_dat
 
 CCX = shutil.which("ccx")
 CASES = mixed_decks.cases()

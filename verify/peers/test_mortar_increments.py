@@ -14,11 +14,11 @@ from pathlib import Path
 
 import pytest
 
-from verify.course_files import read_cvg, read_sta
-from verify.peers.dat import read_frd
-from verify.peers.feature_decks import STEEL, bodies, sections
-from verify.peers.parts import Part
+from verify.decks.feature_decks import STEEL, bodies, sections
+from verify.decks.parts import Part
 from verify.peers.test_mixed_decks import run_peer
+from verify.readers.dat_frd_files import read_frd
+from verify.readers.sta_cvg_files import read_cvg, read_sta
 
 pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from verify.peers.conftest import AGREES, Entry, Row
-from verify.peers.dat import Block, Deviation, compare, expand, read_dat, read_frd, read_frd_places
+from verify.readers.dat_frd_files import Block, Deviation, compare, expand, read_dat, read_frd, read_frd_places
 
 DECKS = Path(os.environ.get("AMONTONS_DECKS", Path(__file__).resolve().parents[3] / "shared" / "decks"))
 

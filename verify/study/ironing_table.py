@@ -22,8 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
-from verify.course_files import read_sta
 from verify.decks.make_decks import arc_indenter, block, contact_cards, graded, join, material_cards, mesh_cards
+from verify.readers.sta_cvg_files import read_sta
 
 ROOT = Path(__file__).resolve().parents[2]
 

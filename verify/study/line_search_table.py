@@ -20,7 +20,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from verify.course_files import read_sta
+from verify.readers.sta_cvg_files import read_sta
 from verify.study.ironing_table import DRAG, ROOT, Outcome, count_rows, ironing_deck, run_case
 
 MODES = ("NONE", "ALL", "GLOBAL", "NODAL", "AUTO")

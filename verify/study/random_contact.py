@@ -30,10 +30,10 @@ from random import Random
 
 import numpy as np
 
-from verify.course_files import read_sta
 from verify.decks.make_decks import Floats, block, contact_cards, material_cards
 from verify.decks.planes import grid_rows, has_shape, number_mid_sides
 from verify.decks.solids import as_kind
+from verify.readers.sta_cvg_files import read_sta
 from verify.study.random_laws import MOST_TIED, Law, draw_law
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -10,10 +10,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case
 from verify.decks.make_decks import block
 from verify.decks.sheets import Floats, between, fix, step
 from verify.decks.solids import KINDS, as_kind, node_set, prescribed
-from verify.proof import Case
 from verify.verification.test_elastic import NU, YOUNG, distorted, hencky_stress, hooke, voigt
 from verify.verification.test_elements import sheet
 

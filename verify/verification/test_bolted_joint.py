@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from verify.conftest import Run
-from verify.course_files import read_sta
 from verify.decks.make_decks import Mesh, block
 from verify.decks.solids import FACES, Solids, as_kind, node_set
+from verify.readers.sta_cvg_files import read_sta
 
 MU, TENSION = 0.2, 20000.0
 SHANK, HOLE, HEAD, THICK, END = 8.0, 8.5, 13.0, 8.0, 40.0  # half widths, thickness of a plate, where the plates end

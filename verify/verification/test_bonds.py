@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from verify.conftest import Run
-from verify.course_files import read_cvg, read_sta
 from verify.decks.make_decks import block, join
 from verify.decks.solids import FACES, as_kind, node_set, unit_cube
+from verify.readers.sta_cvg_files import read_cvg, read_sta
 
 YOUNG, NU = 1000.0, 0.25
 TOLERANCE = 1e-6  # of the largest value: six digits are printed

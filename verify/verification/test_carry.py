@@ -13,11 +13,11 @@ import h5py
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case
 from verify.conftest import Run
 from verify.decks.make_decks import Mesh, block
 from verify.decks.planes import flat_deck, flatten, join_planes
 from verify.decks.sheets import Floats, between, fix, pair, sheet, solid_deck, step
-from verify.proof import Case
 
 Proof = Callable[..., Case]
 STEEL, SOFT = (210000.0, 0.3), (2000.0, 0.3)

@@ -24,7 +24,7 @@ from verify.decks import solids
 from verify.decks.make_decks import block
 from verify.decks.planes import flatten
 from verify.decks.sheets import sheet
-from verify.peers.dat import read_frd
+from verify.readers.dat_frd_files import read_frd
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case
 from verify.decks import make_decks
 from verify.decks.sheets import between, fix, pair, solid_deck, step
-from verify.proof import Case
 
 Proof = Callable[..., Case]
 

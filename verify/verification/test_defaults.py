@@ -10,10 +10,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case
 from verify.decks.make_decks import Mesh
 from verify.decks.planes import flat_deck, flatten, join_planes
 from verify.decks.sheets import Floats, between, fix, pair, sheet
-from verify.proof import Case
 
 Proof = Callable[..., Case]
 STEEL, SOFT, RUBBER = (210000.0, 0.3), (2000.0, 0.3), (10.0, 0.45)

@@ -10,11 +10,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case, Job, observed_order
 from verify.conftest import ROOT
 from verify.decks.make_decks import Mesh, graded, hertz_deck, join
 from verify.decks.sheets import Floats, fix, pair, plane_deck, rows_of, sheet, step
 from verify.independent.deck import read_deck
-from verify.proof import Case, Job, observed_order
 
 Proof = Callable[..., Case]
 

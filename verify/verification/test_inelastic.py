@@ -10,11 +10,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case, observed_order
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.sheets import Floats, between, fix, pair, step
 from verify.decks.sheets import sheet as grid
 from verify.decks.solids import node_set, pressure_on
-from verify.proof import Case, observed_order
 from verify.verification.test_bodies import octant
 from verify.verification.test_elements import Sheet, sheet, supports
 

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from verify.cases.proof import Job
 from verify.decks.make_decks import block
 from verify.decks.sheets import between, fix, pair, solid_deck, step
-from verify.proof import Job
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 OVERLAP = 0.02

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from verify.conftest import Run
-from verify.course_files import read_sta
+from verify.readers.sta_cvg_files import read_sta
 
 YOUNG, DENSITY, LENGTH = 1000.0, 2.0, 4.0
 DIGITS = 2e-6  # seven digits are printed

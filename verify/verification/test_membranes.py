@@ -10,8 +10,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case, observed_order
 from verify.decks.sheets import Floats, step
-from verify.proof import Case, observed_order
 from verify.verification.test_elements import Sheet, material, sheet, supports
 
 Proof = Callable[..., Case]

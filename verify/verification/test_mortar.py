@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from verify.cases.proof import Case
 from verify.decks import make_decks, solids
 from verify.decks.sheets import between
-from verify.proof import Case
 from verify.verification import test_hertz, test_sliding
 
 Proof = Callable[..., Case]

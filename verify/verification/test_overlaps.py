@@ -12,11 +12,11 @@ import h5py
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case, Job
 from verify.decks import solids
 from verify.decks.make_decks import block
 from verify.decks.planes import Plane, flat_deck, flatten
 from verify.decks.sheets import Floats, between, fix, pair, sheet, solid_deck, step
-from verify.proof import Case, Job
 from verify.verification.test_hertz import arc, slab
 
 Proof = Callable[..., Case]

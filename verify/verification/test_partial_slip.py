@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
+from verify.cases.proof import Case, Job
 from verify.decks.make_decks import Mesh, graded, join
 from verify.decks.sheets import Floats, both_ways, fix, pair, plane_deck, rows_of, sheet, step
-from verify.proof import Case, Job
 
 Proof = Callable[..., Case]
 

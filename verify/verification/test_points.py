@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from verify.conftest import Run
-from verify.peers.dat import read_frd
+from verify.readers.dat_frd_files import read_frd
 
 MODULUS, PRESSURE, STIFFNESS = 1000.0, 2.0, 1.0e5
 HEX20 = [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1), (0, -1, -1), (1, 0, -1), (0, 1, -1),

@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from verify.cases.proof import Case
 from verify.decks.planes import Plane, flat_deck, flatten
 from verify.decks.sheets import Floats, between, fix, pair, sheet, step
-from verify.proof import Case
 
 Proof = Callable[..., Case]
 RADIUS, YOUNG, NU = 2.0, 1000.0, 0.3

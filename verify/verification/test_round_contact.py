@@ -11,12 +11,12 @@ from functools import cache
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case, Job, observed_order
 from verify.decks.make_decks import Mesh, block, graded
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.rounds import quarter_disk
 from verify.decks.sheets import Floats, between, fix, pair, sheet, solid_deck, step
 from verify.independent.half_space import Punch, solve_punch
-from verify.proof import Case, Job, observed_order
 
 Proof = Callable[..., Case]
 reference = cache(solve_punch)

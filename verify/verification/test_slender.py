@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from verify.peers.dat import read_dat
-from verify.peers.parts import Part
+from verify.decks.parts import Part
+from verify.readers.dat_frd_files import read_dat
 
 Run = Callable[..., object]
 LENGTH, HEIGHT, LOAD = 10.0, 0.5, 4.0

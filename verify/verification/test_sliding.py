@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case
 from verify.conftest import Run
 from verify.decks.make_decks import Mesh, block, join, material_cards, mesh_cards
 from verify.decks.planes import Plane, flat_deck, flatten
 from verify.decks.sheets import Floats, between, fix, pair, plane_deck, sheet, solid_deck, step
-from verify.proof import Case
 from verify.study.contact_table import cylinder, drag
 
 Proof = Callable[..., Case]

@@ -10,11 +10,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.proof import Case, Job, observed_order
 from verify.decks.make_decks import block
 from verify.decks.planes import flatten
 from verify.decks.sheets import Floats, between, fix, sheet, step
 from verify.decks.solids import as_kind, node_set
-from verify.proof import Case, Job, observed_order
 
 Proof = Callable[..., Case]
 

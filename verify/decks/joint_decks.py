@@ -9,8 +9,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from verify.peers.feature_decks import SOFT, STEEL, bodies, sections, step
-from verify.peers.parts import Floats, Part
+from verify.decks.feature_decks import SOFT, STEEL, bodies, sections, step
+from verify.decks.parts import Floats, Part
 
 NODES, FACES = "NODE TO SURFACE", "SURFACE TO SURFACE"
 OUT = "*NODE PRINT, NSET=NALL\nU, RF\n*EL PRINT, ELSET=EALL\nS\n*NODE FILE\nU, RF\n*EL FILE\nS\n"

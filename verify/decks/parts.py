@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from verify.decks.make_decks import block
+from verify.decks.mixed_decks import nodes_of
 from verify.decks.planes import grid_rows, number_mid_sides
 from verify.decks.solids import Solids, as_kind
-from verify.peers.mixed_decks import nodes_of
 
 Floats = NDArray[np.float64]
 SIDES = [("X0", 0, 0), ("X1", 0, 1), ("Y0", 1, 0), ("Y1", 1, 1), ("Z0", 2, 0), ("Z1", 2, 1)]

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from verify.peers.feature_decks import HARD, LINEAR, NODES, NONLINEAR, SOFT, TABULAR, bodies, push, sections, step
-from verify.peers.joint_decks import FACES, OUT, law, pair
-from verify.peers.parts import Part, rows
+from verify.decks.feature_decks import HARD, LINEAR, NODES, NONLINEAR, SOFT, TABULAR, bodies, push, sections, step
+from verify.decks.joint_decks import FACES, OUT, law, pair
+from verify.decks.parts import Part, rows
 
 MORTAR = "MORTAR"
 RUB = "*FRICTION\n.3, 1.E5\n"

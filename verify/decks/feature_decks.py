@@ -12,8 +12,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from verify.decks.parts import Floats, Part, rows
 from verify.decks.solids import FACES, KINDS
-from verify.peers.parts import Floats, Part, rows
 
 STEEL = "*MATERIAL, NAME=EL\n*ELASTIC\n210000., .3\n*DENSITY\n7.8E-9\n*EXPANSION\n1.2E-5\n"
 SOFT = STEEL.replace("210000.", "10000.")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from verify.proof import CHAPTERS, MOST_OVER_ALL, Case, Check, write_index
+from verify.cases.proof import CHAPTERS, MOST_OVER_ALL, Case, Check, write_index
 
 
 def test_mean_effort(tmp_path: Path) -> None:
@@ -55,7 +55,7 @@ def test_bands_and_truths_are_told_as_such(tmp_path: Path) -> None:
 
 def test_every_case_has_a_chapter() -> None:
     """The files that write cases are in CHAPTERS."""
-    here = Path(__file__).parent / "verification"
+    here = Path(__file__).parents[1] / "verification"
     writers = {path.stem for path in here.glob("test_*.py") if "proof: Proof" in path.read_text()}
     assert writers == {file for files in CHAPTERS.values() for file in files}
 
