@@ -169,7 +169,7 @@ $(VENV)/installed: verify/requirements.txt | ready
 run: all $(VENV)/installed ## Run input/shear_block.inp with progress; results and a picture go to results/
 	@mkdir -p results
 	$(BIN)/amontons --outdir results input/shear_block.inp
-	$(PY) -m verify.picture results/shear_block.vtkhdf --output results/shear_block.png
+	$(PY) -m verify.tools.picture results/shear_block.vtkhdf --output results/shear_block.png
 	@echo "The picture is results/shear_block.png; open results/shear_block.vtkhdf with ParaView for the rest."
 
 report: all $(VENV)/installed ## Turn JOB=job.vtkhdf into one HTML page beside it (default: results/shear_block.vtkhdf)
@@ -206,14 +206,14 @@ study: programs $(VENV)/installed ## Iterations of all line searches by friction
 
 # --- the documentation --------------------------------------------------------------------------------------------
 doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, and the pages of the source into build/site/api
-	$(BIN)/amontons --cards | $(PYTHON) -m verify.card_reference > doc/manual/cards.md
-	$(PYTHON) -m verify.rooms > doc/developer/rooms.md
+	$(BIN)/amontons --cards | $(PYTHON) -m verify.tools.card_reference > doc/manual/cards.md
+	$(PYTHON) -m verify.tools.module_table > doc/developer/rooms.md
 	$(Q)NO_MKDOCS_2_WARNING=1 $(VENV)-doc/bin/mkdocs build
 	@$(MAKE) api
 	@echo "The site is build/site/index.html."
 
 api: $(VENV)-api/installed $(VENV)-doc/installed ## Build the pages of the source (FORD) into build/site/api
-	$(Q)$(VENV)-doc/bin/python -m verify.api_pages $(VENV)-api/bin/ford build/site/api
+	$(Q)$(VENV)-doc/bin/python -m verify.tools.api_pages $(VENV)-api/bin/ford build/site/api
 
 $(VENV)-doc/installed: doc/requirements.txt
 $(VENV)-api/installed: doc/requirements-api.txt
@@ -227,12 +227,12 @@ $(VENV)-doc/installed $(VENV)-api/installed: | ready
 SOURCES = $(wildcard src/*.f90 verify/unit/*.f90)
 
 format: $(VENV)/installed ## Put the white space of the Fortran files in order
-	@$(PY) -m verify.layout $(SOURCES)
+	@$(PY) -m verify.tools.layout $(SOURCES)
 
 lint: $(VENV)/installed ## Prove depends.mk, the limits of the house, the white space, and fortitude's rules
 	@failed=0; \
-	  $(PY) -m verify.lint || failed=1; \
-	  $(PY) -m verify.layout --check $(SOURCES) || failed=1; \
+	  $(PY) -m verify.tools.lint || failed=1; \
+	  $(PY) -m verify.tools.layout --check $(SOURCES) || failed=1; \
 	  $(VENV)/bin/fortitude check --output-format concise $(SOURCES) || failed=1; \
 	  exit $$failed
 

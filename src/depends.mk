@@ -1,6 +1,6 @@
 # The floors of the house, bottom-up: a room uses only rooms that stand above it in this list.
 # The order is kept by hand; `make lint` proves the whole against the use lines (upward, stale, missing), and
-# `python3 -m verify.lint --write` rewrites the right-hand sides.
+# `python3 -m verify.tools.lint --write` rewrites the right-hand sides.
 
 # 0 ground: numbers, errors, text, and the one place that writes for people
 uses_kinds =

@@ -257,7 +257,7 @@ class Case:
         """Writes the page, with a picture of the last job if the case drew none, and judges."""
         if self.pages is not None:
             if self.jobs and not self.figures:
-                from verify import picture
+                from verify.tools import picture
 
                 figure, caption = picture.shape(self.jobs[-1].path)
                 self.figure(lambda: figure, f"Job \"{self.jobs[-1].name}\": {caption}" if len(self.jobs) > 1 else caption)

@@ -12,12 +12,12 @@ import h5py
 import numpy as np
 import pytest
 
-from verify import contact_check
 from verify.decks import make_decks
 from verify.independent import element, facets
 from verify.independent.contact import ContactCheck, IncrementCheck
 from verify.independent.deck import DeckError, read_deck
 from verify.independent.results import Results
+from verify.tools import contact_check
 
 VERIFY = Path(__file__).resolve().parents[1]
 

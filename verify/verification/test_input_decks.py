@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from verify import picture
 from verify.conftest import ROOT, Run
-from verify.contact_check import check_file
 from verify.decks import make_decks
 from verify.independent.deck import Deck, read_deck
 from verify.independent.element import reference_gradients
 from verify.independent.results import read_field, read_history, read_results
+from verify.tools import picture
+from verify.tools.contact_check import check_file
 
 INPUT = ROOT / "input"
 

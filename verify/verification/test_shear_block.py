@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from verify.conftest import ROOT, Run
-from verify.contact_check import check_file
 from verify.independent.contact import IncrementCheck
 from verify.independent.results import read_history, read_results
+from verify.tools.contact_check import check_file
 
 pytestmark = pytest.mark.slow
 

@@ -16,10 +16,10 @@ from urllib.parse import unquote
 
 import pytest
 
-from verify.card_reference import page_of, read_cards
 from verify.conftest import ROOT, Run
-from verify.rooms import page as rooms_page
 from verify.test_report import BROWSER, open_in_browser
+from verify.tools.card_reference import page_of, read_cards
+from verify.tools.module_table import page as rooms_page
 
 MKDOCS = Path(os.environ.get("AMONTONS_MKDOCS", ROOT / ".venv-doc" / "bin" / "mkdocs"))
 FORD = Path(os.environ.get("AMONTONS_FORD", ROOT / ".venv-api" / "bin" / "ford"))
@@ -82,7 +82,7 @@ def test_pages_of_the_source(site: Path) -> None:
     """The same for the pages by FORD, which lie within the site; and they have the docstrings from their first word on."""
     if not FORD.exists():
         pytest.skip("FORD is not installed (make test does it)")
-    command = [MKDOCS.parent / "python", ROOT / "verify" / "api_pages.py", FORD, site / "api"]
+    command = [MKDOCS.parent / "python", ROOT / "verify" / "tools" / "api_pages.py", FORD, site / "api"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert broken_links(site, "api") == []

@@ -1,6 +1,6 @@
 """Checks the contact of a finished job without believing its contact output.
 
-    python -m verify.contact_check job.vtkhdf [--deck job.inp] [--json report.json]
+    python -m verify.tools.contact_check job.vtkhdf [--deck job.inp] [--json report.json]
 
 From the mesh, the deck and the displacements alone it recomputes, increment by increment, the internal forces (own
 element), from them the contact force of every slave node, its distance to the master facets, and judges: Coulomb's

@@ -1,6 +1,6 @@
 """Turns `amontons --cards` into the card reference of the manual (Markdown).
 
-    bin/amontons --cards | python -m verify.card_reference > doc/manual/cards.md
+    bin/amontons --cards | python -m verify.tools.card_reference > doc/manual/cards.md
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -12,7 +12,7 @@ import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-MANUAL = Path(__file__).resolve().parent.parent / "doc" / "manual"
+MANUAL = Path(__file__).resolve().parents[2] / "doc" / "manual"
 MOST_LINES = 7  #: of an example
 
 HEAD = """# Cards

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import fprettify
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 STRING_OR_COMMENT = re.compile(r"'[^']*'|\"[^\"]*\"|!.*")
 CONCATENATION = re.compile(r"(?<=\S) *// *(?=\S)")
 TIMES_ARRAY = re.compile(r"(?<=[\w)\]])\*\[")  # fprettify takes the blanks out of `2 * [1, 2]`

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from verify import picture
 from verify.conftest import Run
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.sheets import between, fix, pair, sheet, step
 from verify.decks.solids import unit_cube
+from verify.tools import picture
 
 BALL = """*NODE
 90, 0.5, 0.5, 3.

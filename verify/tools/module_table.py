@@ -1,6 +1,6 @@
 """Writes the page of all rooms from src/depends.mk and the first line of each file:
 
-    python -m verify.rooms > doc/developer/rooms.md
+    python -m verify.tools.module_table > doc/developer/rooms.md
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -11,7 +11,7 @@ import re
 import sys
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parent.parent / "src"
+SOURCE = Path(__file__).resolve().parents[2] / "src"
 FLOOR = re.compile(r"^# (\d) (\w+): (.*)$")
 ROOM = re.compile(r"^uses_(\w+)\s*=(.*)$")
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from verify.conftest import Run
-from verify.element_picture import FACES, PLACES, main
+from verify.tools.element_picture import FACES, PLACES, main
 
 
 @pytest.mark.parametrize("kind", PLACES)

@@ -18,9 +18,9 @@ import h5py
 import numpy as np
 import pytest
 
-from verify.card_reference import MANUAL, find_examples, page_of, read_cards
 from verify.conftest import ROOT, Run
-from verify.rooms import page as rooms_page
+from verify.tools.card_reference import MANUAL, find_examples, page_of, read_cards
+from verify.tools.module_table import page as rooms_page
 
 PAGES = sorted((ROOT / "doc").rglob("*.md"))
 DECK = re.compile(r"```abaqus\n(.*?)```", re.DOTALL)

@@ -1,6 +1,6 @@
 """Draws a finished job to one PNG, without a display: deformed shape, contact maps, history of the contact force.
 
-    python -m verify.picture job.vtkhdf [--output job.png] [--increment N]
+    python -m verify.tools.picture job.vtkhdf [--output job.png] [--increment N]
 
 Left: the deformed bodies coloured by the Mises stress (displacements magnified by a round factor that is printed).
 Right: pressure and friction on the slave surface, status of each slave node, its slip scenario, and the sums of normal

@@ -1,8 +1,8 @@
 """Draws how nodes and faces of the elements are numbered: doc/pictures/elements.png, of doc/manual/elements.md.
 
-    python -m verify.element_picture [--output doc/pictures/elements.png]
+    python -m verify.tools.element_picture [--output doc/pictures/elements.png]
 
-`verify/test_element_picture.py` compares the faces with those of the program.
+`verify/tools/test_element_picture.py` compares the faces with those of the program.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -85,7 +85,7 @@ def draw(axes: Axes, kind: str) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--output", type=Path, default=Path(__file__).resolve().parents[1] / "doc" / "pictures" / "elements.png")
+    parser.add_argument("--output", type=Path, default=Path(__file__).resolve().parents[2] / "doc" / "pictures" / "elements.png")
     wanted = parser.parse_args(arguments)
     figure, axes = plt.subplots(1, 5, figsize=(13.5, 3.2), width_ratios=[1.3, 1.2, 1.2, 1, 1])
     for place, kind in zip(axes, PLACES, strict=True):

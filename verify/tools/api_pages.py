@@ -1,6 +1,6 @@
 """Writes the pages of the source by FORD: docstrings as they were meant, nothing fetched from the network, no link that leads nowhere.
 
-    .venv-doc/bin/python -m verify.api_pages .venv-api/bin/ford build/site/api
+    .venv-doc/bin/python -m verify.tools.api_pages .venv-api/bin/ford build/site/api
 
 FORD takes `Slip: how` at the start of a docstring for a setting, and shows the marks of the lines that follow; so it gets a copy of the
 source. It loads Bootstrap and MathJax from a server: Bootstrap comes from mkdocs instead, which is installed for the rest of the site, and the
@@ -19,7 +19,7 @@ import tempfile
 from pathlib import Path
 from urllib.parse import unquote
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 BOOTSTRAP = {"css": "bootstrap.min.css", "js": "bootstrap.bundle.min.js"}
 FETCHED = re.compile(r'https://cdn\.jsdelivr\.net/npm/bootstrap@[^"]*/(css|js)/[^"/]*(?:\.css|\.js)')
 SEALED = re.compile(r'\s(?:integrity|crossorigin)="[^"]*"')

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from verify import lint
+from verify.tools import lint
 
 HEAD = "!> Sample: a room for this test.\n!! SPDX-License-Identifier: GPL-3.0-or-later\n"
 
@@ -29,13 +29,13 @@ NESTED = "\n".join(["    if (.true.) then"] * 5 + ["    end if"] * 5)
 
 
 def test_floors_hold() -> None:
-    """Nothing upward, nothing stale, nothing missing. `python3 -m verify.lint --write` mends the last two."""
+    """Nothing upward, nothing stale, nothing missing. `python3 -m verify.tools.lint --write` mends the last two."""
     rooms = {path.stem: lint.read_room(path) for path in sorted(lint.SOURCE.glob("*.f90"))}
     assert len(rooms) > 20
     assert lint.check_floors(rooms, lint.read_floors()) == []
 
 
-ROOT = Path(lint.__file__).resolve().parents[1]
+ROOT = lint.ROOT
 
 
 @pytest.mark.slow
