@@ -189,7 +189,7 @@ check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
 	@$(PYTEST) -m "not slow" verify --ignore verify/peers
 
 verify: programs $(VENV)/installed ## Run the verification cases and write their pages to doc/verification
-	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/verification verify/peers
+	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/cases verify/peers
 
 bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) and write the table of doc/performance.md
 	@$(MAKE) $(B)/kernels

@@ -32,17 +32,17 @@ Run = Callable[..., subprocess.CompletedProcess[str]]
 MOST_OVER_ALL = 6.0  #: the same over all cases together
 #: Chapters of the index, in their order, by the file of the tests.
 CHAPTERS = {
-    "Patches, rigid motions, heat, joined bodies": ("test_assemblies",),
-    "Elastic bodies": ("test_bodies", "test_membranes", "test_thermal"),
-    "Plasticity and creep": ("test_inelastic",),
-    "Rubber and foam": ("test_rubber",),
+    "Patches, rigid motions, heat, joined bodies": ("test_patch_and_rigid_motion",),
+    "Elastic bodies": ("test_elasticity_benchmarks", "test_membranes", "test_thermal_stress"),
+    "Plasticity and creep": ("test_plasticity_and_creep",),
+    "Rubber and foam": ("test_hyperelasticity",),
     "Contact: pressure and partial slip": (
-        "test_contact_patch", "test_hertz", "test_plane_contact", "test_partial_slip", "test_plane_friction", "test_round_contact",
+        "test_contact_patch", "test_hertz", "test_plane_contact", "test_partial_slip", "test_plane_friction", "test_circular_contact",
     ),
-    "Contact: sliding, free bodies, several pairs": ("test_sliding", "test_carry", "test_overlaps"),
+    "Contact: sliding, free bodies, several pairs": ("test_sliding", "test_free_bodies", "test_shared_slave_nodes"),
     "Rigid masters": ("test_analytic_masters", "test_rigid_masters"),
     "Surface-to-surface contact": ("test_mortar",),
-    "Default settings": ("test_defaults",),
+    "Default settings": ("test_default_settings",),
 }  # fmt: skip
 TRUE = "true"  #: what is expected of something that is so or not
 EFFORT = "Newton iterations per increment"  #: quantity of the checks that tell no result
@@ -171,7 +171,7 @@ class Case:
     work: Path  #: where the jobs run
     pages: Path | None  #: where the page goes
     file: str = ""  #: of the test, without its suffix
-    test: str = ""  #: how pytest calls it: verify/verification/test_x.py::test_y[z]
+    test: str = ""  #: how pytest calls it: verify/cases/contact/test_x.py::test_y[z]
     checks: list[Check] = field(default_factory=list)
     jobs: list[Job] = field(default_factory=list)
     figures: list[tuple[str, str]] = field(default_factory=list)
@@ -366,7 +366,7 @@ def write_index(pages: Path) -> float:
     lines = [
         "# Verification",
         "",
-        "Written by `make verify`; each case is a test in `verify/verification`. A case has a page: the model in words, the formula and its source,",
+        "Written by `make verify`; each case is a test in `verify/cases`. A case has a page: the model in words, the formula and its source,",
         "every check with its place, time, tolerance and why, a picture, and what it proves. Below, for each quantity of a case the check that is",
         "nearest to what is allowed. Error: the difference over the largest expected value, or whether a number is inside its band. Order: of",
         "convergence, observed on two or more meshes.",

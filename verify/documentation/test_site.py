@@ -16,8 +16,8 @@ from urllib.parse import unquote
 
 import pytest
 
+from verify.cases.output.test_report import BROWSER, open_in_browser
 from verify.conftest import ROOT, Run
-from verify.test_report import BROWSER, open_in_browser
 from verify.tools.card_reference import page_of, read_cards
 from verify.tools.module_table import page as rooms_page
 

@@ -53,13 +53,14 @@ class Compared(Case):
         return Job(folder / "job.vtkhdf", folder.name)
 
     def done(self) -> None:
-        """Nothing: verify/verification judges the case."""
+        """Nothing: verify/cases judges the case."""
 
 
 def cases() -> Iterator[object]:
-    """All tests of verify/verification that make a page, with each of their sets of values."""
-    for file in sorted((HERE.parent / "verification").glob("test_*.py")):
-        for name, function in vars(importlib.import_module(f"verify.verification.{file.stem}")).items():
+    """All tests of verify/cases that make a page, with each of their sets of values."""
+    for file in sorted((HERE.parent / "cases").glob("*/test_*.py")):
+        module = importlib.import_module(f"verify.cases.{file.parent.name}.{file.stem}")
+        for name, function in vars(module).items():
             if name.startswith("test_") and callable(function) and "proof" in signature(function).parameters:
                 for values in sets_of_values(function):
                     words = "-".join(getattr(value, "__name__", str(value)) for value in values.values())

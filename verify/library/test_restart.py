@@ -86,7 +86,7 @@ def test_killed_jobs_go_on_bitwise(program: Path, run: Run, block: Path, whole: 
 
 def points_deck() -> str:
     """A block slides over faces with springs at points of its own, which come and go."""
-    from verify.verification.test_points import deck
+    from verify.cases.contact.test_contact_integration_points import deck
 
     text = deck(8, "*STATIC, DIRECT\n.25, 1.\n", ", NLGEOM", "*FRICTION\n.3, 1.E4\n") + "*BOUNDARY\nFLOOR, 1, 3\nTOP, 1, 2\nTOP, 3, 3, -.01\n*END STEP\n"
     return text + "*STEP, NLGEOM\n*STATIC, DIRECT\n.05, 1.\n*BOUNDARY\nTOP, 1, 1, .3\n*CONTACT PRINT\nCDIS, CSTR\n*END STEP\n"

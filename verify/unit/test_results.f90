@@ -1,4 +1,4 @@
-!> Tests of results: writes job.vtkhdf and others into the working folder, where test_vtkhdf.py reads them; error exits.
+!> Tests of results: writes job.vtkhdf and others into the working folder, where test_vtkhdf_file.py reads them; error exits.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_results
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value

@@ -10,12 +10,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.elastic.test_plane_and_discrete_elements import sheet
+from verify.cases.elastic.test_solid_elements import NU, YOUNG, distorted, hencky_stress, hooke, voigt
 from verify.cases.proof import Case
 from verify.decks.make_decks import block
 from verify.decks.sheets import Floats, between, fix, step
 from verify.decks.solids import KINDS, as_kind, node_set, prescribed
-from verify.verification.test_elastic import NU, YOUNG, distorted, hencky_stress, hooke, voigt
-from verify.verification.test_elements import sheet
 
 Proof = Callable[..., Case]
 TIGHT = "*CONTROLS, PARAMETERS=FIELD\n1e-10, 1e-10, , , 1e-10\n"

@@ -10,13 +10,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.contact.test_hertz import arc, fitted, slab
+from verify.cases.contact.test_partial_slip import FAR, MU, NU, RADIUS, YOUNG, cylinders, mindlin
+from verify.cases.contact.test_sliding import strap_and_drum
 from verify.cases.proof import Case, observed_order
 from verify.decks.make_decks import Mesh, graded
 from verify.decks.planes import Plane, flat_deck, flatten
 from verify.decks.sheets import Floats, between, fix, pair, plane_deck, sheet, step
-from verify.verification.test_hertz import arc, fitted, slab
-from verify.verification.test_partial_slip import FAR, MU, NU, RADIUS, YOUNG, cylinders, mindlin
-from verify.verification.test_sliding import strap_and_drum
 
 Proof = Callable[..., Case]
 

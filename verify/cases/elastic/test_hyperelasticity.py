@@ -12,12 +12,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, newton
 
+from verify.cases.elastic.test_plane_and_discrete_elements import sheet, supports
 from verify.cases.proof import Case, observed_order
 from verify.decks import make_decks
 from verify.decks.make_decks import Mesh, grid_elements
 from verify.decks.sheets import Floats, between, step
 from verify.decks.solids import as_kind, node_set, prescribed
-from verify.verification.test_elements import sheet, supports
 
 Proof = Callable[..., Case]
 Energy = Callable[[np.ndarray], complex]

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from verify.cases.contact.test_sliding import DENSITY, GRAVITY, SLOPE, SOFT
 from verify.cases.proof import Case, Job, observed_order
 from verify.conftest import Run
 from verify.decks.make_decks import graded
 from verify.decks.planes import flat_deck, flatten, join_planes
 from verify.decks.sheets import Floats, between, fix, pair, plane_deck, rows_of, sheet, step
-from verify.verification.test_sliding import DENSITY, GRAVITY, SLOPE, SOFT
 
 Proof = Callable[..., Case]
 

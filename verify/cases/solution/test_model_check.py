@@ -312,8 +312,8 @@ def test_all_at_once(run_deck: Run, tmp_path: Path) -> None:
     assert len(errors) >= 4
 
 
-THREE_CUBES = (Path(__file__).resolve().parents[2] / "input" / "three_cubes.inp").read_text()
-THREE_CUBES = THREE_CUBES.replace("*INCLUDE, INPUT=three_cubes.mesh\n", (Path(__file__).resolve().parents[2] / "input" / "three_cubes.mesh").read_text())
+THREE_CUBES = (Path(__file__).resolve().parents[3] / "input" / "three_cubes.inp").read_text()
+THREE_CUBES = THREE_CUBES.replace("*INCLUDE, INPUT=three_cubes.mesh\n", (Path(__file__).resolve().parents[3] / "input" / "three_cubes.mesh").read_text())
 SLIPS = [
     ("*BOUNDARY", "*BOUNDRY", 3, "*BOUNDRY is not known; did you mean *BOUNDARY?"),
     ("*SOLID SECTION", "*SOLID SECION", 3, "*SOLIDSECION is not known; did you mean *SOLID SECTION?"),

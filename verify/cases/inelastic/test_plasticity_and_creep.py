@@ -10,13 +10,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.elastic.test_elasticity_benchmarks import octant
+from verify.cases.elastic.test_plane_and_discrete_elements import Sheet, sheet, supports
 from verify.cases.proof import Case, observed_order
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.sheets import Floats, between, fix, pair, step
 from verify.decks.sheets import sheet as grid
 from verify.decks.solids import node_set, pressure_on
-from verify.verification.test_bodies import octant
-from verify.verification.test_elements import Sheet, sheet, supports
 
 Proof = Callable[..., Case]
 

@@ -1,4 +1,4 @@
-"""Verification cases.
+"""Plasticity and creep.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

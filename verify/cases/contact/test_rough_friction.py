@@ -15,10 +15,10 @@ import h5py
 import numpy as np
 import pytest
 
+from verify.cases.contact import test_mortar
 from verify.conftest import Run
 from verify.decks import make_decks, solids
 from verify.decks.sheets import between
-from verify.verification import test_mortar
 
 PRESSED = 0.1  # of the foot of the springs, into the plate
 ACROSS, ALONG = 1.0, 1.5  # K_xz, K_xx = K_zz of the springs between node 1 and its foot

@@ -13,16 +13,13 @@ import h5py
 import numpy as np
 import pytest
 
-from verify.conftest import Run
+from verify.conftest import ROOT, Run
 from verify.decks import make_decks
 from verify.decks.solids import KINDS, as_kind, node_set
 from verify.independent.results import read_field
 from verify.readers.dat_frd_files import Block, read_dat, read_frd
 
-HERE = Path(__file__).resolve().parent
-
-
-DECKS = Path(os.environ.get("AMONTONS_DECKS", HERE.parents[1] / "shared" / "decks"))
+DECKS = Path(os.environ.get("AMONTONS_DECKS", ROOT.parent / "shared" / "decks"))
 DIGITS = 1e-5  # a column holds six digits
 POINT_FIELDS = {"DISP": "U", "STRESS": "S", "TOSTRAIN": "E", "PE": "PEEQ", "NDTEMP": "NT"}
 

@@ -12,12 +12,12 @@ import h5py
 import numpy as np
 import pytest
 
+from verify.cases.contact.test_hertz import arc, slab
 from verify.cases.proof import Case, Job
 from verify.decks import solids
 from verify.decks.make_decks import block
 from verify.decks.planes import Plane, flat_deck, flatten
 from verify.decks.sheets import Floats, between, fix, pair, sheet, solid_deck, step
-from verify.verification.test_hertz import arc, slab
 
 Proof = Callable[..., Case]
 YOUNG, NU = 1000.0, 0.3

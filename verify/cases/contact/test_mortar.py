@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from verify.cases.contact import test_hertz, test_sliding
 from verify.cases.proof import Case
 from verify.decks import make_decks, solids
 from verify.decks.sheets import between
-from verify.verification import test_hertz, test_sliding
 
 Proof = Callable[..., Case]
 Floats = NDArray[np.float64]

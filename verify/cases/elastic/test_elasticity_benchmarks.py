@@ -12,12 +12,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from verify.cases.elastic.test_solid_elements import tip_shares
 from verify.cases.proof import Case, Job, observed_order
 from verify.decks import make_decks
 from verify.decks.make_decks import Mesh, block, grid_elements
 from verify.decks.sheets import Floats, between, fix, plane_deck, sheet, step
 from verify.decks.solids import Solids, as_kind, node_set, pressure_on
-from verify.verification.test_elastic import tip_shares
 
 Proof = Callable[..., Case]
 

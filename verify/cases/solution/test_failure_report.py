@@ -12,13 +12,13 @@ import h5py
 import numpy as np
 import pytest
 
+from verify.cases.contact.test_default_settings import gasket_at_edges
+from verify.cases.contact.test_free_bodies import LEAN, PRESS, STIFF, WEAK, pole
 from verify.conftest import Run
 from verify.decks.make_decks import block
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.sheets import Floats, between, fix, pair, sheet, solid_deck
 from verify.independent.results import read_history
-from verify.verification.test_carry import LEAN, PRESS, STIFF, WEAK, pole
-from verify.verification.test_defaults import gasket_at_edges
 
 ELASTIC = "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n"
 STATIC = "*STEP, NLGEOM, INC=100\n*STATIC\n0.1, 1., 0.01, 0.1\n"
@@ -85,7 +85,7 @@ def tilted(search: str) -> str:
 
 
 def flipping() -> str:
-    """The pole of test_carry beyond where friction ends: each slip takes more from mu N than from the pull, so full steps stick and slip for ever."""
+    """The pole of test_free_bodies beyond where friction ends: each slip takes more from mu N than from the pull, so full steps stick and slip for ever."""
     mu, c, s = 1.5, np.cos(LEAN), np.sin(LEAN)
     end = (mu * s - c) * STIFF * PRESS / WEAK
     return pole(mu, (0.95 * end, 1.05 * end)).replace("*STATIC, DIRECT\n1., 1.\n", "*STATIC, DIRECT\n1., 1.\n*LINE SEARCH, TYPE=NONE\n")

@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.elastic.test_plane_and_discrete_elements import Sheet, material, sheet, supports
 from verify.cases.proof import Case, observed_order
 from verify.decks.sheets import Floats, step
-from verify.verification.test_elements import Sheet, material, sheet, supports
 
 Proof = Callable[..., Case]
 

@@ -10,11 +10,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from verify.cases.contact.test_sliding import strap_and_drum
 from verify.cases.proof import Case, Job, observed_order
 from verify.decks.make_decks import Mesh, block, graded
 from verify.decks.planes import Plane, flat_deck, flatten
 from verify.decks.sheets import Floats, between, fix, pair, plane_deck, sheet, solid_deck, step
-from verify.verification.test_sliding import strap_and_drum
 
 Proof = Callable[..., Case]
 REFERENCE = 9001

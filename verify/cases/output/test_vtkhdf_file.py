@@ -21,7 +21,7 @@ from vtkmodules.vtkIOHDF import vtkHDFReader
 
 from verify.conftest import Run
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = ROOT / os.environ.get("AMONTONS_UNITS", "build/unit") / "test_results"
 
 WIDTHS = {
