@@ -77,7 +77,8 @@ include src/depends.mk
 ROOMS := $(patsubst src/%.f90,%,$(wildcard src/*.f90))
 SHIMS := $(patsubst src/%.c,%,$(wildcard src/*.c))
 OBJECTS := $(addprefix $(B)/,$(addsuffix .o,$(filter-out main,$(ROOMS)) $(SHIMS)))
-UNITS := $(patsubst verify/unit/%.f90,$(B)/unit/%,$(wildcard verify/unit/test_*.f90))
+UNIT_SOURCES := $(wildcard verify/unit/*/test_*.f90)
+UNITS := $(patsubst %.f90,$(B)/unit/%,$(notdir $(UNIT_SOURCES)))
 PRODUCTS := $(LIB)/libamontons.a $(LIB)/libamontons.so $(if $(wildcard src/analysis.f90),$(BIN)/amontons)
 
 # depends.mk says `uses_mesh = kinds topology`; here it becomes build/mesh.o: build/amontons_kinds.mod build/amontons_topology.mod.
@@ -127,9 +128,11 @@ $(B)/unit/check.o: verify/unit/check.f90
 	@echo "compiling $<" && mkdir -p $(@D)
 	$(Q)$(FC) $(FFLAGS) -J$(@D) -c $< -o $@
 
-$(B)/unit/test_%: verify/unit/test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a $(wildcard verify/unit/*.inc)
+vpath test_%.f90 $(sort $(dir $(UNIT_SOURCES)))
+
+$(B)/unit/test_%: test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a $(wildcard verify/unit/*.inc)
 	@echo "compiling $<" && mkdir -p $@.modules
-	$(Q)$(FC) $(FFLAGS) $(UNIT_$(BUILD)) -Wno-integer-division -I$(B) -I$(@D) $(INCLUDES) -J$@.modules -o $@ $(filter-out %.inc,$^) $(LDLIBS)
+	$(Q)$(FC) $(FFLAGS) $(UNIT_$(BUILD)) -Wno-integer-division -I$(B) -I$(@D) -Iverify/unit $(INCLUDES) -J$@.modules -o $@ $(filter-out %.inc,$^) $(LDLIBS)
 
 $(B)/kernels: verify/benchmark/kernels.f90 $(LIB)/libamontons.a
 	@echo "compiling $<"
@@ -224,7 +227,7 @@ $(VENV)-doc/installed $(VENV)-api/installed: | ready
 	@touch $@
 
 # --- the look of the source ---------------------------------------------------------------------------------------
-SOURCES = $(wildcard src/*.f90 verify/unit/*.f90)
+SOURCES = $(wildcard src/*.f90 verify/unit/*.f90) $(UNIT_SOURCES)
 
 format: $(VENV)/installed ## Put the white space of the Fortran files in order
 	@$(PY) -m verify.tools.layout $(SOURCES)
