@@ -45,10 +45,10 @@ def test_help_names_every_option_that_the_program_takes(run: Run, root: Path) ->
     """Each '--option' in quotation marks in main.f90 stands in the help text, and each exit code of errors.f90 too."""
     done = run(["--help"])
     assert done.returncode == 0
-    taken = set(re.findall(r"'(--\w+)'", (root / "src" / "main.f90").read_text()))
+    taken = set(re.findall(r"'(--\w+)'", (root / "src" / "driver" / "main.f90").read_text()))
     assert {"--check", "--threads", "--quiet", "--progress", "--dialect", "--outdir"} <= taken
     assert taken <= set(re.findall(r"--\w+", done.stdout))
-    codes = re.findall(r"EXIT_\w+ = (\d)", (root / "src" / "errors.f90").read_text())
+    codes = re.findall(r"EXIT_\w+ = (\d)", (root / "src" / "base" / "errors.f90").read_text())
     assert set(codes) <= set(re.findall(r"\b(\d) [a-z]", done.stdout.replace("\n", " ")))
 
 

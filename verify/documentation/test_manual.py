@@ -20,7 +20,7 @@ import pytest
 
 from verify.conftest import ROOT, Run
 from verify.tools.card_reference import MANUAL, find_examples, page_of, read_cards
-from verify.tools.module_table import page as rooms_page
+from verify.tools.module_table import page as modules_page
 
 PAGES = sorted((ROOT / "doc").rglob("*.md"))
 DECK = re.compile(r"```abaqus\n(.*?)```", re.DOTALL)
@@ -44,7 +44,7 @@ def test_decks_of_the_manual_run(run: Run, tmp_path: Path, page: str, deck: str)
 @pytest.fixture(scope="module")
 def texts(run: Run) -> dict[Path, str]:
     """All pages, those that `make doc` writes among them; pages beside doc/ that are linked come from the disk."""
-    made = {MANUAL / "cards.md": page_of(read_cards(run(["--cards"]).stdout)), ROOT / "doc" / "developer" / "rooms.md": rooms_page()}
+    made = {MANUAL / "cards.md": page_of(read_cards(run(["--cards"]).stdout)), ROOT / "doc" / "developer" / "modules.md": modules_page()}
     return {page.resolve(): page.read_text() for page in PAGES} | made
 
 
@@ -123,7 +123,7 @@ def test_three_joints(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_every_reason_is_in_the_manual() -> None:
     """Why an increment failed, as failure.f90 says it, has its row with what to do."""
-    source = (ROOT / "src" / "failure.f90").read_text()
+    source = (ROOT / "src" / "nonlinear" / "failure_report.f90").read_text()
     reasons = set(re.findall(r"'([A-Z]{4,}(?:[ -][A-Z]{2,})*)(?=:| of length)", source))
     assert {"FREE BODY", "LEFT MASTER", "STICK-SLIP FLIP", "LIMIT POINT", "SLOW"} <= reasons
     text = (MANUAL / "messages.md").read_text()

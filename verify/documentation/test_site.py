@@ -19,7 +19,7 @@ import pytest
 from verify.cases.output.test_report import BROWSER, open_in_browser
 from verify.conftest import ROOT, Run
 from verify.tools.card_reference import page_of, read_cards
-from verify.tools.module_table import page as rooms_page
+from verify.tools.module_table import page as modules_page
 
 MKDOCS = Path(os.environ.get("AMONTONS_MKDOCS", ROOT / ".venv-doc" / "bin" / "mkdocs"))
 FORD = Path(os.environ.get("AMONTONS_FORD", ROOT / ".venv-api" / "bin" / "ford"))
@@ -36,7 +36,7 @@ def site(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(ROOT / "doc", folder / "doc")
     shutil.copy(ROOT / "mkdocs.yml", folder)
     (folder / "doc" / "manual" / "cards.md").write_text(page_of(read_cards(run(["--cards"]).stdout)))
-    (folder / "doc" / "developer" / "rooms.md").write_text(rooms_page())
+    (folder / "doc" / "developer" / "modules.md").write_text(modules_page())
     done = subprocess.run([str(MKDOCS), "build", "--strict", "-d", str(folder / "out")], cwd=folder, capture_output=True, text=True,
                           env=os.environ | {"NO_MKDOCS_2_WARNING": "1"}, check=False)  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
@@ -87,7 +87,7 @@ def test_pages_of_the_source(site: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     assert broken_links(site, "api") == []
     assert fetched(site / "api") == set()
-    first = re.match(r"!> (Slip: [\w ]+)", (ROOT / "src" / "slip.f90").read_text())
+    first = re.match(r"!> (Slip: [\w ]+)", (ROOT / "src" / "friction" / "slip_scenarios.f90").read_text())
     assert first and f"<p>{first[1]}" in (site / "api" / "module" / "amontons_slip.html").read_text()
 
 

@@ -32,7 +32,7 @@ def run_example(program: Path, *words: str) -> str:
 @pytest.mark.skipif(not shutil.which("gcc"), reason="there is no C compiler")
 def test_two_coupled_jobs_in_c(root: Path, library: Path, tmp_path: Path) -> None:
     """Two bars in series agree with the closed form to 1e-12; the program itself judges."""
-    build(["gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic", f"-I{root / 'src'}", str(HERE / "coupled_jobs.c"),
+    build(["gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic", f"-I{root / 'src' / 'driver'}", str(HERE / "coupled_jobs.c"),
            "-o", "coupled_jobs", str(library), f"-Wl,-rpath,{library.parent}", "-lm"], tmp_path)  # fmt: skip
     assert "both done: 1" in run_example(tmp_path / "coupled_jobs")
 

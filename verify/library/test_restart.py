@@ -272,7 +272,7 @@ def test_no_checkpoint(run: Run, block: Path, whole: Path, tmp_path: Path) -> No
 
 def test_every_committed_field_is_carried(root: Path) -> None:
     """Each component of fields_type that is not fixed stands in carry_fields: a forgotten one would be lost by a restart."""
-    state, restart = ((root / "src" / f"{name}.f90").read_text() for name in ("state", "restart"))
+    state, restart = ((root / "src" / name).read_text() for name in ("state/state.f90", "output/checkpoint.f90"))
     fields = re.search(r"type :: fields_type\n(.*?)end type fields_type", state, re.S)
     carried = re.search(r"subroutine carry_fields(.*?)end subroutine carry_fields", restart, re.S)
     assert fields and carried

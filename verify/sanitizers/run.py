@@ -92,7 +92,7 @@ def run_two_threads(library: Path, folder: Path, preload: Path) -> list[str]:
     deck = folder / "two.inp"
     deck.write_text(make_decks.block_deck(2))
     deck.write_text(test_library.warm_deck(deck))
-    subprocess.run(["gcc", "-std=c11", "-g", "-fsanitize=thread", f"-I{ROOT / 'src'}", str(ROOT / "verify" / "library" / "verbs.c"), "-o", "verbs",
+    subprocess.run(["gcc", "-std=c11", "-g", "-fsanitize=thread", f"-I{ROOT / 'src' / 'driver'}", str(ROOT / "verify" / "library" / "verbs.c"), "-o", "verbs",
                     str(library), f"-Wl,-rpath,{library.parent}", "-lpthread"], cwd=folder, check=True)  # fmt: skip
     return verdict(["env", f"LD_PRELOAD={preload}", "./verbs", str(deck)], folder)
 

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_slip_scenarios
   use amontons_kinds, only: DP, PI
-  use amontons_slip, only: trial_type, slip_point_type, slip_controls_type, slip_verdict_type, split_imbalance, &
+  use amontons_slip_scenarios, only: trial_type, slip_point_type, slip_controls_type, slip_verdict_type, split_imbalance, &
     trial_traction, classify_slip, classify_nodes, table_length, guarded_length, STATUS_OPEN, STATUS_STICK, &
     STATUS_SLIP, SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, NODE_OPEN, NODE_STICK, NODE_SLIP, &
     NODE_BALANCED, NODE_OPENED, NODE_CLOSED
