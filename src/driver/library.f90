@@ -20,7 +20,7 @@ module amontons_library
   use amontons_state, only: state_type
   use amontons_slip_scenarios, only: classify_slip_scenarios, slip_controls_type
   use amontons_user_routine_setup, only: close_user_routines
-  use amontons_equilibrium, only: evaluate_equilibrium, FAILURE_NONE
+  use amontons_equilibrium, only: evaluate_equilibrium, OUTCOME_OK
   use amontons_newton_step, only: linearize_equilibrium, assemble_tangent_matrix
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
     enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
@@ -448,12 +448,12 @@ contains
         call use_threads(analysis%options%n_threads)
         state = analysis%state
         call evaluate_equilibrium(system, analysis%model, analysis%model%steps(i_step), state, trouble, is_frozen=.true.)
-        if (trouble == FAILURE_NONE) then
+        if (trouble == OUTCOME_OK) then
           call linearize_equilibrium(system, analysis%model, analysis%model%steps(i_step), state, trouble, error)
         end if
       end if
       if (allocated(error)) return
-      if (trouble /= FAILURE_NONE) then
+      if (trouble /= OUTCOME_OK) then
         call set_error(error, EXIT_USAGE, 'There is no matrix yet: begin or solve an increment first.')
         return
       end if

@@ -38,14 +38,14 @@ module amontons_equilibrium
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: update_base_constraints, discard_bulk_factor, interface_unknowns, start_clock, stop_clock
-  public :: FAILURE_NONE, FAILURE_ELEMENT, FAILURE_LINEAR_SOLVER, FAILURE_NOT_FINITE, FAILURE_UNSUPPORTED, FAILURE_TUNNELLING
+  public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
 
-  integer, parameter :: FAILURE_NONE = 0
-  integer, parameter :: FAILURE_ELEMENT = 1        !< an element is inverted: system%failed_element is its index
-  integer, parameter :: FAILURE_LINEAR_SOLVER = 2         !< the tangent is singular and no direction was found
-  integer, parameter :: FAILURE_NOT_FINITE = 3     !< a number is not finite
-  integer, parameter :: FAILURE_UNSUPPORTED = 4           !< a body flies off
-  integer, parameter :: FAILURE_TUNNELLING = 5        !< a slave node passed through its master
+  integer, parameter :: OUTCOME_OK = 0
+  integer, parameter :: OUTCOME_ELEMENT = 1        !< an element is inverted: system%failed_element is its index
+  integer, parameter :: OUTCOME_LINEAR_SOLVER = 2         !< the tangent is singular and no direction was found
+  integer, parameter :: OUTCOME_NOT_FINITE = 3     !< a number is not finite
+  integer, parameter :: OUTCOME_UNSUPPORTED = 4           !< a body flies off
+  integer, parameter :: OUTCOME_TUNNELLING = 5        !< a slave node passed through its master
 
   real(DP), parameter :: MAX_FIRST_INCREMENT_RATIO = 0.3_DP         !< first increment over the step: a factor serves fewer than
                                                                     !! that [-]
@@ -245,19 +245,19 @@ contains
 
 
   !> Imbalance, contact and residual at state%new%u: forces only.
-  subroutine evaluate_equilibrium(system, model, step, state, failure, is_frozen)
+  subroutine evaluate_equilibrium(system, model, step, state, outcome, is_frozen)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    integer, intent(out) :: failure                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     logical, intent(in) :: is_frozen               !< every slave node keeps its status
     type(error_type), allocatable :: error         ! rows that contradict each other here
     integer :: failed
     integer(I64) :: clock
     call start_clock(system, clock)
     call assemble_forces(system%assembly, model, step%is_nlgeom, state, failed)
-    failure = merge(FAILURE_NONE, FAILURE_ELEMENT, failed == 0)
+    outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
     system%failed_element = failed
     if (failed /= 0) return
     call assemble_external_loads(system%assembly, model, step, state%new, step%is_nlgeom, .false.)
@@ -265,7 +265,7 @@ contains
       system%volume_share)
     if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_force(system%volume_share, state)
     if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call update_base_constraints(system, model, step, state%new, error)
-    if (allocated(error)) failure = FAILURE_LINEAR_SOLVER
+    if (allocated(error)) outcome = OUTCOME_LINEAR_SOLVER
     if (allocated(error)) return
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
@@ -274,7 +274,7 @@ contains
     system%force_rounding = ROUNDING_FACTOR * rounding_force(system%contact%laws, system%contact%local_equilibrium, &
       state%new%slaves, model%mesh%coordinates)
     call stop_clock(system, clock, PHASE_CONTACT)
-    if (.not. system%merit <= huge(1.0_DP)) failure = FAILURE_NOT_FINITE
+    if (.not. system%merit <= huge(1.0_DP)) outcome = OUTCOME_NOT_FINITE
   end subroutine evaluate_equilibrium
 
 

@@ -33,8 +33,8 @@ module amontons_newton_step
   use amontons_contact_operators, only: apply_contact_tangent, assemble_contact_tangents, assemble_spring_matrix, &
     factorise_spring_tangents
   use amontons_equilibrium, only: equilibrium_type, update_base_constraints, discard_bulk_factor, interface_unknowns, &
-    start_clock, stop_clock, FAILURE_NONE, &
-    FAILURE_ELEMENT, FAILURE_LINEAR_SOLVER
+    start_clock, stop_clock, OUTCOME_OK, &
+    OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER
   implicit none
   private
   public :: solve_newton_step, solve_correction, linearize_equilibrium, set_proximal_shift, apply_unconstrained_tangent, &
@@ -70,40 +70,40 @@ module amontons_newton_step
 contains
 
   !> The Newton direction du at the configuration of the last evaluation.
-  subroutine solve_newton_step(system, model, step, state, du, failure, error)
+  subroutine solve_newton_step(system, model, step, state, du, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    integer, intent(out) :: failure                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error   !< out of memory and the like
     integer(I64) :: clock
-    call linearize_equilibrium(system, model, step, state, failure, error)
-    if (allocated(error) .or. failure /= FAILURE_NONE) return
+    call linearize_equilibrium(system, model, step, state, outcome, error)
+    if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call start_clock(system, clock)
     call factorise_schur(system, model, step, state, error)
     if (allocated(error)) return
-    if (system%is_interface_singular) failure = FAILURE_LINEAR_SOLVER
-    if (.not. (system%is_schur_active .or. system%is_interface_singular)) call factorise_reduced_matrix(system, model, failure, &
+    if (system%is_interface_singular) outcome = OUTCOME_LINEAR_SOLVER
+    if (.not. (system%is_schur_active .or. system%is_interface_singular)) call factorise_reduced_matrix(system, model, outcome, &
       error)
-    if (allocated(error) .or. failure /= FAILURE_NONE) return
+    if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call stop_clock(system, clock, PHASE_FACTOR)
     system%n_factorisations_before = system%n_factorisations
     system%is_subproblem_solved = .false.
-    call solve_constrained_system(system, residual_floor(system, step), du, failure, error)
-    if (failure == FAILURE_LINEAR_SOLVER .and. .not. system%is_schur_active .and. system%reduced_system%is_iterative) then
+    call solve_constrained_system(system, residual_floor(system, step), du, outcome, error)
+    if (outcome == OUTCOME_LINEAR_SOLVER .and. .not. system%is_schur_active .and. system%reduced_system%is_iterative) then
       call abandon_iteration(system%reduced_system)
-      call factorise_reduced_matrix(system, model, failure, error)
-      if (allocated(error) .or. failure /= FAILURE_NONE) return
-      call solve_constrained_system(system, residual_floor(system, step), du, failure, error)
+      call factorise_reduced_matrix(system, model, outcome, error)
+      if (allocated(error) .or. outcome /= OUTCOME_OK) return
+      call solve_constrained_system(system, residual_floor(system, step), du, outcome, error)
     end if
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine solve_newton_step
 
 
   !> The direction from a place that was foreseen, with the tangent of the bulk as it is.
-  subroutine solve_correction(system, model, step, state, offset_fraction, du, failure, error)
+  subroutine solve_correction(system, model, step, state, offset_fraction, du, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -111,18 +111,18 @@ contains
     real(DP), intent(in) :: offset_fraction                  !< of what is missing to the prescribed displacements that it is to go
                                                              !! [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    integer, intent(out) :: failure                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: clock
     call start_clock(system, clock)
-    failure = FAILURE_LINEAR_SOLVER
+    outcome = OUTCOME_LINEAR_SOLVER
     call build_constraints(system, model, step, state%old, state%new, offset_fraction, error)
     if (allocated(error)) return
     call stop_clock(system, clock, PHASE_CONTACT)
     call factorise_schur(system, model, step, state, error)
     if (allocated(error) .or. .not. system%is_schur_active) return
     call stop_clock(system, clock, PHASE_FACTOR)
-    call solve_constrained_system(system, KRYLOV_RESIDUAL_SHARE * step%controls%r_n * system%largest_force, du, failure, error)
+    call solve_constrained_system(system, KRYLOV_RESIDUAL_SHARE * step%controls%r_n * system%largest_force, du, outcome, error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine solve_correction
 
@@ -138,21 +138,21 @@ contains
 
 
   !> K, the linearised contact forces, and C with c, at the configuration of the last evaluation.
-  subroutine linearize_equilibrium(system, model, step, state, failure, error)
+  subroutine linearize_equilibrium(system, model, step, state, outcome, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    integer, intent(out) :: failure                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     integer :: failed
     integer(I64) :: clock
-    failure = FAILURE_NONE
+    outcome = OUTCOME_OK
     call start_clock(system, clock)
     if (.not. system%is_assembled) then
       system%reduced_system%is_current = .false.
       call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
-      failure = merge(FAILURE_NONE, FAILURE_ELEMENT, failed == 0)
+      outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
       if (failed /= 0) return
       call assemble_external_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
       if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_force(system%volume_share, state)
@@ -343,14 +343,14 @@ contains
 
 
   !> A and its factor, with the springs of compliant contact in K: they make it the better preconditioner.
-  subroutine factorise_reduced_matrix(system, model, failure, error)
+  subroutine factorise_reduced_matrix(system, model, outcome, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
-    integer, intent(out) :: failure
+    integer, intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: springs
     integer :: status
-    failure = FAILURE_NONE
+    outcome = OUTCOME_OK
     if (any(system%contact_tangents%is_compliant_node)) then
       call assemble_spring_matrix(system%contact_tangents, system%constraints%n_unknowns, springs, error)
       if (allocated(error)) return
@@ -364,26 +364,26 @@ contains
     system%n_factorisations = system%n_factorisations + system%reduced_system%n_factorised
     system%n_shifted = system%n_shifted + system%reduced_system%n_shifted
     if (allocated(error)) return
-    if (status /= FACTOR_OK) failure = FAILURE_LINEAR_SOLVER
+    if (status /= FACTOR_OK) outcome = OUTCOME_LINEAR_SOLVER
   end subroutine factorise_reduced_matrix
 
 
   !> Solves J dv = C' (R - (K - dF_c) c) and gives du = C dv + c.
-  subroutine solve_constrained_system(system, floor, du, failure, error)
+  subroutine solve_constrained_system(system, floor, du, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: floor                  !< residual that is small enough [force]
     real(DP), intent(out) :: du(:, :)
-    integer, intent(out) :: failure
+    integer, intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: b(:), v(:), start(:), flat(:)
-    failure = FAILURE_NONE
+    outcome = OUTCOME_OK
     allocate (b(system%constraints%n_free), v(system%constraints%n_free), start(system%constraints%n_unknowns), &
       flat(system%constraints%n_unknowns))
     v = 0.0_DP
     flat = system%constraints%offset
     call right_hand_side(system, flat, b)
     if (system%constraints%n_free > 0) then
-      call run_krylov(system, floor, b, v, failure, error)
+      call run_krylov(system, floor, b, v, outcome, error)
       if (allocated(error)) return
       call multiply(system%constraints%transformation, v, start)
       flat = flat + start
@@ -393,12 +393,12 @@ contains
 
 
   !> J v = b: by conjugate gradients where J is A and that is not factorised, else by GMRES.
-  subroutine run_krylov(system, floor, b, v, failure, error)
+  subroutine run_krylov(system, floor, b, v, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: floor                  !< residual that is small enough [force]
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(inout) :: v(:)                !< (n_free) [length]
-    integer, intent(out) :: failure
+    integer, intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(tangent_type) :: tangent
     type(matrix_operator_type) :: matrix
@@ -406,7 +406,7 @@ contains
     type(krylov_options_type) :: options
     type(krylov_report_type) :: report
     logical :: is_iterative
-    failure = FAILURE_NONE
+    outcome = OUTCOME_OK
     is_iterative = system%reduced_system%is_iterative .and. .not. system%is_schur_active
     tangent%system => system
     matrix%matrix => system%reduced_system%matrix
@@ -428,8 +428,8 @@ contains
     if (report%status == KRYLOV_CONVERGED) return
     if (report%status == KRYLOV_STAGNATED .and. is_at_rounding_level(system, report%residual * norm2(b), v)) return
     if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! to rounding: a slender body allows no more
-    if (is_iterative) failure = FAILURE_LINEAR_SOLVER
-    if (.not. is_iterative) call solve_by_umfpack(system, b, v, failure, error)
+    if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER
+    if (.not. is_iterative) call solve_by_umfpack(system, b, v, outcome, error)
   end subroutine run_krylov
 
 
@@ -445,16 +445,16 @@ contains
 
 
   !> The fall-back when GMRES does not arrive: J as a matrix, factorised by UMFPACK with pivoting.
-  subroutine solve_by_umfpack(system, b, v, failure, error)
+  subroutine solve_by_umfpack(system, b, v, outcome, error)
     type(equilibrium_type), intent(inout) :: system
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(inout) :: v(:)                !< (n_free) [length]
-    integer, intent(out) :: failure
+    integer, intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: J
     type(lu_type) :: lu
     integer :: status
-    failure = FAILURE_NONE
+    outcome = OUTCOME_OK
     call assemble_tangent_matrix(system, J, error)
     if (allocated(error)) return
     call lu_factorise(lu, J, status, error)
@@ -462,7 +462,7 @@ contains
     system%n_factorisations = system%n_factorisations + 1
     system%n_umfpack = system%n_umfpack + 1
     if (status == FACTOR_OK) call lu_solve(lu, b, v)
-    if (status /= FACTOR_OK .or. .not. all(abs(v) <= huge(1.0_DP))) failure = FAILURE_LINEAR_SOLVER
+    if (status /= FACTOR_OK .or. .not. all(abs(v) <= huge(1.0_DP))) outcome = OUTCOME_LINEAR_SOLVER
   end subroutine solve_by_umfpack
 
 

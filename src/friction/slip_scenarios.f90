@@ -105,7 +105,7 @@ contains
   !!
   !! Reference: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution
   !! methods, Comput. Methods Appl. Mech. Engrg. 92 (1991) 353-375.
-  pure subroutine evaluate_trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, friction_limit, trial)
+  pure subroutine evaluate_trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, limit_cap, trial)
     real(DP), intent(in) :: imbalance(3)     !< Rhat of the slave node [force]
     real(DP), intent(in) :: gap              !< signed distance, negative is penetration [length]
     real(DP), intent(in) :: slip(3)          !< x_s - x_m(origin), g before its projection [length]
@@ -113,7 +113,7 @@ contains
     real(DP), intent(in) :: mu               !< coefficient of friction [-]
     real(DP), intent(in) :: stiffness        !< c, the node's own stiffness, > 0 [force/length]
     logical, intent(in) :: was_closed        !< it was held by contact in the last iteration
-    real(DP), intent(in) :: friction_limit             !< largest friction, whatever the normal force [force]
+    real(DP), intent(in) :: limit_cap             !< largest friction, whatever the normal force [force]
     type(trial_traction_type), intent(out) :: trial
     real(DP) :: size_tau
     if (was_closed) call split_nodal_imbalance(imbalance, normal, trial%N, trial%Rt)
@@ -123,7 +123,7 @@ contains
     if (size_tau > 0) trial%direction = trial%tau / size_tau
     if (trial%sigma <= 0) then
       trial%status = STATUS_OPEN
-    else if (mu > 0 .and. size_tau <= min(mu * trial%sigma, friction_limit)) then
+    else if (mu > 0 .and. size_tau <= min(mu * trial%sigma, limit_cap)) then
       trial%status = STATUS_STICK
     else
       trial%status = STATUS_SLIP

@@ -17,7 +17,7 @@ module amontons_contact_subproblem
   use amontons_active_set_history, only: active_set_history_type, record_active_set, find_cycle, HISTORY_DEPTH
   use amontons_active_set_cycling, only: extend_master_edges, facet_track_type
   use amontons_equilibrium, only: equilibrium_type, configuration_type, save_configuration, evaluate_linearized, &
-    restore_configuration, FAILURE_NONE
+    restore_configuration, OUTCOME_OK
   use amontons_newton_step, only: solve_correction
   implicit none
   private
@@ -47,7 +47,7 @@ module amontons_contact_subproblem
     real(DP), allocatable :: du(:, :)
     type(slave_state_type), allocatable :: slaves(:)
     integer :: n_subproblem_iterations = 0                        !< corrections made
-    integer :: failure = FAILURE_NONE              !< of the last of them
+    integer :: outcome = OUTCOME_OK              !< of the last of them
     logical :: is_subproblem_solved = .false.
   end type subproblem_result_type
 
@@ -130,13 +130,13 @@ contains
       is_cycle_found = is_cycling(active_set_history)
       if (best%n_subproblem_iterations == MAX_SUBPROBLEM_ITERATIONS .or. is_cycle_found) exit
       best%n_subproblem_iterations = best%n_subproblem_iterations + 1
-      call solve_correction(system, model, step, state, 1.0_DP, correction, best%failure, error)
+      call solve_correction(system, model, step, state, 1.0_DP, correction, best%outcome, error)
       if (allocated(error)) return
-      if (best%failure /= FAILURE_NONE .or. all(correction == 0.0_DP)) exit   ! GMRES finds nothing worth correcting
+      if (best%outcome /= OUTCOME_OK .or. all(correction == 0.0_DP)) exit   ! GMRES finds nothing worth correcting
       call apply_damped_correction(system, model, start, correction, state, du)
     end do
     best%is_subproblem_solved = best%n_subproblem_iterations < MAX_SUBPROBLEM_ITERATIONS .and. .not. is_cycle_found &
-      .and. best%failure == FAILURE_NONE
+      .and. best%outcome == OUTCOME_OK
   end subroutine solve_whole_step
 
 
@@ -203,9 +203,9 @@ contains
     call evaluate_linearized(system, model, start, candidate%du, state)
     do n = 1, MAX_ITERATIONS_PER_SUBSTEP
       candidate%n_subproblem_iterations = n
-      call solve_correction(system, model, step, state, merge(offset_fraction, 0.0_DP, n == 1), correction, candidate%failure, &
+      call solve_correction(system, model, step, state, merge(offset_fraction, 0.0_DP, n == 1), correction, candidate%outcome, &
         error)
-      if (allocated(error) .or. candidate%failure /= FAILURE_NONE) return
+      if (allocated(error) .or. candidate%outcome /= OUTCOME_OK) return
       if (n == 1) then
         candidate%du = candidate%du + correction
         call evaluate_linearized(system, model, start, candidate%du, state)

@@ -24,8 +24,8 @@ module amontons_failure_report
   use amontons_convergence, only: VERDICT_DIVERGES
   use amontons_globalization, only: is_repeatedly_unsolved, STEP_KIND_NEWTON
   use amontons_newton, only: newton_type
-  use amontons_equilibrium, only: equilibrium_type, FAILURE_NONE, FAILURE_ELEMENT, FAILURE_LINEAR_SOLVER, FAILURE_NOT_FINITE, &
-    FAILURE_UNSUPPORTED, FAILURE_TUNNELLING
+  use amontons_equilibrium, only: equilibrium_type, OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, &
+    OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
   implicit none
   private
   public :: diagnose_failure, describe_failure, summarize_attempts, describe_edge_events, is_always_unsupported
@@ -49,31 +49,31 @@ contains
     character(:), allocatable :: reason
     logical :: is_unsupported                             ! a body was carried in vain, and supports alone do not hold all bodies
     is_unsupported = newton%farthest_node > 0 .and. (newton%globalization%n_proximal > newton%globalization%n_snap_through &
-      .or. newton%failure == FAILURE_UNSUPPORTED)
+      .or. newton%outcome == OUTCOME_UNSUPPORTED)
     if (is_unsupported) is_unsupported = .not. is_held_by_supports(model, system, state)
     if (is_unsupported .and. newton%globalization%step_kind /= STEP_KIND_NEWTON .and. newton%globalization%n_snap_through == 0 &
       .and. &
-      any(newton%failure == [FAILURE_NONE, FAILURE_LINEAR_SOLVER])) then
+      any(newton%outcome == [OUTCOME_OK, OUTCOME_LINEAR_SOLVER])) then
       reason = unsupported_body_sentence(model, state, newton)
       return
     end if
-    select case (newton%failure)
-    case (FAILURE_ELEMENT)
+    select case (newton%outcome)
+    case (OUTCOME_ELEMENT)
       reason = 'MATERIAL: element ' // to_text(model%mesh%element_label(max(1, system%failed_element))) // &
         ' turned inside out, or its material found no answer.'
-    case (FAILURE_LINEAR_SOLVER)
+    case (OUTCOME_LINEAR_SOLVER)
       reason = 'LINEAR SOLVER: the stiffness matrix is singular: a body is free to move, or the structure has buckled.'
       if (state%old%total_time > 0.0_DP .and. system%n_shifted > newton%n_shifted) reason = LIMIT_POINT_SENTENCE   ! it was stable
                                                                                                                    ! before
       if (size(state%new%slaves) > 0 .and. all(state%new%slaves%status == STATUS_OPEN)) reason = &
         'FREE BODY: no slave node touches its master any more, and nothing else holds a body.'
-    case (FAILURE_NOT_FINITE)
+    case (OUTCOME_NOT_FINITE)
       reason = 'LINEAR SOLVER: a force is not finite.'
-    case (FAILURE_UNSUPPORTED)
+    case (OUTCOME_UNSUPPORTED)
       reason = 'FREE BODY: nothing holds a body against its load; it would fly off at node ' // &
         to_text(model%mesh%node_label(max(1, newton%farthest_node))) // '.'
       if (.not. is_unsupported) reason = LIMIT_POINT_SENTENCE
-    case (FAILURE_TUNNELLING)
+    case (OUTCOME_TUNNELLING)
       reason = 'PENETRATION JUMP: node ' // to_text(model%mesh%node_label(newton%tunnelled_node)) // &
         ' passed through its master within the increment.'
     case default
@@ -240,7 +240,7 @@ contains
     real(DP), allocatable :: imbalance(:)
     integer :: i, n
     allocate (lines(0))
-    if (newton%failure /= FAILURE_ELEMENT) then
+    if (newton%outcome /= OUTCOME_ELEMENT) then
       write (line, '(a,i0,a,es10.3,a,es10.3,a)') 'After ', newton%measures%iteration, &
         ' iterations the largest imbalance is ', max(newton%measures%residual(0), newton%measures%residual_at_gap), &
         ' of the largest force, the correction ', newton%measures%correction, '.'

@@ -13,7 +13,7 @@ module amontons_globalization
   use amontons_convergence, only: convergence_measures_type
   use amontons_contact_subproblem, only: solve_contact_subproblem
   use amontons_proximal_step, only: is_motion_unrestrained, find_proximal_step, find_snap_through_step
-  use amontons_equilibrium, only: equilibrium_type, FAILURE_NONE
+  use amontons_equilibrium, only: equilibrium_type, OUTCOME_OK
   use amontons_newton_step, only: solve_newton_step
   implicit none
   private
@@ -66,7 +66,7 @@ contains
   !> The way. Where too many directions led to no balance, running, bodies are carried on to the next one. That the next direction
   !! will not do is known before it is made if no length of the last one was any good, or if a body drifts along a motion that
   !! hardly anything holds.
-  subroutine choose_step(strategy, system, model, step, measures, state, trial_step, failure, error)
+  subroutine choose_step(strategy, system, model, step, measures, state, trial_step, outcome, error)
     type(globalization_type), intent(inout) :: strategy
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -74,10 +74,10 @@ contains
     type(convergence_measures_type), intent(in) :: measures
     type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
     type(trial_step_type), intent(out) :: trial_step
-    integer, intent(out) :: failure                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     logical :: is_drifting, is_newton_skipped
-    failure = FAILURE_NONE
+    outcome = OUTCOME_OK
     allocate (trial_step%du, mold=state%new%u)
     is_drifting = is_body_drifting(strategy, step, measures, state)
     if (is_drifting) strategy%snap_shift = strategy%snap_shift * DRIFT_SHIFT_FACTOR
@@ -86,52 +86,52 @@ contains
     if (is_newton_skipped) then
       strategy%n_unsolved = max(strategy%n_unsolved, strategy%unsolved_limit) + 1
     else
-      call try_newton_step(strategy, system, model, step, state, trial_step, failure, error)
-      if (allocated(error) .or. failure /= FAILURE_NONE) return
+      call try_newton_step(strategy, system, model, step, state, trial_step, outcome, error)
+      if (allocated(error) .or. outcome /= OUTCOME_OK) return
       strategy%n_unsolved = merge(strategy%n_unsolved + 1, 0, is_step_unsolved(strategy, system, step))
     end if
     if (strategy%n_unsolved > strategy%unsolved_limit) call take_snap_through_step(strategy, system, model, step, state, &
-      trial_step, failure, error)
+      trial_step, outcome, error)
   end subroutine choose_step
 
 
   !> Newton's direction, with contact settled at its end; where nothing holds a body there, one that carries it.
-  subroutine try_newton_step(strategy, system, model, step, state, trial_step, failure, error)
+  subroutine try_newton_step(strategy, system, model, step, state, trial_step, outcome, error)
     type(globalization_type), intent(inout) :: strategy
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
     type(trial_step_type), intent(inout) :: trial_step
-    integer, intent(out) :: failure                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     logical :: is_unrestrained
-    call solve_newton_step(system, model, step, state, trial_step%du, failure, error)
+    call solve_newton_step(system, model, step, state, trial_step%du, outcome, error)
     if (allocated(error)) return
-    is_unrestrained = is_motion_unrestrained(system, model, trial_step%du, failure)
-    if (failure == FAILURE_NONE .and. .not. is_unrestrained) then
+    is_unrestrained = is_motion_unrestrained(system, model, trial_step%du, outcome)
+    if (outcome == OUTCOME_OK .and. .not. is_unrestrained) then
       call solve_contact_subproblem(system, model, step, state, trial_step%du, trial_step%predicted_slaves, error)
       if (allocated(error)) return
-      is_unrestrained = is_motion_unrestrained(system, model, trial_step%du, failure)   ! where it slips nothing may hold it
+      is_unrestrained = is_motion_unrestrained(system, model, trial_step%du, outcome)   ! where it slips nothing may hold it
     end if
     strategy%step_kind = merge(STEP_KIND_PROXIMAL, STEP_KIND_NEWTON, is_unrestrained)
     if (is_unrestrained) call find_proximal_step(system, model, step, state, strategy%proximal_shift, trial_step%du, &
-      trial_step%predicted_slaves, failure, error)
+      trial_step%predicted_slaves, outcome, error)
   end subroutine try_newton_step
 
 
   !> A direction towards the next balance. Where contact does not settle along it, there is no other one in this attempt.
-  subroutine take_snap_through_step(strategy, system, model, step, state, trial_step, failure, error)
+  subroutine take_snap_through_step(strategy, system, model, step, state, trial_step, outcome, error)
     type(globalization_type), intent(inout) :: strategy
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
     type(trial_step_type), intent(inout) :: trial_step
-    integer, intent(out) :: failure                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     call find_snap_through_step(system, model, step, state, strategy%snap_shift, trial_step%du, trial_step%predicted_slaves, &
-      failure, error)
+      outcome, error)
     strategy%unsolved_limit = merge(UNSOLVED_LIMIT_NONE, UNSOLVED_LIMIT_INFINITE, system%is_subproblem_solved)
     strategy%step_kind = STEP_KIND_SNAP_THROUGH
     strategy%n_snap_through = strategy%n_snap_through + 1

@@ -21,7 +21,7 @@ module amontons_line_search
   use amontons_reduced_system, only: apply_reduced_inverse
   use amontons_equilibrium, only: equilibrium_type, configuration_type, save_configuration, evaluate_equilibrium, &
     directional_residual, max_components, &
-    nodal_norms, FAILURE_NONE
+    nodal_norms, OUTCOME_OK
   implicit none
   private
   public :: line_search_report_type, perform_line_search
@@ -63,7 +63,7 @@ module amontons_line_search
 contains
 
   !> Moves the trial state along the direction and evaluates it there.
-  subroutine perform_line_search(system, model, step, du, predicted_slaves, state, report, failure)
+  subroutine perform_line_search(system, model, step, du, predicted_slaves, state, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -71,15 +71,15 @@ contains
     type(slave_state_type), intent(in) :: predicted_slaves(:)       !< the memory of the slave nodes with which u + d is evaluated
     type(state_type), intent(inout) :: state       !< in: evaluated at u; out: evaluated at the new iterate
     type(line_search_report_type), intent(out) :: report
-    integer, intent(out) :: failure                !< TROUBLE_... if no step length gives a sound configuration
+    integer, intent(out) :: outcome                !< TROUBLE_... if no step length gives a sound configuration
     type(search_start_type) :: start
     type(slip_result_type), allocatable :: verdicts(:)
     start%configuration_type = save_configuration(system, state)
     start%predicted_slaves = predicted_slaves
     start%pair = directional_residual(system, du)
     start%is_merit_comparable = is_displacement_complete(system, state%new%u)
-    call try_full_step(system, model, step, du, start, state, report, failure)
-    if (failure /= FAILURE_NONE) return
+    call try_full_step(system, model, step, du, start, state, report, outcome)
+    if (outcome /= OUTCOME_OK) return
     call classify_slip_scenarios(system, step, start, state, report, verdicts)
     select case (step%line_search)
     case (LINE_SEARCH_ALL)
@@ -87,9 +87,9 @@ contains
     case (LINE_SEARCH_GLOBAL)
       call try_length(one_step_length(step, sum(verdicts%numerator), sum(verdicts%denominator)))
     case (LINE_SEARCH_NODAL)
-      call try_nodal_lengths(system, model, step, start, verdicts, state, report, failure)
+      call try_nodal_lengths(system, model, step, start, verdicts, state, report, outcome)
     case (LINE_SEARCH_AUTO)
-      call backtrack(system, model, step, du, start, state, report, failure)
+      call backtrack(system, model, step, du, start, state, report, outcome)
     end select
     report%n_newly_opened = count(start%slaves%status /= STATUS_OPEN .and. state%new%slaves%status == STATUS_OPEN)
     report%n_closed = count(start%slaves%status == STATUS_OPEN .and. state%new%slaves%status /= STATUS_OPEN)
@@ -105,12 +105,12 @@ contains
       real(DP) :: full_merit
       if (abs(alpha - 1.0_DP) < 1.0e-3_DP .or. .not. start%is_merit_comparable) return
       full_merit = system%merit
-      call evaluate_trial(system, model, step, start, start%u + alpha * du, .false., state, failure)
-      if (failure == FAILURE_NONE .and. system%merit <= full_merit) then
+      call evaluate_trial(system, model, step, start, start%u + alpha * du, .false., state, outcome)
+      if (outcome == OUTCOME_OK .and. system%merit <= full_merit) then
         report%step_length = alpha
         report%is_whole_step = .false.
       else
-        call evaluate_trial(system, model, step, start, start%u + du, .true., state, failure)
+        call evaluate_trial(system, model, step, start, start%u + du, .true., state, outcome)
       end if
     end subroutine try_length
 
@@ -127,7 +127,7 @@ contains
 
   !> The full step, or the longest half, quarter, ... that leaves no element inverted. While supports move, no slave node
   !! travels more than MAX_SLIDING facets: its gap and weights are linearised where it is, unless contact has settled ahead.
-  subroutine try_full_step(system, model, step, du, start, state, report, failure)
+  subroutine try_full_step(system, model, step, du, start, state, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -135,7 +135,7 @@ contains
     type(search_start_type), intent(in) :: start
     type(state_type), intent(inout) :: state
     type(line_search_report_type), intent(inout) :: report
-    integer, intent(out) :: failure
+    integer, intent(out) :: outcome
     real(DP) :: max_length
     integer :: halving
     max_length = 1.0_DP
@@ -144,15 +144,15 @@ contains
     do halving = 0, MAX_LENGTH_HALVINGS
       report%step_length = max_length * 0.5_DP**halving
       call evaluate_trial(system, model, step, start, start%u + report%step_length * du, report%step_length == 1.0_DP, state, &
-        failure)
-      if (failure == FAILURE_NONE) exit
+        outcome)
+      if (outcome == OUTCOME_OK) exit
     end do
     report%is_whole_step = report%step_length == 1.0_DP
   end subroutine try_full_step
 
 
   !> Evaluates a configuration, starting from the contact memory of the iterate.
-  subroutine evaluate_trial(system, model, step, start, u, is_full_step, state, failure)
+  subroutine evaluate_trial(system, model, step, start, u, is_full_step, state, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -160,11 +160,11 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     logical, intent(in) :: is_full_step                !< the end of the whole direction
     type(state_type), intent(inout) :: state
-    integer, intent(out) :: failure
+    integer, intent(out) :: outcome
     state%new%u = u
     state%new%slaves = start%slaves
     if (is_full_step) state%new%slaves = start%predicted_slaves
-    call evaluate_equilibrium(system, model, step, state, failure, is_frozen=.false.)
+    call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.false.)
   end subroutine evaluate_trial
 
 
@@ -219,7 +219,7 @@ contains
 
 
   !> Each slipping node goes its own part of its tangential increment, if that lowers the merit against the full step.
-  subroutine try_nodal_lengths(system, model, step, start, verdicts, state, report, failure)
+  subroutine try_nodal_lengths(system, model, step, start, verdicts, state, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -227,11 +227,11 @@ contains
     type(slip_result_type), intent(in) :: verdicts(:)
     type(state_type), intent(inout) :: state
     type(line_search_report_type), intent(inout) :: report
-    integer, intent(out) :: failure
+    integer, intent(out) :: outcome
     real(DP), allocatable :: u_full(:, :), u(:, :)
     real(DP) :: full_merit
     integer :: s
-    failure = FAILURE_NONE
+    outcome = OUTCOME_OK
     if (.not. start%is_merit_comparable .or. .not. any(verdicts%scenario > 0)) return
     full_merit = system%merit
     u_full = state%new%u
@@ -242,13 +242,13 @@ contains
         u(:, node) = u(:, node) + (verdicts(s)%alpha - 1.0_DP) * (system%contact%slip_data%slip(:, s) - start%slip_data%slip(:, s))
       end associate
     end do
-    call evaluate_trial(system, model, step, start, u, .false., state, failure)
-    if (failure == FAILURE_NONE .and. system%merit <= full_merit) then
+    call evaluate_trial(system, model, step, start, u, .false., state, outcome)
+    if (outcome == OUTCOME_OK .and. system%merit <= full_merit) then
       report%step_length = sum(verdicts%alpha, mask=verdicts%state == NODE_SLIP) &
         / real(count(verdicts%state == NODE_SLIP), DP)
       report%is_whole_step = .false.
     else
-      call evaluate_trial(system, model, step, start, u_full, .true., state, failure)
+      call evaluate_trial(system, model, step, start, u_full, .true., state, outcome)
     end if
   end subroutine try_nodal_lengths
 
@@ -256,7 +256,7 @@ contains
   !> AUTO: the full step if the merit does not grow, if nothing touches, or if contact has settled ahead and the next correction
   !! is shorter: the imbalance of slender bodies has to rise first, since bending them stretches them. Else (LS) over all unknowns,
   !! then halves; the best is taken, if it is not far worse than where the search began.
-  subroutine backtrack(system, model, step, du, start, state, report, failure)
+  subroutine backtrack(system, model, step, du, start, state, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -264,10 +264,10 @@ contains
     type(search_start_type), intent(in) :: start
     type(state_type), intent(inout) :: state
     type(line_search_report_type), intent(inout) :: report
-    integer, intent(out) :: failure
+    integer, intent(out) :: outcome
     real(DP) :: alpha, best_length, best_merit
     integer :: halving
-    failure = FAILURE_NONE
+    outcome = OUTCOME_OK
     if (system%proximal_shift > 0.0_DP .and. system%is_subproblem_solved) return   ! a body on its way to its master: nothing
                                                                                    ! pushes back yet
     if (all(start%slaves%status == STATUS_OPEN) .and. all(state%new%slaves%status == STATUS_OPEN)) return   ! as without contact
@@ -279,8 +279,8 @@ contains
     best_merit = system%merit
     alpha = min(0.5_DP * best_length, one_step_length(step, start%pair, directional_residual(system, du) - start%pair))
     do halving = 1, MAX_LENGTH_HALVINGS
-      call evaluate_trial(system, model, step, start, start%u + alpha * du, .false., state, failure)
-      if (failure == FAILURE_NONE .and. system%merit < MERIT_DECREASE_RATIO * best_merit) then
+      call evaluate_trial(system, model, step, start, start%u + alpha * du, .false., state, outcome)
+      if (outcome == OUTCOME_OK .and. system%merit < MERIT_DECREASE_RATIO * best_merit) then
         best_length = alpha
         best_merit = system%merit
       end if
@@ -291,7 +291,7 @@ contains
       best_merit > max(MIN_REJECTED_RESIDUAL, step%controls%r_n) * system%largest_force
     if (report%is_rejected) best_length = 0.0_DP
     if (best_length /= alpha .or. halving > MAX_LENGTH_HALVINGS) &
-      call evaluate_trial(system, model, step, start, start%u + best_length * du, best_length == 1.0_DP, state, failure)
+      call evaluate_trial(system, model, step, start, start%u + best_length * du, best_length == 1.0_DP, state, outcome)
     report%is_whole_step = best_length == 1.0_DP
     report%step_length = best_length
   end subroutine backtrack

@@ -18,7 +18,7 @@ module amontons_newton
   use amontons_globalization, only: globalization_type, trial_step_type, choose_step, STEP_KIND_NEWTON, STEP_KIND_SNAP_THROUGH
   use amontons_equilibrium, only: equilibrium_type, begin_increment, evaluate_equilibrium, residuals_above_rounding, &
     max_components, &
-    FAILURE_NONE, FAILURE_ELEMENT, FAILURE_UNSUPPORTED, FAILURE_TUNNELLING
+    OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
   use amontons_newton_step, only: set_proximal_shift
   implicit none
   private
@@ -39,7 +39,7 @@ module amontons_newton
   type :: newton_type
     type(convergence_measures_type) :: measures
     type(iteration_record_type) :: record          !< of the last iteration
-    integer :: failure = FAILURE_NONE
+    integer :: outcome = OUTCOME_OK
     integer :: farthest_node = 0                        !< the node that moved farthest, where bodies were carried or fly off
     integer :: tunnelled_node = 0                    !< the node that passed through its master
     logical :: can_be_cut_back = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
@@ -71,18 +71,18 @@ contains
     if (system%proximal_shift > 0.0_DP) call set_proximal_shift(system, model, state%new, 0.0_DP)   ! an attempt ended in the midst
                                                                                                     ! of it
     call begin_increment(system, model, step, is_step_start, state)
-    newton%failure = FAILURE_ELEMENT
+    newton%outcome = OUTCOME_ELEMENT
     if (.not. is_step_start) then
       dt = state%new%total_time - state%old%total_time
       sliding = largest_sliding(system%contact, model, state%old%slaves, dt * state%old%v)
       state%new%u = state%old%u + dt * state%old%v
-      call evaluate_equilibrium(system, model, step, state, newton%failure, is_frozen=sliding < MAX_PREDICTED_SLIDING)
+      call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=sliding < MAX_PREDICTED_SLIDING)
     end if
-    if (newton%failure /= FAILURE_NONE) then
+    if (newton%outcome /= OUTCOME_OK) then
       state%new%u = state%old%u
       state%new%slaves = state%old%slaves
       call begin_increment(system, model, step, is_step_start, state)
-      call evaluate_equilibrium(system, model, step, state, newton%failure, is_frozen=.true.)
+      call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=.true.)
     end if
     call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
     newton%force_scale = max(newton%force_scale, system%bulk_force)   ! nodes go on into a stiff law with any force
@@ -98,18 +98,18 @@ contains
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    integer, intent(out) :: verdict                !< VERDICT_...; newton%failure tells more
+    integer, intent(out) :: verdict                !< VERDICT_...; newton%outcome tells more
     type(error_type), allocatable, intent(out) :: error
     type(trial_step_type) :: trial_step
     integer :: n_krylov, n_rounds
     verdict = VERDICT_DIVERGES
-    if (newton%failure /= FAILURE_NONE) return
+    if (newton%outcome /= OUTCOME_OK) return
     n_krylov = system%n_krylov
     n_rounds = system%n_subproblem_iterations
-    call choose_step(newton%globalization, system, model, step, newton%measures, state, trial_step, newton%failure, error)
-    if (allocated(error) .or. newton%failure /= FAILURE_NONE) return
+    call choose_step(newton%globalization, system, model, step, newton%measures, state, trial_step, newton%outcome, error)
+    if (allocated(error) .or. newton%outcome /= OUTCOME_OK) return
     call apply_trial_step(newton, system, model, step, trial_step, state)
-    if (newton%failure /= FAILURE_NONE) return
+    if (newton%outcome /= OUTCOME_OK) return
     newton%record%n_krylov = system%n_krylov - n_krylov
     newton%record%n_subproblem_iterations = system%n_subproblem_iterations - n_rounds
     call assess_iterate(newton, system, model, step, state, verdict)
@@ -128,15 +128,15 @@ contains
     real(DP), allocatable :: u(:, :), residual(:, :)
     u = state%new%u
     residual = system%residual
-    call perform_line_search(system, model, step, trial_step%du, trial_step%predicted_slaves, state, report, newton%failure)
+    call perform_line_search(system, model, step, trial_step%du, trial_step%predicted_slaves, state, report, newton%outcome)
     if (report%is_ascent_direction .and. newton%measures%residual(0) > step%controls%r_n) newton%n_ascent_directions &
       = newton%n_ascent_directions + 1
     newton%globalization%is_rejected = report%is_rejected
     if (newton%globalization%step_kind /= STEP_KIND_NEWTON) call end_proximal_step(newton, system, model, state, u, residual)
-    if (newton%failure /= FAILURE_NONE) return
+    if (newton%outcome /= OUTCOME_OK) return
     call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
     call check_displacements(newton, system, model, state)
-    if (newton%failure /= FAILURE_NONE) return
+    if (newton%outcome /= OUTCOME_OK) return
     call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls%r_n)
     call record_step(newton, system, state, report)
   end subroutine apply_trial_step
@@ -187,9 +187,9 @@ contains
       if (is_found .and. .not. is_changed .and. newton%can_be_cut_back .and. verdict == VERDICT_CONTINUE) verdict = VERDICT_TOO_SLOW
     end if
     if (.not. is_changed) return
-    call evaluate_equilibrium(system, model, step, state, newton%failure, is_frozen=.false.)
+    call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=.false.)
     call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls%r_n)
-    if (newton%failure /= FAILURE_NONE) then
+    if (newton%outcome /= OUTCOME_OK) then
       verdict = VERDICT_DIVERGES
     else if (verdict == VERDICT_CONVERGED .and. (system%contact%n_changed > 0 .or. &
       newton%measures%residual(0) > step%controls%r_n)) then
@@ -224,7 +224,7 @@ contains
     s = find_tunnelled_slave(system%contact, model%mesh%coordinates + state%old%u, model%mesh%coordinates + state%new%u, &
       state%old%slaves, state%new%slaves)
     if (s == 0) return
-    newton%failure = FAILURE_TUNNELLING
+    newton%outcome = OUTCOME_TUNNELLING
     newton%tunnelled_node = state%new%slaves(s)%node
     verdict = VERDICT_DIVERGES
   end subroutine check_tunnelling
@@ -243,7 +243,7 @@ contains
     if (is_proximal) newton%farthest_node = maxloc(displacement, dim=1)
     displacement_limit = merge(MAX_PROXIMAL_RATIO, MAX_DISPLACEMENT_RATIO, is_proximal) * mesh_extent(model%mesh)
     if (maxval(displacement) <= displacement_limit) return
-    newton%failure = FAILURE_UNSUPPORTED
+    newton%outcome = OUTCOME_UNSUPPORTED
     newton%farthest_node = maxloc(displacement, dim=1)
   end subroutine check_displacements
 

@@ -18,8 +18,8 @@ module amontons_proximal_step
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   use amontons_contact_pairs, only: current_row
   use amontons_contact_subproblem, only: solve_contact_subproblem
-  use amontons_equilibrium, only: equilibrium_type, evaluate_equilibrium, max_components, nodal_norms, FAILURE_NONE, &
-    FAILURE_LINEAR_SOLVER
+  use amontons_equilibrium, only: equilibrium_type, evaluate_equilibrium, max_components, nodal_norms, OUTCOME_OK, &
+    OUTCOME_LINEAR_SOLVER
   use amontons_newton_step, only: solve_newton_step, set_proximal_shift
   implicit none
   private
@@ -39,14 +39,14 @@ contains
 
   !> Whether a direction says that nothing holds a body: there is none, there was none when contact had settled along it, or it goes
   !! farther than the whole model.
-  logical function is_motion_unrestrained(system, model, du, failure)
+  logical function is_motion_unrestrained(system, model, du, outcome)
     type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction; read if trouble is none [length]
-    integer, intent(in) :: failure                 !< TROUBLE_... of the direction
+    integer, intent(in) :: outcome                 !< TROUBLE_... of the direction
     real(DP) :: missing_displacement(size(du, 2))               ! prescribed displacements that are [length]
-    is_motion_unrestrained = failure == FAILURE_LINEAR_SOLVER .and. size(system%contact%slip_data%status) > 0
-    if (failure /= FAILURE_NONE .or. size(system%contact%slip_data%status) == 0) return
+    is_motion_unrestrained = outcome == OUTCOME_LINEAR_SOLVER .and. size(system%contact%slip_data%status) > 0
+    if (outcome /= OUTCOME_OK .or. size(system%contact%slip_data%status) == 0) return
     missing_displacement = max_components(system, reshape(system%base%offset, shape(du)), 1)
     is_motion_unrestrained = .not. maxval(nodal_norms(system, du, 1)) <= mesh_extent(model%mesh) + 2.0_DP &
       * maxval(missing_displacement)
@@ -56,7 +56,7 @@ contains
 
   !> A direction with every node held by a part of its own stiffness, which is chosen so that bodies go where they touch; contact
   !! has settled at its end where it does.
-  subroutine find_proximal_step(system, model, step, state, shift, du, predicted_slaves, failure, error)
+  subroutine find_proximal_step(system, model, step, state, shift, du, predicted_slaves, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -64,23 +64,23 @@ contains
     real(DP), intent(inout) :: shift                !< to try first, 0: none is known; out: to try in the next iteration [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     type(slave_state_type), allocatable, intent(out) :: predicted_slaves(:)   !< memory of the slave nodes at its end
-    integer, intent(out) :: failure                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: excess, insufficient_shift
     integer :: attempt
     shift = max(MIN_PROXIMAL_SHIFT, shift)
     insufficient_shift = 0.0_DP
     do attempt = 1, MAX_SHIFT_TRIALS
-      call evaluate_equilibrium(system, model, step, state, failure, is_frozen=.true.)   ! contact had settled elsewhere
-      if (failure /= FAILURE_NONE) return
+      call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)   ! contact had settled elsewhere
+      if (outcome /= OUTCOME_OK) return
       call set_proximal_shift(system, model, state%new, shift)
-      call solve_newton_step(system, model, step, state, du, failure, error)
+      call solve_newton_step(system, model, step, state, du, outcome, error)
       if (allocated(error)) return
-      if (failure == FAILURE_LINEAR_SOLVER .and. shift < MAX_PROXIMAL_SHIFT) then
+      if (outcome == OUTCOME_LINEAR_SOLVER .and. shift < MAX_PROXIMAL_SHIFT) then
         shift = min(MAX_PROXIMAL_SHIFT, 1.0e3_DP * shift)
         cycle
       end if
-      if (failure /= FAILURE_NONE) return
+      if (outcome /= OUTCOME_OK) return
       excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, state, du)
       if (excess <= MAX_LENGTH_EXCESS .or. attempt == MAX_SHIFT_TRIALS) then
         call solve_contact_subproblem(system, model, step, state, du, predicted_slaves, error)
@@ -99,7 +99,7 @@ contains
   !> A direction along which contact settles, where it does not with K as it is: friction lets go faster than the bodies follow, so
   !! that no balance is near. Each node is held by a part of its own stiffness, the least that is tried with which contact settles.
   !! system%is_subproblem_solved tells whether it does; the state stands at u in any case.
-  subroutine find_snap_through_step(system, model, step, state, shift, du, predicted_slaves, failure, error)
+  subroutine find_snap_through_step(system, model, step, state, shift, du, predicted_slaves, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -107,15 +107,15 @@ contains
     real(DP), intent(inout) :: shift                !< that was enough in the iteration before, 0: none; out: in this one [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     type(slave_state_type), allocatable, intent(out) :: predicted_slaves(:)   !< memory of the slave nodes at its end
-    integer, intent(out) :: failure                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     shift = merge(max(MIN_PROXIMAL_SHIFT, shift / SNAP_SHIFT_RATIO), INITIAL_SNAP_SHIFT, shift > 0.0_DP)
     do
-      call evaluate_equilibrium(system, model, step, state, failure, is_frozen=.true.)
-      if (failure /= FAILURE_NONE) return
+      call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)
+      if (outcome /= OUTCOME_OK) return
       call set_proximal_shift(system, model, state%new, shift)
-      call solve_newton_step(system, model, step, state, du, failure, error)
-      if (allocated(error) .or. failure /= FAILURE_NONE) return
+      call solve_newton_step(system, model, step, state, du, outcome, error)
+      if (allocated(error) .or. outcome /= OUTCOME_OK) return
       call solve_contact_subproblem(system, model, step, state, du, predicted_slaves, error)
       if (allocated(error)) return
       if (system%is_subproblem_solved .or. shift >= MAX_PROXIMAL_SHIFT) exit
