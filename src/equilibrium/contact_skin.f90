@@ -11,10 +11,10 @@
 module amontons_contact_skin
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, from_triplets, transpose_of, multiply, multiply_transpose
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose, multiply, multiply_transpose
   use amontons_dense, only: solve_small
   use amontons_constraints, only: constraints_type
-  use amontons_reduced_system, only: reduced_type, apply_reduced
+  use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
   use amontons_skin_tiles, only: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
   implicit none
   private
@@ -25,11 +25,11 @@ module amontons_contact_skin
   !> The preconditioner.
   type :: skin_type
     logical :: is_ready = .false.                  !< P is there
-    type(reduced_type) :: robin                    !< K_rho, and P
+    type(reduced_system_type) :: robin                    !< K_rho, and P
     integer, allocatable :: tile_of_node(:)        !< (n_nodes) of slave nodes, where P was made; 0: no slave node
     integer :: n_tiles = 0
     integer :: n_slow = 0                          !< rounds that took many iterations since P was made
-    integer :: patience = 2                        !< so many of them are borne
+    integer :: unsolved_limit = 2                        !< so many of them are borne
     integer, allocatable, private :: unknown_of(:) !< (n_free) unknown of each free one
     integer, allocatable, private :: free_of(:)    !< (free unknowns of the skin) number among all free ones
     integer, allocatable, private :: skin_of_free(:)   !< (the same) unknown of the skin
@@ -104,7 +104,7 @@ contains
     m = count(base%owner == 0 .and. whole%owner > 0)
     n = m
     do i = 1, whole%n_unknowns
-      if (base%owner(i) == 0 .and. whole%owner(i) > 0) n = n + whole%map%first(i + 1) - whole%map%first(i)
+      if (base%owner(i) == 0 .and. whole%owner(i) > 0) n = n + whole%transformation%first(i + 1) - whole%transformation%first(i)
     end do
     allocate (row(n), column(n), value(n), d_row(3 * m), d_column(3 * m), d_value(3 * m))
     n = 0
@@ -130,9 +130,9 @@ contains
         n_d = n_d + 3
       end do
     end do
-    call from_triplets(n_rows, whole%n_unknowns, row(:n), column(:n), value(:n), self%rows, error)
+    call sparse_from_triplets(n_rows, whole%n_unknowns, row(:n), column(:n), value(:n), self%rows, error)
     if (allocated(error)) return
-    call from_triplets(n_rows, whole%n_unknowns, d_row(:n_d), d_column(:n_d), d_value(:n_d), self%directions, error)
+    call sparse_from_triplets(n_rows, whole%n_unknowns, d_row(:n_d), d_column(:n_d), d_value(:n_d), self%directions, error)
 
   contains
 
@@ -143,12 +143,12 @@ contains
       integer :: p, other
       call put(unknown, 1.0_DP)
       at_node(unknown - 3 * (node - 1)) = 1.0_DP
-      do p = whole%map%first(unknown), whole%map%first(unknown + 1) - 1
-        other = self%unknown_of(whole%map%column(p))
-        call put(other, -whole%map%value(p))
-        if ((other + 2) / 3 == node) at_node(other - 3 * (node - 1)) = -whole%map%value(p)
+      do p = whole%transformation%first(unknown), whole%transformation%first(unknown + 1) - 1
+        other = self%unknown_of(whole%transformation%column(p))
+        call put(other, -whole%transformation%value(p))
+        if ((other + 2) / 3 == node) at_node(other - 3 * (node - 1)) = -whole%transformation%value(p)
       end do
-      row(n - (whole%map%first(unknown + 1) - whole%map%first(unknown)):n) = number
+      row(n - (whole%transformation%first(unknown + 1) - whole%transformation%first(unknown)):n) = number
     end subroutine put_row
 
     !> One entry of A.
@@ -224,16 +224,16 @@ contains
     self%skin_of_free = pack([(i, i=1, n)], whole%free_of(unknown) > 0)
     free = 0
     free(self%free_of) = [(i, i=1, size(self%free_of))]
-    call take_rows(whole%map, unknown, free, size(self%free_of), self%parts%relation, error)
+    call take_rows(whole%transformation, unknown, free, size(self%free_of), self%parts%relation, error)
     if (allocated(error)) return
-    self%parts%relation_t = transpose_of(self%parts%relation)
+    self%parts%relation_t = sparse_transpose(self%parts%relation)
     call take_rows(stiffness, unknown, skin, n, self%parts%stiffness, error, is_symmetric=.true.)
     if (allocated(error)) return
     call take_rows(by_imbalance, unknown, skin, n, taken, error)
     if (allocated(error)) return
-    self%parts%by_imbalance_t = transpose_of(taken)
+    self%parts%by_imbalance_t = sparse_transpose(taken)
     call take_rows(by_displacement, unknown, skin, n, taken, error)
-    if (.not. allocated(error)) self%parts%by_displacement_t = transpose_of(taken)
+    if (.not. allocated(error)) self%parts%by_displacement_t = sparse_transpose(taken)
   end subroutine take_parts
 
 
@@ -270,7 +270,7 @@ contains
         value(n) = value(n - 1)
       end do
     end do
-    call from_triplets(size(rows), n_columns, row(:n), column(:n), value(:n), taken, error)
+    call sparse_from_triplets(size(rows), n_columns, row(:n), column(:n), value(:n), taken, error)
   end subroutine take_rows
 
 
@@ -312,7 +312,7 @@ contains
     do i = 1, size(g)
       if (self%bulk_of(i) > 0) b(self%bulk_of(i)) = g(i) - change(i)
     end do
-    call apply_reduced(self%robin, b, y)
+    call apply_reduced_inverse(self%robin, b, y)
     do i = 1, size(g)
       g(i) = 0.0_DP
       if (self%bulk_of(i) > 0) g(i) = y(self%bulk_of(i))

@@ -9,7 +9,7 @@ module amontons_free_rigid_motions
   use amontons_kinds, only: DP
   use amontons_sparse, only: sparse_type
   use amontons_constraints, only: constraints_type
-  use amontons_dense, only: symmetric_eigen, DENSE_OK
+  use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
   implicit none
   private
   public :: free_motions_type, find_motions, is_singular_along
@@ -158,8 +158,8 @@ contains
     do i = 1, base%n_unknowns
       if (base%owner(i) == 0) cycle
       z(:, i) = 0.0_DP
-      do p = base%map%first(i), base%map%first(i + 1) - 1
-        z(:, i) = z(:, i) + base%map%value(p) * of_free(:, base%map%column(p))
+      do p = base%transformation%first(i), base%transformation%first(i + 1) - 1
+        z(:, i) = z(:, i) + base%transformation%value(p) * of_free(:, base%transformation%column(p))
       end do
     end do
   end subroutine constrain_motions
@@ -199,7 +199,7 @@ contains
     real(DP) :: values(6), vectors(6, 6), whiten(6, 6)
     integer :: k, n, status
     m = 0
-    call symmetric_eigen(scale, values, vectors, status)
+    call solve_symmetric_eigen(scale, values, vectors, status)
     if (status /= DENSE_OK .or. .not. values(6) > 0.0_DP) return
     n = 0
     whiten = 0.0_DP
@@ -209,7 +209,7 @@ contains
       whiten(:, n) = vectors(:, k) / sqrt(values(k))
     end do
     vectors = 0.0_DP
-    call symmetric_eigen(matmul(transpose(whiten(:, :n)), matmul(energy, whiten(:, :n))), values(:n), vectors(:n, :n), status)
+    call solve_symmetric_eigen(matmul(transpose(whiten(:, :n)), matmul(energy, whiten(:, :n))), values(:n), vectors(:n, :n), status)
     if (status /= DENSE_OK) return
     m = count(values(:n) <= WEAK)
     combination(:, :m) = matmul(whiten(:, :n), vectors(:n, :m))
@@ -231,7 +231,7 @@ contains
     do k = 1, m
       gram(:, k) = gram(:, k) / (length * length(k))
     end do
-    call symmetric_eigen(gram, values, vectors, status)
+    call solve_symmetric_eigen(gram, values, vectors, status)
     if (status /= DENSE_OK) return
     if (values(1) > SUSPECT**2) return
     y = vectors(:, 1) / length

@@ -8,13 +8,13 @@
 module amontons_robin_springs
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_tensor, only: outer
+  use amontons_tensor, only: outer_product
   use amontons_sparse, only: sparse_type
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_STICK
   use amontons_contact_constraint_rows, only: contact_row_type
-  use amontons_contact_pairs, only: contact_type, touching_row
-  use amontons_contact_linearization, only: link_type
-  use amontons_contact_operators, only: contact_springs
+  use amontons_contact_pairs, only: contact_type, current_row
+  use amontons_contact_linearization, only: contact_tangent_type
+  use amontons_contact_operators, only: assemble_spring_matrix
   implicit none
   private
   public :: find_near, robin_springs, skin_rows
@@ -46,11 +46,11 @@ contains
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_near(:)              !< (n_slaves)
-    type(link_type), intent(in) :: closed(:)       !< of the closed slaves
+    type(contact_tangent_type), intent(in) :: closed(:)       !< of the closed slaves
     integer, intent(in) :: n_unknowns
     type(sparse_type), intent(out) :: springs      !< [force/length]
     type(error_type), allocatable, intent(out) :: error
-    type(link_type), allocatable :: links(:)
+    type(contact_tangent_type), allocatable :: links(:)
     type(contact_row_type) :: row
     real(DP) :: slope(2, size(contact%facets)), along, across
     integer :: n_at(n_unknowns / 3), s, n
@@ -65,8 +65,8 @@ contains
       if (.not. is_near(s)) cycle
       n = n + 1
       associate (slave => fields%slaves(s), link => links(n))
-        call touching_row(contact, slave, row)
-        link%is_spring = .true.
+        call current_row(contact, slave, row)
+        link%is_compliant_node = .true.
         link%n_weights = size(row%nodes)
         link%nodes = row%nodes
         link%weights = row%weights
@@ -75,10 +75,10 @@ contains
         if (slope(1, slave%pair) > 0.0_DP) along = slope(1, slave%pair) * slave%area
         if (slope(2, slave%pair) > 0.0_DP) across = SHEARED * slope(2, slave%pair) * slave%area
         link%spring = across * contact%free(:, :, s) + (along - across) * &
-          outer(matmul(contact%free(:, :, s), slave%normal), matmul(contact%free(:, :, s), slave%normal))
+          outer_product(matmul(contact%free(:, :, s), slave%normal), matmul(contact%free(:, :, s), slave%normal))
       end associate
     end do
-    call contact_springs(links, n_unknowns, springs, error)
+    call assemble_spring_matrix(links, n_unknowns, springs, error)
   end subroutine robin_springs
 
 
@@ -86,14 +86,14 @@ contains
   pure subroutine mean_slopes(contact, fields, closed, slope)
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
-    type(link_type), intent(in) :: closed(:)
+    type(contact_tangent_type), intent(in) :: closed(:)
     real(DP), intent(out) :: slope(2, size(contact%facets))   !< (2, n_pairs) 0: not known, or no compliant law [stress/length]
     real(DP) :: area(2, size(contact%facets)), along
     integer :: i, k
     slope = 0.0_DP
     area = 0.0_DP
     do i = 1, size(closed)
-      if (.not. closed(i)%is_spring) cycle
+      if (.not. closed(i)%is_compliant_node) cycle
       associate (slave => fields%slaves(closed(i)%slave))
         along = dot_product(slave%normal, matmul(closed(i)%spring, slave%normal))
         slope(1, slave%pair) = slope(1, slave%pair) + along
@@ -113,7 +113,7 @@ contains
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_near(:)              !< (n_slaves) when the springs were made
-    type(link_type), intent(in) :: links(:)        !< of the closed slaves, in their order
+    type(contact_tangent_type), intent(in) :: links(:)        !< of the closed slaves, in their order
     integer, intent(in) :: n_nodes
     type(sparse_type), intent(out) :: rows
     type(contact_row_type) :: row
@@ -124,11 +124,11 @@ contains
       n_entries = 0
       do s = 1, size(is_near)
         if (is_link(k, s)) then
-          call put([links(k)%node, links(k)%nodes(:links(k)%n_weights), links(k)%own])
+          call put([links(k)%node, links(k)%nodes(:links(k)%n_weights), links(k)%imbalance_nodes])
           k = k + 1
         else if (is_near(s)) then
           row%nodes = [fields%slaves(s)%node]
-          if (fields%slaves(s)%facet > 0) call touching_row(contact, fields%slaves(s), row)
+          if (fields%slaves(s)%facet > 0) call current_row(contact, fields%slaves(s), row)
           call put([fields%slaves(s)%node, row%nodes])
         end if
       end do

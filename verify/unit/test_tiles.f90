@@ -5,10 +5,10 @@
 program test_tiles
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, from_triplets, transpose_of
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose
   use amontons_dense, only: solve_small
   use amontons_skin_tiles, only: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
-  use amontons_constraints, only: constraints_type, start_constraints, fix_unknown, finish_constraints
+  use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, eliminate_constraints
   use amontons_free_rigid_motions, only: free_motions_type, find_motions, is_singular_along
   use check, only: suite_type
   implicit none
@@ -72,10 +72,10 @@ contains
     d_r = sparse_of(r_)
     d_u = sparse_of(u)
     parts%relation = relation
-    parts%relation_t = transpose_of(relation)
+    parts%relation_t = sparse_transpose(relation)
     parts%stiffness = stiffness
-    parts%by_imbalance_t = transpose_of(d_r)
-    parts%by_displacement_t = transpose_of(d_u)
+    parts%by_imbalance_t = sparse_transpose(d_r)
+    parts%by_displacement_t = sparse_transpose(d_u)
     tiles(1)%member = [(i, i=1, M, 2)]
     tiles(2)%member = [(i, i=2, M, 2)]
     call factorise_tiles(parts, tiles, error)
@@ -102,7 +102,7 @@ contains
     type(sparse_type) :: matrix
     type(error_type), allocatable :: error
     integer :: i, j
-    call from_triplets(size(full, 1), size(full, 2), [((i, j=1, size(full, 2)), i=1, size(full, 1))], &
+    call sparse_from_triplets(size(full, 1), size(full, 2), [((i, j=1, size(full, 2)), i=1, size(full, 1))], &
       [((j, j=1, size(full, 2)), i=1, size(full, 1))], [((full(i, j), j=1, size(full, 2)), i=1, size(full, 1))], matrix, error)
   end function sparse_of
 
@@ -133,13 +133,13 @@ contains
       end do
     end do
     upper = upper_of(k)
-    call start_constraints(base, 12)
+    call reset_constraints(base, 12)
     if (is_held) then
       do i = 1, n_held
-        call fix_unknown(base, i, 0.0_DP)
+        call prescribe_unknown(base, i, 0.0_DP)
       end do
     end if
-    call finish_constraints(base)
+    call eliminate_constraints(base)
     call find_motions(upper, base, PLACE, [(.false., i=1, 4)], motions)
     n = motions%n
     call suite%that('the rigid motions that supports leave are kept', &
@@ -165,7 +165,7 @@ contains
     type(sparse_type) :: matrix
     type(error_type), allocatable :: error
     integer :: i, j
-    call from_triplets(size(full, 1), size(full, 2), [((i, j=i, size(full, 2)), i=1, size(full, 1))], &
+    call sparse_from_triplets(size(full, 1), size(full, 2), [((i, j=i, size(full, 2)), i=1, size(full, 1))], &
       [((j, j=i, size(full, 2)), i=1, size(full, 1))], [((full(i, j), j=i, size(full, 2)), i=1, size(full, 1))], matrix, error)
   end function upper_of
 
