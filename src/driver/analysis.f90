@@ -35,7 +35,9 @@ module amontons_analysis
   use amontons_active_set_history, only: n_changed_since_first
   use amontons_increment_control, only: effort_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
     STEP_DONE, CUT_BACK, GIVE_UP
-  use amontons_failure_report, only: failure_reason, failure_lines, failed_attempts, edge_lines, is_free_for_good
+  use amontons_failure, only: failure_type, FAILURE_USER_ROUTINE, FAILURE_SIGNAL
+  use amontons_failure_words, only: failure_words
+  use amontons_failure_report, only: find_failure, failure_lines, failed_attempts, edge_lines, is_free_for_good
   use amontons_text_output, only: print_iteration, print_increment
   use amontons_checkpoint, only: take_snapshot, put_back, unpack_state
   use amontons_restart_file, only: read_state
@@ -419,7 +421,8 @@ contains
         text_of(newton%iteration) // ': imbalance ' // text_of(newton%residual) // ' of the largest force, time ' // &
         text_of(record%total_time) // ', ' // text_of(nint(100.0_DP * done_fraction(analysis))) // ' % done.')
       if (stop_signal() == 0 .or. verdict == VERDICT_CONVERGED) return
-      record%reason = 'The job was stopped by a signal.'
+      record%failure%code = FAILURE_SIGNAL
+      record%reason = failure_words(record%failure)
       call close_record(analysis, record)
       call tell_attempt(analysis, journal)
       call set_error(error, EXIT_NOT_CONVERGED, stop_sentence(analysis))
@@ -512,14 +515,14 @@ contains
     integer :: outcome
     character(120) :: place
     associate (record => analysis%records(analysis%n_records))
-      record%reason = failure_reason(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
-      if (analysis%pnewdt < 1.0_DP) record%reason = 'A user routine asks for a smaller increment: PNEWDT is ' // &
-        text_of(analysis%pnewdt) // '.'
+      record%failure = find_failure(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
+      if (analysis%pnewdt < 1.0_DP) record%failure = failure_type(FAILURE_USER_ROUTINE, number=analysis%pnewdt)
+      record%reason = failure_words(record%failure)
       call close_record(analysis, record)
       call reject_increment(analysis%stepper, step, dt, verdict, outcome)
       if (analysis%pnewdt < 1.0_DP .and. outcome == CUT_BACK) analysis%stepper%dt = max(step%dt_min, analysis%pnewdt * dt)
       if (is_free_for_good(analysis%records(:analysis%n_records))) outcome = GIVE_UP
-      record%story = failure_lines(analysis%model, analysis%system, analysis%state, analysis%newton, record%reason)
+      record%story = failure_lines(analysis%model, analysis%system, analysis%state, analysis%newton, record%failure)
       if (outcome /= CUT_BACK) record%story = [failed_attempts(analysis%records(:analysis%n_records)), record%story]
       call tell_attempt(analysis, journal)
       if (outcome /= CUT_BACK) then

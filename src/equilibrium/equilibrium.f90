@@ -37,7 +37,8 @@ module amontons_equilibrium
   public :: components_of, sizes_of
   public :: place_type, place_of, foresee, return_to
   public :: prescribe, forget_bulk, interface_unknowns, start_clock, stop_clock
-  public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE, TROUBLE_FREE, TROUBLE_THROUGH
+  public :: TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE, TROUBLE_FREE, TROUBLE_THROUGH, &
+    TROUBLE_CONSTRAINTS
 
   integer, parameter :: TROUBLE_NONE = 0
   integer, parameter :: TROUBLE_ELEMENT = 1        !< an element is inverted: system%trouble_item is its index
@@ -45,6 +46,7 @@ module amontons_equilibrium
   integer, parameter :: TROUBLE_NOT_FINITE = 3     !< a number is not finite
   integer, parameter :: TROUBLE_FREE = 4           !< a body flies off
   integer, parameter :: TROUBLE_THROUGH = 5        !< a slave node passed through its master
+  integer, parameter :: TROUBLE_CONSTRAINTS = 6    !< constraints contradict each other: system%conflict says which
 
   real(DP), parameter :: FEW_INCREMENTS = 0.3_DP         !< first increment over the step: a factor serves fewer than that [-]
   real(DP), parameter :: ROUNDINGS = 10.0_DP             !< so many times a gap is rounded on its way to a force, at most [-]
@@ -87,6 +89,7 @@ module amontons_equilibrium
     logical :: is_assembled = .false.              !< and is there already
     integer :: n_conflicts = 0                     !< contact rows dropped for stronger constraints
     integer :: trouble_item = 0
+    type(error_type), allocatable :: conflict      !< of constraints, at the last evaluation; not there: none
     integer :: n_factorisations = 0                !< since the last reset by the stepper
     integer :: n_before = 0                        !< the same when the direction was wanted
     integer :: n_krylov = 0
@@ -233,6 +236,20 @@ contains
   end subroutine prescribe
 
 
+  !> The same where constraints follow the motion: rows that contradict each other there are a trouble of this configuration.
+  subroutine prescribe_here(system, model, step, fields, trouble)
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
+    integer, intent(out) :: trouble                !< TROUBLE_NONE or TROUBLE_CONSTRAINTS
+    type(error_type), allocatable :: error
+    call prescribe(system, model, step, fields, error)
+    trouble = merge(TROUBLE_CONSTRAINTS, TROUBLE_NONE, allocated(error))
+    call move_alloc(error, system%conflict)
+  end subroutine prescribe_here
+
+
   !> Imbalance, contact and residual at state%new%u: forces only.
   subroutine evaluate(system, model, step, state, trouble, is_frozen)
     type(system_type), intent(inout) :: system
@@ -241,7 +258,6 @@ contains
     type(state_type), intent(inout) :: state
     integer, intent(out) :: trouble                !< TROUBLE_...
     logical, intent(in) :: is_frozen               !< every slave node keeps its status
-    type(error_type), allocatable :: error         ! rows that contradict each other here
     integer :: failed
     integer(I64) :: clock
     call start_clock(system, clock)
@@ -252,9 +268,8 @@ contains
     call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .false.)
     if (is_damped(step) .and. .not. allocated(system%share)) call share_volumes(model%mesh, state%new, system%share)
     if (state%new%damping(DAMPING_NOW) > 0.0_DP) call brake(system%share, state)
-    if (step%is_nlgeom .and. n_bonds(model) > 0) call prescribe(system, model, step, state%new, error)
-    if (allocated(error)) trouble = TROUBLE_SOLVER
-    if (allocated(error)) return
+    if (step%is_nlgeom .and. n_bonds(model) > 0) call prescribe_here(system, model, step, state%new, trouble)
+    if (trouble /= TROUBLE_NONE) return
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)

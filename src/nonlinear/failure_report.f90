@@ -1,10 +1,13 @@
-!> Failure: why an increment did not converge: the reason, the worst nodes, and what a person can do.
+!> Failure report: why an increment did not converge: the code of the failure, the worst nodes, and what a person can do.
 !! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Words of a failure are made in `failure_words`.
 !!
 !! | reason | found by | advice |
 !! |---|---|---|
 !! | MATERIAL | an element turned inside out, or a material gave no answer | smaller increments |
 !! | LINEAR SOLVER | no direction, or a force that is not finite | constraints, numbers of the deck |
+!! | CONSTRAINTS | constraints that follow the motion contradict each other | supports, equations |
 !! | FREE BODY | a direction of many times the size of the model, and supports alone do not hold all bodies | supports |
 !! | LEFT MASTER | closed slave nodes ran off their master | a larger master |
 !! | CYCLE, STICK-SLIP FLIP | the hash of all slave nodes returns | smaller increments, a finer master |
@@ -14,77 +17,87 @@
 !! | SLOW | none of these | smaller increments |
 module amontons_failure_report
   use amontons_kinds, only: DP
-  use amontons_text, only: text_of
+  use amontons_failure, only: failure_type, family_of, FAILURE_NONE, FAILURE_MATERIAL, FAILURE_SINGULAR, FAILURE_NOT_FINITE, &
+    FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_LEFT_MASTER, &
+    FAILURE_CYCLE, FAILURE_FLIP, FAILURE_UNSETTLED, FAILURE_PASSED_THROUGH, FAILURE_DEEP, FAILURE_LIMIT_POINT, &
+    FAILURE_CONTACT_LIMIT, FAILURE_GROWING, FAILURE_SLOW, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_PENETRATION
+  use amontons_failure_words, only: failure_name, remedy_words, node_list, is_same_failure
   use amontons_iteration_records, only: increment_record_type, STORY_LENGTH
   use amontons_model, only: model_type
   use amontons_state, only: state_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
-  use amontons_model_check_motion, only: free_motion
+  use amontons_model_check_motion, only: find_free_motion
   use amontons_active_set_history, only: most_held, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
   use amontons_convergence, only: VERDICT_DIVERGES
   use amontons_globalization, only: is_lost, COURSE_NEWTON
   use amontons_newton, only: newton_type
   use amontons_equilibrium, only: system_type, TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_SOLVER, TROUBLE_NOT_FINITE, &
-    TROUBLE_FREE, TROUBLE_THROUGH
+    TROUBLE_FREE, TROUBLE_THROUGH, TROUBLE_CONSTRAINTS
   implicit none
   private
-  public :: failure_reason, failure_lines, failed_attempts, edge_lines, is_free_for_good
+  public :: find_failure, failure_lines, failed_attempts, edge_lines, is_free_for_good
 
   integer, parameter :: N_WORST = 10               !< nodes listed
-  integer, parameter :: N_NAMED = 8                !< nodes named in the reason
   integer, parameter :: N_FREE = 4                 !< attempts that find a free body, each shorter: the next would not hold it
-  character(*), parameter :: LIMIT_POINT = 'LIMIT POINT: the stiffness is not positive: the structure buckles, snaps ' // &
-    'through, or softens.'
 
 contains
 
-  !> One sentence: why the attempt failed. It begins with a word in capitals that programs can look for.
-  function failure_reason(model, system, state, newton, verdict) result(reason)
+  !> Why the attempt failed.
+  function find_failure(model, system, state, newton, verdict) result(failure)
     type(model_type), intent(in) :: model
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state
     type(newton_type), intent(in) :: newton
     integer, intent(in) :: verdict                 !< VERDICT_... of the last iteration
-    character(:), allocatable :: reason
+    type(failure_type) :: failure
     logical :: is_away                             ! a body was carried in vain, and supports alone do not hold all bodies
     is_away = newton%farthest > 0 .and. (newton%course%n_carried > newton%course%n_snapped .or. newton%trouble == TROUBLE_FREE)
     if (is_away) is_away = .not. is_held_by_supports(model, system, state)
     if (is_away .and. newton%course%now /= COURSE_NEWTON .and. newton%course%n_snapped == 0 .and. &
       any(newton%trouble == [TROUBLE_NONE, TROUBLE_SOLVER])) then
-      reason = free_body(model, state, newton)
+      failure = free_body(model, state, newton)
       return
     end if
     select case (newton%trouble)
     case (TROUBLE_ELEMENT)
-      reason = 'MATERIAL: element ' // text_of(model%mesh%element_label(max(1, system%trouble_item))) // &
-        ' turned inside out, or its material found no answer.'
+      failure = failure_type(FAILURE_MATERIAL, [model%mesh%element_label(max(1, system%trouble_item))])
     case (TROUBLE_SOLVER)
-      reason = 'LINEAR SOLVER: the stiffness matrix is singular: a body is free to move, or the structure has buckled.'
-      if (state%old%total_time > 0.0_DP .and. system%n_shifted > newton%n_shifted) reason = LIMIT_POINT   ! it was stable before
-      if (size(state%new%slaves) > 0 .and. all(state%new%slaves%status == STATUS_OPEN)) reason = &
-        'FREE BODY: no slave node touches its master any more, and nothing else holds a body.'
+      failure%code = FAILURE_SINGULAR
+      if (state%old%total_time > 0.0_DP .and. system%n_shifted > newton%n_shifted) failure%code = FAILURE_LIMIT_POINT
+      if (size(state%new%slaves) > 0 .and. all(state%new%slaves%status == STATUS_OPEN)) failure%code = FAILURE_FREE_OPEN
+    case (TROUBLE_CONSTRAINTS)
+      failure%code = FAILURE_CONSTRAINTS
+      failure%detail = system%conflict%message
     case (TROUBLE_NOT_FINITE)
-      reason = 'LINEAR SOLVER: a force is not finite.'
+      failure%code = FAILURE_NOT_FINITE
     case (TROUBLE_FREE)
-      reason = 'FREE BODY: nothing holds a body against its load; it would fly off at node ' // &
-        text_of(model%mesh%node_label(max(1, newton%farthest))) // '.'
-      if (.not. is_away) reason = LIMIT_POINT
+      failure = failure_type(FAILURE_FREE_FLYING, [model%mesh%node_label(max(1, newton%farthest))])
+      if (.not. is_away) failure = failure_type(FAILURE_LIMIT_POINT)
     case (TROUBLE_THROUGH)
-      reason = 'PENETRATION JUMP: node ' // text_of(model%mesh%node_label(newton%gone_through)) // &
-        ' passed through its master within the increment.'
+      failure = failure_type(FAILURE_PASSED_THROUGH, [model%mesh%node_label(newton%gone_through)])
     case default
-      reason = contact_reason(model, system, state, newton)
-      if (is_lost(newton%course) .and. newton%n_uphill <= 1 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
-        reason = limit_of_contact(model, system, state)
-      if (reason == '' .and. (system%n_shifted > newton%n_shifted .or. newton%n_uphill > 1 .or. &
-        newton%course%n_carried > newton%course%n_snapped)) reason = LIMIT_POINT
-      if (is_away .and. index(reason, 'LEFT') == 0) reason = free_body(model, state, newton)
-      if (index(reason, 'FREE') == 0 .and. index(reason, 'LEFT') == 0 .and. index(reason, 'PENE') == 0) &
-        call look_for_free_motion(model, system, state, newton, reason)
-      if (reason == '' .and. verdict == VERDICT_DIVERGES) &
-        reason = 'SLOW: the force imbalance grows from iteration to iteration.'
-      if (reason == '') reason = 'SLOW: the force imbalance does not fall any more.'
+      failure = failure_of_iterations(model, system, state, newton, is_away)
+      if (failure%code == FAILURE_NONE) failure%code = merge(FAILURE_GROWING, FAILURE_SLOW, verdict == VERDICT_DIVERGES)
     end select
-  end function failure_reason
+  end function find_failure
+
+
+  !> Why iterations without any trouble did not converge; FAILURE_NONE if nothing is known.
+  function failure_of_iterations(model, system, state, newton, is_away) result(failure)
+    type(model_type), intent(in) :: model
+    type(system_type), intent(in) :: system
+    type(state_type), intent(in) :: state
+    type(newton_type), intent(in) :: newton
+    logical, intent(in) :: is_away                 !< a body was carried in vain, and supports alone do not hold all bodies
+    type(failure_type) :: failure
+    failure = failure_of_contact(model, system, state, newton)
+    if (is_lost(newton%course) .and. newton%n_uphill <= 1 .and. &
+      all(family_of(failure) /= [FAMILY_LEFT_MASTER, FAMILY_PENETRATION])) failure = limit_of_contact(model, system, state)
+    if (failure%code == FAILURE_NONE .and. (system%n_shifted > newton%n_shifted .or. newton%n_uphill > 1 .or. &
+      newton%course%n_carried > newton%course%n_snapped)) failure%code = FAILURE_LIMIT_POINT
+    if (is_away .and. family_of(failure) /= FAMILY_LEFT_MASTER) failure = free_body(model, state, newton)
+    if (all(family_of(failure) /= [FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_PENETRATION])) &
+      call look_for_free_motion(model, system, state, newton, failure)
+  end function failure_of_iterations
 
 
   !> Whether no body could move if nothing touched: one that seems to fly off is led there by a stiffness that is not positive.
@@ -93,102 +106,96 @@ contains
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state
     type(slave_type) :: apart(size(state%new%slaves))
+    character(:), allocatable :: unused
+    logical :: is_free
     apart = state%new%slaves
     apart%status = STATUS_OPEN
-    is_held = free_motion(model, system%contact, apart, state%new%step) == ''
+    call find_free_motion(model, system%contact, apart, state%new%step, is_free, unused)
+    is_held = .not. is_free
   end function is_held_by_supports
 
 
   !> Contact that finds no balance: where it lets go, if any node is still closed.
-  function limit_of_contact(model, system, state) result(reason)
+  function limit_of_contact(model, system, state) result(failure)
     type(model_type), intent(in) :: model
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state
-    character(:), allocatable :: reason
-    integer, allocatable :: slaves(:)
-    reason = 'LIMIT POINT: contact finds no balance near by: it lets go faster than the bodies follow'
-    slaves = unbalanced_slaves(system, state)
-    if (size(slaves) > 0) reason = reason // ', first at ' // names_of(model, state%new%slaves, slaves)
-    reason = reason // '.' // all_slip(state, 'if nothing else holds a body, friction does not.')
+    type(failure_type) :: failure
+    failure = failure_type(FAILURE_CONTACT_LIMIT, labels_of(model, state%new%slaves, unbalanced_slaves(system, state)), &
+      n_slipping=n_all_slipping(state))
   end function limit_of_contact
 
 
   !> A body that the contact of the last iterations does not hold is the reason, whatever the statuses did meanwhile.
-  subroutine look_for_free_motion(model, system, state, newton, reason)
+  subroutine look_for_free_motion(model, system, state, newton, failure)
     type(model_type), intent(in) :: model
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state
     type(newton_type), intent(in) :: newton
-    character(:), allocatable, intent(inout) :: reason
+    type(failure_type), intent(inout) :: failure
     character(:), allocatable :: motion
     type(slave_type) :: held(size(state%new%slaves))
     integer :: s
+    logical :: is_free
     if (size(held) == 0 .or. .not. allocated(newton%forensics%status)) return
     held = state%new%slaves
     do s = 1, size(held)
       call most_held(newton%forensics, s, held(s)%status, held(s)%facet)
     end do
-    motion = free_motion(model, system%contact, held, state%new%step)
-    if (motion /= '') reason = 'FREE BODY: where contact is left, the ' // motion // ': nothing else holds it.'
+    call find_free_motion(model, system%contact, held, state%new%step, is_free, motion)
+    if (.not. is_free) return
+    failure = failure_type(FAILURE_FREE_MOTION)
+    failure%detail = motion
   end subroutine look_for_free_motion
 
 
   !> A body that had to be carried again and again.
-  function free_body(model, state, newton) result(reason)
+  function free_body(model, state, newton) result(failure)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
     type(newton_type), intent(in) :: newton
-    character(:), allocatable :: reason
-    reason = 'FREE BODY: nothing holds a body against its load, wherever it goes; it went farthest at node ' // &
-      text_of(model%mesh%node_label(newton%farthest)) // '.' // all_slip(state, 'friction does not hold it.')
+    type(failure_type) :: failure
+    failure = failure_type(FAILURE_FREE_PUSHED, [model%mesh%node_label(newton%farthest)], n_slipping=n_all_slipping(state))
   end function free_body
 
 
-  !> A sentence if all closed slave nodes slip; else nothing.
-  function all_slip(state, what) result(words)
+  !> The number of closed slave nodes, if there are several and all slip; else 0.
+  pure integer function n_all_slipping(state) result(n)
     type(state_type), intent(in) :: state
-    character(*), intent(in) :: what               !< follows from it
-    character(:), allocatable :: words
-    integer :: n
-    words = ''
     n = count(state%new%slaves%status == STATUS_SLIP)
-    if (n > 1 .and. .not. any(state%new%slaves%status == STATUS_STICK)) words = ' All ' // text_of(n) // &
-      ' closed slave nodes slip: ' // what
-  end function all_slip
+    if (n == 1 .or. any(state%new%slaves%status == STATUS_STICK)) n = 0
+  end function n_all_slipping
 
 
-  !> A reason that contact gives; empty if it gives none.
-  function contact_reason(model, system, state, newton) result(reason)
+  !> A reason that contact gives; FAILURE_NONE if it gives none.
+  function failure_of_contact(model, system, state, newton) result(failure)
     type(model_type), intent(in) :: model
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state
     type(newton_type), intent(in) :: newton
-    character(:), allocatable :: reason
+    type(failure_type) :: failure
     integer, allocatable :: slaves(:)
     integer :: length
-    reason = ''
     if (size(state%new%slaves) == 0) return
     slaves = left_nodes(state%old%slaves, state%new%slaves)
     length = find_cycle(newton%forensics)
     if (size(slaves) > 0 .and. length == 0) then
-      reason = 'LEFT MASTER: ' // names_of(model, state%new%slaves, slaves) // ' ran off the master surface.'
-      return
-    end if
-    if (length > 0) then
+      failure%code = FAILURE_LEFT_MASTER
+    else if (length > 0) then
       slaves = cycle_nodes(newton%forensics, length)
-      reason = 'CYCLE of length ' // text_of(length) // ' at ' // names_of(model, state%new%slaves, slaves) // '.'
-      if (is_flip(newton%forensics, length, slaves)) reason = 'STICK-SLIP FLIP of length ' // text_of(length) // ' at ' // &
-        names_of(model, state%new%slaves, slaves) // '.'
-      return
+      failure%code = merge(FAILURE_FLIP, FAILURE_CYCLE, is_flip(newton%forensics, length, slaves))
+      failure%length = length
+    else
+      slaves = jumped_nodes(newton%forensics, state%new%slaves, system%contact%edge)
+      if (size(slaves) > 0) then
+        failure%code = FAILURE_DEEP
+      else if (system%contact%n_changed > 0) then
+        slaves = cycle_nodes(newton%forensics, 2)
+        failure%code = FAILURE_UNSETTLED
+      end if
     end if
-    slaves = jumped_nodes(newton%forensics, state%new%slaves, system%contact%edge)
-    if (size(slaves) > 0) then
-      reason = 'PENETRATION JUMP: ' // names_of(model, state%new%slaves, slaves) // ' went deep into the master at once.'
-    else if (system%contact%n_changed > 0) then
-      slaves = cycle_nodes(newton%forensics, 2)
-      reason = 'CONTACT UNSETTLED: status or facet still changes at ' // names_of(model, state%new%slaves, slaves) // '.'
-    end if
-  end function contact_reason
+    failure%labels = labels_of(model, state%new%slaves, slaves)
+  end function failure_of_contact
 
 
   !> The closed slave nodes that are least in balance: those with at least half of the largest imbalance among them.
@@ -204,30 +211,23 @@ contains
   end function unbalanced_slaves
 
 
-  !> The labels of slave nodes: the first of them, and how many more.
-  function names_of(model, all_slaves, slaves) result(names)
+  !> The labels of the nodes of some slaves.
+  pure function labels_of(model, all_slaves, slaves) result(labels)
     type(model_type), intent(in) :: model
     type(slave_type), intent(in) :: all_slaves(:)
     integer, intent(in) :: slaves(:)               !< indices
-    character(:), allocatable :: names
-    integer :: i
-    names = 'node'
-    if (size(slaves) /= 1) names = 'nodes'
-    do i = 1, min(size(slaves), N_NAMED)
-      if (i > 1) names = names // ','
-      names = names // ' ' // text_of(model%mesh%node_label(all_slaves(slaves(i))%node))
-    end do
-    if (size(slaves) > N_NAMED) names = names // ' and ' // text_of(size(slaves) - N_NAMED) // ' more'
-  end function names_of
+    integer :: labels(size(slaves))
+    labels = model%mesh%node_label(all_slaves(slaves)%node)
+  end function labels_of
 
 
   !> What a person can look at and do: the ten worst nodes with their contact in the last iterations, and one sentence.
-  function failure_lines(model, system, state, newton, reason) result(lines)
+  function failure_lines(model, system, state, newton, failure) result(lines)
     type(model_type), intent(in) :: model
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state
     type(newton_type), intent(in) :: newton
-    character(*), intent(in) :: reason             !< of failure_reason
+    type(failure_type), intent(in) :: failure      !< of find_failure
     character(STORY_LENGTH), allocatable :: lines(:)
     character(STORY_LENGTH) :: line
     real(DP), allocatable :: size_of(:)
@@ -248,29 +248,28 @@ contains
         size_of(n) = -1.0_DP
       end do
     end if
-    line = 'Remedy: ' // advice(reason)
+    line = 'Remedy: ' // remedy_words(failure)
     lines = [lines, line]
   end function failure_lines
 
 
-  !> By what the attempts at the last increment failed, in a line; empty if there was one.
+  !> By what the attempts at the last increment failed, in a line; empty if there was one. Of equal ones running one is named.
   function failed_attempts(records) result(line)
     type(increment_record_type), intent(in) :: records(:)   !< the last one is of the last attempt
     character(STORY_LENGTH) :: line
-    character(:), allocatable :: reason, before
-    integer :: i, n
+    integer :: i, n, before
     line = ''
-    before = ''
+    before = 0
     n = size(records)
     if (n < 2) return
     if (records(n)%attempt < 2) return
     do i = max(1, n - records(n)%attempt + 1), n
-      if (.not. allocated(records(i)%reason)) cycle
-      reason = records(i)%reason
-      reason = trim(reason(:index(reason // ':', ':') - 1))
-      reason = reason(:verify(reason, '.', back=.true.))
-      if (reason /= before) line = trim(line) // ', ' // reason
-      before = reason
+      if (records(i)%failure%code == FAILURE_NONE) cycle
+      if (before > 0) then
+        if (is_same_failure(records(before)%failure, records(i)%failure)) cycle
+      end if
+      line = trim(line) // ', ' // failure_name(records(i)%failure)
+      before = i
     end do
     line = 'Its attempts failed by ' // trim(line(3:)) // '.'
   end function failed_attempts
@@ -285,7 +284,7 @@ contains
     if (is_free) is_free = records(n)%attempt >= N_FREE
     if (.not. is_free) return
     do i = n - N_FREE + 1, n
-      is_free = is_free .and. index(records(i)%reason, 'FREE BODY') == 1
+      is_free = is_free .and. family_of(records(i)%failure) == FAMILY_FREE_BODY
     end do
   end function is_free_for_good
 
@@ -301,11 +300,12 @@ contains
     if (size(state%new%slaves) == 0) return
     slaves = pack([(s, s=1, size(state%new%slaves))], state%new%slaves%extension > 0.0_DP .and. &
       state%old%slaves%extension <= 0.0_DP)
-    if (size(slaves) > 0) lines = [character(STORY_LENGTH) :: 'Slave ' // names_of(model, state%new%slaves, slaves) // &
+    if (size(slaves) > 0) lines = [character(STORY_LENGTH) :: 'Slave ' // node_list(labels_of(model, state%new%slaves, slaves)) // &
       ' went off the master and back in a cycle: the facet at the edge reaches farther for them.']
     slaves = left_nodes(state%old%slaves, state%new%slaves)
-    if (size(slaves) > 0) lines = [character(STORY_LENGTH) :: lines, 'Slave ' // names_of(model, state%new%slaves, slaves) // &
-      ' ran off the master surface in this increment: nothing holds them there.']
+    if (size(slaves) > 0) lines = [character(STORY_LENGTH) :: lines, 'Slave ' // &
+      node_list(labels_of(model, state%new%slaves, slaves)) // ' ran off the master surface in this increment: nothing ' // &
+      'holds them there.']
   end function edge_lines
 
 
@@ -328,30 +328,5 @@ contains
       end associate
     end do
   end function contact_words
-
-
-  !> One sentence of advice for a reason.
-  pure function advice(reason) result(words)
-    character(*), intent(in) :: reason
-    character(:), allocatable :: words
-    select case (reason(:index(reason // ' ', ' ') - 1))
-    case ('MATERIAL:')
-      words = 'smaller increments, a better shaped mesh there, or a smaller load.'
-    case ('LINEAR')
-      words = 'look for bodies or nodes that nothing holds, and for numbers in the deck that are out of scale.'
-    case ('FREE')
-      words = 'hold the body by supports, or let it touch from the start (ADJUST); friction alone holds only what is pressed.'
-    case ('LEFT')
-      words = 'make the master surface larger there, swap slave and master, or check the direction of the motion.'
-    case ('CYCLE', 'STICK-SLIP', 'CONTACT')
-      words = 'smaller increments (first and third number after *STATIC), or a master that is finer or smoother at these nodes.'
-    case ('PENETRATION')
-      words = 'smaller increments, so that a node moves less than half an edge of the master in each.'
-    case ('LIMIT')
-      words = 'prescribe displacements instead of forces beyond this load, or damp the step (*STATIC, STABILIZE).'
-    case default
-      words = 'smaller increments (the first number after *STATIC; the third is the least allowed).'
-    end select
-  end function advice
 
 end module amontons_failure_report
