@@ -108,7 +108,7 @@ uses_segment_derivatives = kinds tensor dense topology shape_functions facets du
 uses_mortar_linearization = kinds topology facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
 
 # state
-uses_state = kinds tensor loads materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios
+uses_state = kinds tensor materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios
 uses_model_change = mesh model state
 uses_user_state = kinds errors loads user_routines materials topology mesh model integration_points shape_functions element state
 
@@ -121,8 +121,8 @@ uses_stabilization = kinds sparse mesh steps state
 # constraints
 uses_constraints = kinds errors sparse
 uses_nonlinear_mpc = kinds errors tensor loads mesh mpc_data model state assembly constraints
-uses_boundary_conditions = kinds errors loads mesh steps model state user_state constraints nonlinear_mpc
-uses_tie_generation = kinds errors tensor loads topology mpc_data model shape_functions facets facet_search surface_projection tributary_areas
+uses_boundary_conditions = kinds errors mesh steps model state user_state constraints nonlinear_mpc
+uses_tie_generation = kinds errors tensor loads topology mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
 
 # contact
 uses_slave_nodes = kinds surfaces local_equilibrium state
@@ -142,7 +142,7 @@ uses_equilibrium = kinds errors iteration_records posix sparse surfaces steps mo
 uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system schur_interface equilibrium
 
 # model_check
-uses_model_check_bodies = kinds text errors topology mesh model element
+uses_model_check_bodies = kinds text errors topology model element
 uses_model_check_contact = kinds text containers errors loads topology surfaces model state contact_pairs model_check_bodies
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor null_space topology surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
@@ -164,7 +164,7 @@ uses_increment_control = kinds steps convergence
 
 # output
 uses_hdf5_file = kinds errors posix
-uses_checkpoint = kinds errors posix model state reduced_system equilibrium newton increment_control hdf5_file
+uses_checkpoint = kinds errors posix steps model state reduced_system equilibrium newton increment_control hdf5_file
 uses_postprocess = kinds tensor materials topology mesh surfaces model material_point shape_functions element dual_shape_functions state
 uses_dat_contact_output = kinds text tensor topology steps model state postprocess
 uses_dat_output = kinds text tensor materials topology mesh steps model state postprocess dat_contact_output
@@ -175,10 +175,11 @@ uses_results = kinds errors iteration_records tensor materials mesh steps model 
 uses_text_output = kinds errors iteration_records posix steps model state dat_output
 
 # driver
-uses_user_routine_setup = kinds errors logger user_routines materials surfaces model user_material state user_state
+uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces model user_material state user_state
+uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds errors iteration_records restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization restart_file steps model deck state model_change user_state stabilization tie_generation slave_nodes contact_initialization equilibrium model_check active_set_history convergence failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization restart_file steps model deck state model_change user_state stabilization slave_nodes equilibrium model_check active_set_history convergence failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

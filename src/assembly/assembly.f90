@@ -9,9 +9,9 @@ module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_topology, only: KIND_C3D8, KIND_C3D8I, MAX_NODES
-  use amontons_mesh, only: mesh_type, element_nodes, is_out
+  use amontons_mesh, only: mesh_type, element_nodes
   use amontons_materials, only: MAX_HISTORY
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, is_out, material_in_step
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
   use amontons_unsymmetric_tangent, only: skew_type, begin_elements, element_skew
@@ -382,8 +382,9 @@ contains
 
 
   !> Those of some elements that one batch can hold, of the kind of the first of them; the rest go one by one.
-  pure subroutine choose_batch(model, elements, is_nlgeom, chosen)
+  pure subroutine choose_batch(model, i_step, elements, is_nlgeom, chosen)
     type(model_type), intent(in) :: model
+    integer, intent(in) :: i_step                  !< index into model%steps
     integer, intent(in) :: elements(:)             !< at most WIDTH
     logical, intent(in) :: is_nlgeom
     logical, intent(out) :: chosen(:)              !< of the elements
@@ -392,8 +393,8 @@ contains
     chosen = .false.
     do k = 1, size(elements)
       associate (e => elements(k))
-        if (is_out(model%mesh, e)) cycle
-        if (.not. is_batched(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), is_nlgeom)) cycle
+        if (is_out(model, i_step, e)) cycle
+        if (.not. is_batched(model%mesh%kind(e), model%materials(material_of(model, i_step, e)), is_nlgeom)) cycle
         if (first == 0) first = e
         chosen(k) = model%mesh%kind(e) == model%mesh%kind(first)
       end associate
@@ -413,7 +414,7 @@ contains
     do lane = 1, WIDTH
       associate (e => list(min(lane, size(list))))
         call place_element(model%mesh, e, fields, X, u)
-        call load_lane(batch, lane, model%materials(material_of(model%mesh, e)), X(:, :8), u(:, :8))
+        call load_lane(batch, lane, model%materials(material_of(model, fields%step, e)), X(:, :8), u(:, :8))
       end associate
     end do
   end subroutine load_batch
@@ -431,7 +432,7 @@ contains
     integer, allocatable :: list(:)
     logical :: chosen(size(elements))
     integer :: k, lane, a, p, first
-    call choose_batch(model, elements, is_nlgeom, chosen)
+    call choose_batch(model, state%new%step, elements, is_nlgeom, chosen)
     list = pack(elements, chosen)
     if (size(list) > 0) then
       call load_batch(model, list, state%new, batch)
@@ -472,7 +473,7 @@ contains
     integer, allocatable :: list(:)
     logical :: chosen(size(elements))
     integer :: k, lane
-    call choose_batch(model, elements, is_nlgeom, chosen)
+    call choose_batch(model, state%new%step, elements, is_nlgeom, chosen)
     list = pack(elements, chosen)
     if (size(list) > 0) then
       call load_batch(model, list, state%new, batch)
@@ -532,11 +533,11 @@ contains
     real(DP) :: force(3, MAX_NODES), X(3, MAX_NODES), u(3, MAX_NODES)
     integer :: n, status, a, nodes(MAX_NODES)
     call element_nodes(model%mesh, e, n, nodes)
-    if (is_out(model%mesh, e)) then
+    if (is_out(model, state%new%step, e)) then
       call empty_points(model%mesh, e, state%new)
       return
     end if
-    associate (material => model%materials(material_of(model%mesh, e)), fields => state%new)
+    associate (material => model%materials(material_of(model, state%new%step, e)), fields => state%new)
       call bring_along(model, state, e, points)
       if (material%is_user) call bring_user(model, state, e, is_nlgeom, points)
       call place_element(model%mesh, e, fields, X, u)
@@ -587,10 +588,11 @@ contains
 
 
   !> The material of an element. Springs and masses have none: the first stands in, which they do not look at.
-  pure integer function material_of(mesh, e)
-    type(mesh_type), intent(in) :: mesh
+  pure integer function material_of(model, i_step, e)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: i_step                  !< index into model%steps, or 0
     integer, intent(in) :: e
-    material_of = max(1, mesh%material(e))
+    material_of = max(1, material_in_step(model, i_step, e))
   end function material_of
 
 
@@ -604,11 +606,11 @@ contains
     points%section = model%mesh%section(e)
     points%directions = model%mesh%directions(:, e)
     if (allocated(model%mesh%spring)) call bring_spring(model, state, e, points)
-    if (model%materials(material_of(model%mesh, e))%is_plain) return
+    if (model%materials(material_of(model, state%new%step, e))%is_plain) return
     call element_nodes(model%mesh, e, n, nodes)
     p = model%mesh%point_first(e)
     m = model%mesh%point_first(e + 1) - p
-    k = min(MAX_HISTORY, model%materials(material_of(model%mesh, e))%n_history)
+    k = min(MAX_HISTORY, model%materials(material_of(model, state%new%step, e))%n_history)
     points%past = 0.0_DP
     points%past(:k, :m) = state%old%history(:k, p:p + m - 1)
     points%temperature(:n) = state%new%temperature(nodes(:n))
@@ -695,12 +697,12 @@ contains
     real(DP) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES), skew(3 * MAX_NODES, 3 * MAX_NODES)
     real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES)
     integer :: n, status
-    if (is_out(model%mesh, e)) return
+    if (is_out(model, state%new%step, e)) return
     n = model%mesh%first(e + 1) - model%mesh%first(e)
     call bring_along(model, state, e, points)
-    if (model%materials(material_of(model%mesh, e))%is_user) call bring_user(model, state, e, is_nlgeom, points)
+    if (model%materials(material_of(model, state%new%step, e))%is_user) call bring_user(model, state, e, is_nlgeom, points)
     call place_element(model%mesh, e, state%new, X, u)
-    call element_tangent(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), &
+    call element_tangent(model%mesh%kind(e), model%materials(material_of(model, state%new%step, e)), &
       X(:, :n), u(:, :n), is_nlgeom, stiffness, points, status)
     if (status /= ELEMENT_OK) then
       failed = min(failed, e)

@@ -9,11 +9,11 @@ module amontons_external_loads
   use amontons_tributary_areas, only: depth_of, node_areas
   use amontons_assembly, only: assembly_type, add_block, material_of
   use amontons_element, only: element_body_force, facet_pressure, edge_pressure, element_point_volumes, ELEMENT_OK
-  use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, &
+  use amontons_loads, only: distributed_type, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, &
     DISTRIBUTED_TRACTION
   use amontons_materials, only: evaluate_table
-  use amontons_mesh, only: element_nodes, is_out
-  use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
+  use amontons_mesh, only: element_nodes
+  use amontons_model, only: model_type, direction_of, is_out, load_now, DIALECT_CALCULIX
   use amontons_shape_functions, only: face_rule, shape_functions, quadrature
   use amontons_unsymmetric_tangent, only: begin_skew, add_skew_face
   use amontons_state, only: fields_type
@@ -44,15 +44,15 @@ contains
     if (is_with_stiffness) call begin_skew(assembly%skew)
     do i = 1, size(step%concentrated)
       associate (load => step%concentrated(i))
-        magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
+        magnitude = load_now(model, step, load, fields%step_time, fields%total_time)
         fields%applied_force(:, load%node) = fields%applied_force(:, load%node) &
           + magnitude * direction_of(model, load%node, load%dof)
       end associate
     end do
     do i = 1, size(step%distributed)
       associate (load => step%distributed(i))
-        magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
-        if (is_out(model%mesh, load%element)) cycle
+        magnitude = load_now(model, step, load, fields%step_time, fields%total_time)
+        if (is_out(model, step%number, load%element)) cycle
         if (magnitude == 0.0_DP .and. .not. load%is_user) cycle
         select case (load%kind)
         case (DISTRIBUTED_PRESSURE)
@@ -186,7 +186,7 @@ contains
     integer :: n, nodes(MAX_NODES)
     density = 1
     if (model%mesh%kind(e) == KIND_MASS) return
-    associate (material => model%materials(material_of(model%mesh, e)))
+    associate (material => model%materials(material_of(model, fields%step, e)))
       density = material%density
       if (.not. allocated(material%densities%value)) return
       call element_nodes(model%mesh, e, n, nodes)

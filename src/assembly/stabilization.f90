@@ -10,7 +10,7 @@
 !! the step went on in the same way, a given fraction of the strain energy would be dissipated.
 module amontons_stabilization
   use amontons_kinds, only: DP
-  use amontons_mesh, only: mesh_type, is_out
+  use amontons_mesh, only: mesh_type
   use amontons_sparse, only: sparse_type
   use amontons_steps, only: step_type
   use amontons_state, only: state_type, fields_type, DAMPING_NOW, DAMPING_NEXT
@@ -42,15 +42,16 @@ contains
 
 
   !> The share of each node in the volume of its elements, whose nodes have equal parts of it.
-  pure subroutine share_volumes(mesh, fields, share)
+  pure subroutine share_volumes(mesh, is_absent, fields, share)
     type(mesh_type), intent(in) :: mesh
+    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out
     type(fields_type), intent(in) :: fields
     real(DP), allocatable, intent(out) :: share(:) !< (n_nodes) [length^3]
     real(DP) :: volume
     integer :: e
     allocate (share(mesh%n_nodes), source=0.0_DP)
     do e = 1, mesh%n_elements
-      if (is_out(mesh, e)) cycle
+      if (is_absent(e)) cycle
       volume = sum(fields%volume(mesh%point_first(e):mesh%point_first(e + 1) - 1))
       associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
         share(nodes) = share(nodes) + volume / real(size(nodes), DP)

@@ -3,10 +3,9 @@
 module amontons_boundary_conditions
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_loads, only: load_value
   use amontons_steps, only: step_type
   use amontons_mesh, only: mesh_extent
-  use amontons_model, only: model_type, direction_of
+  use amontons_model, only: model_type, direction_of, load_now
   use amontons_state, only: fields_type
   use amontons_user_state, only: ask_displacement
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, &
@@ -37,7 +36,7 @@ contains
     call hold_idle(base, model, fields%u)
     call add_supports(base, model, step, fields, u_start, error)
     if (allocated(error)) return
-    call add_equations(base, model, fields%u, error)
+    call add_equations(base, model, step, fields%u, error)
     if (allocated(error)) return
     call add_bonds(base, model, fields%u, step%is_nlgeom, violation, error)
     if (allocated(error)) return
@@ -122,17 +121,18 @@ contains
       else if (load%amplitude == 0 .and. load%is_from_current) then
         value = u_start + (load%end - u_start) * (fields%step_time / step%period)
       else
-        value = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
+        value = load_now(model, step, load, fields%step_time, fields%total_time)
       end if
       if (load%is_user) call ask_displacement(model, load, fields, value)
     end associate
   end function prescribed_value
 
 
-  !> The rows of *EQUATION, corrected by what is violated at u.
-  subroutine add_equations(base, model, u, error)
+  !> The rows of *EQUATION that hold in a step, corrected by what is violated at u.
+  subroutine add_equations(base, model, step, u, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
     real(DP), intent(in) :: u(:, :)
     type(error_type), allocatable, intent(out) :: error
     type(row_type) :: row
@@ -140,7 +140,7 @@ contains
     character(12) :: line
     do i = 1, size(model%equations)
       associate (equation => model%equations(i))
-        if (equation%is_removed) cycle
+        if (equation%last_step < step%number) cycle
         row%unknown = 3 * (equation%node - 1) + equation%dof
         row%coefficient = equation%coefficient
         row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])

@@ -1,4 +1,4 @@
-!> Fasten: turns tied surfaces, cyclic symmetry and distributing couplings into equations, once before the start.
+!> Tie generation: equations for tied surfaces, cyclic symmetry and distributing couplings, once before the start.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_tie_generation
   use amontons_kinds, only: DP
@@ -8,47 +8,58 @@ module amontons_tie_generation
   use amontons_tributary_areas, only: node_areas, depth_of
   use amontons_loads, only: equation_type
   use amontons_mpc_data, only: tie_type, spread_type
-  use amontons_model, only: model_type, append_equation
+  use amontons_mesh, only: mesh_type
+  use amontons_surfaces, only: surface_type
+  use amontons_model, only: model_type, new_equation
   use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_facet_search, only: search_type, build_search
   use amontons_surface_projection, only: projection_type, find_projection, fixed_point, PROJECT_ON
   implicit none
   private
-  public :: fasten_model
+  public :: generate_ties
 
   real(DP), parameter :: TIE_TOLERANCE = 0.025_DP  !< nodes nearer than this times the mean edge of a facet are tied [-]
   real(DP), parameter :: SECTOR_TOLERANCE = 1.0e-3_DP   !< the same of a sector: of the extent of its dependent side [-]
 
 contains
 
-  !> Appends the equations of all ties and distributing couplings to the model, and moves tied nodes onto their masters.
-  subroutine fasten_model(model, error)
-    type(model_type), intent(inout) :: model
+  !> The equations of all ties and distributing couplings, and the coordinates of tied nodes on their masters.
+  subroutine generate_ties(model, equations, coordinates, error)
+    type(model_type), intent(in) :: model
+    type(equation_type), allocatable, intent(out) :: equations(:)
+    real(DP), allocatable, intent(out) :: coordinates(:, :)   !< (3, n_nodes) of all nodes [length]
     type(error_type), allocatable, intent(out) :: error
+    type(mesh_type) :: mesh                        ! with tied nodes on their masters
     integer :: i
+    mesh = model%mesh
+    allocate (equations(0))
     if (allocated(model%ties)) then
       do i = 1, size(model%ties)
         if (model%ties(i)%is_cyclic) then
-          call join_sectors(model, model%ties(i), error)
+          call join_sectors(model, mesh, model%ties(i), equations, error)
         else
-          call fasten_tie(model, model%ties(i), error)
+          call fasten_tie(model, model%ties(i), mesh, equations, error)
         end if
         if (allocated(error)) return
       end do
     end if
-    if (.not. allocated(model%spreads)) return
-    do i = 1, size(model%spreads)
-      call fasten_spread(model, model%spreads(i), error)
-      if (allocated(error)) return
-    end do
-  end subroutine fasten_model
+    if (allocated(model%spreads)) then
+      do i = 1, size(model%spreads)
+        call fasten_spread(model, mesh, model%spreads(i), equations, error)
+        if (allocated(error)) return
+      end do
+    end if
+    call move_alloc(mesh%coordinates, coordinates)
+  end subroutine generate_ties
 
 
   !> The nodes of the slave stay where they are on the facets of the master: u = sum N_i u_i.
-  subroutine fasten_tie(model, tie, error)
-    type(model_type), intent(inout) :: model
+  subroutine fasten_tie(model, tie, mesh, equations, error)
+    type(model_type), intent(in) :: model
     type(tie_type), intent(in) :: tie
+    type(mesh_type), intent(inout) :: mesh         !< out: slave nodes on their masters
+    type(equation_type), allocatable, intent(inout) :: equations(:)
     type(error_type), allocatable, intent(out) :: error
     type(facets_type) :: facets
     type(search_type) :: search
@@ -58,10 +69,10 @@ contains
     real(DP) :: tolerance_length
     integer :: i, n_tied
     associate (master => model%surfaces(tie%master))
-      call build_facets(model%mesh, master%element, master%face, facets, error)
+      call build_facets(mesh, master%element, master%face, facets, error)
     end associate
     if (allocated(error)) return
-    x = model%mesh%coordinates
+    x = mesh%coordinates
     tolerance_length = tie%tolerance
     if (tie%tolerance < 0.0_DP) tolerance_length = TIE_TOLERANCE * sum(facets%edge_length) / real(facets%n, DP)
     call build_search(facets, x, tolerance_length, search)
@@ -72,8 +83,8 @@ contains
       call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, place)
       if (place%status /= PROJECT_ON .or. place%facet == 0) cycle
       n_tied = n_tied + 1
-      if (tie%is_adjusted) call fixed_point(facets, x, place%facet, place%xi, model%mesh%coordinates(:, slaves(i)))
-      call tie_node(model, facets, place, slaves(i), tie%line)
+      if (tie%is_adjusted) call fixed_point(facets, x, place%facet, place%xi, mesh%coordinates(:, slaves(i)))
+      call tie_node(facets, place, slaves(i), tie%line, equations)
     end do
     if (n_tied == 0) call set_error(error, EXIT_SETUP, 'The *TIE ' // tie%name // ' ties no node: none of the slave ' // &
       'surface is within POSITION TOLERANCE of the master surface.')
@@ -81,17 +92,17 @@ contains
 
 
   !> The three equations of one tied node.
-  subroutine tie_node(model, facets, place, slave, line)
-    type(model_type), intent(inout) :: model
+  subroutine tie_node(facets, place, slave, line, equations)
     type(facets_type), intent(in) :: facets
     type(projection_type), intent(in) :: place
     integer, intent(in) :: slave, line
+    type(equation_type), allocatable, intent(inout) :: equations(:)
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: nodes(MAX_FACE_NODES), n, k
     call facet_nodes(facets, place%facet, n, nodes)
     call facet_shapes(facets%kind(place%facet), place%xi, N_i, dN, ddN)
     do k = 1, 3
-      call append_equation(model, [slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)
+      equations = [equations, new_equation([slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)]
     end do
   end subroutine tie_node
 
@@ -99,9 +110,11 @@ contains
   !> Appends u_s = R sum N_i u_i for every node s of the dependent side, R the turn that brings the independent side onto it.
   !!
   !! Of the two senses the one counts in which more nodes find a partner. Errors: nodes without a partner (EXIT_SETUP).
-  subroutine join_sectors(model, tie, error)
-    type(model_type), intent(inout) :: model
+  subroutine join_sectors(model, mesh, tie, equations, error)
+    type(model_type), intent(in) :: model
+    type(mesh_type), intent(in) :: mesh            !< with tied nodes on their masters
     type(tie_type), intent(in) :: tie
+    type(equation_type), allocatable, intent(inout) :: equations(:)
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: first(:), nodes(:), best_first(:), best_nodes(:)
     real(DP), allocatable :: weight(:), best_weight(:)
@@ -112,7 +125,7 @@ contains
     do sense = 1, 2
       turn = tie%turn
       if (sense == 2) turn = transpose(tie%turn)
-      call find_partners(model, tie, turn, first, nodes, weight, error)
+      call find_partners(model, mesh, tie, turn, first, nodes, weight, error)
       if (allocated(error)) return
       n_found = count(first(2:) > first(:size(first) - 1))
       if (n_found <= n_best) cycle
@@ -132,8 +145,8 @@ contains
       end if
       do s = 1, size(slaves)
         do k = 1, 3
-          call add_turned_row(model, slaves(s), k, best_nodes(best_first(s):best_first(s + 1) - 1), &
-            best_weight(best_first(s):best_first(s + 1) - 1), best_turn(k, :), tie%line)
+          call add_turned_row(slaves(s), k, best_nodes(best_first(s):best_first(s + 1) - 1), &
+            best_weight(best_first(s):best_first(s + 1) - 1), best_turn(k, :), tie%line, equations)
         end do
       end do
     end associate
@@ -141,8 +154,9 @@ contains
 
 
   !> For each node of the dependent side the nodes and weights of its place on the independent side; none if there is none.
-  subroutine find_partners(model, tie, turn, first, nodes, weight, error)
+  subroutine find_partners(model, mesh, tie, turn, first, nodes, weight, error)
     type(model_type), intent(in) :: model
+    type(mesh_type), intent(in) :: mesh            !< with tied nodes on their masters
     type(tie_type), intent(in) :: tie
     real(DP), intent(in) :: turn(3, 3)             !< brings the independent side onto the dependent one
     integer, allocatable, intent(out) :: first(:)  !< (n + 1)
@@ -154,13 +168,13 @@ contains
     real(DP) :: place(3), reach
     integer :: s, i
     logical :: has_faces
-    associate (slaves => model%surfaces(tie%slave)%nodes, master => model%surfaces(tie%master), X => model%mesh%coordinates)
+    associate (slaves => model%surfaces(tie%slave)%nodes, master => model%surfaces(tie%master), X => mesh%coordinates)
       allocate (first(size(slaves) + 1), source=1)
       allocate (nodes(0), weight(0))
       reach = tie%tolerance
       if (reach < 0.0_DP) reach = SECTOR_TOLERANCE * norm2(maxval(X(:, slaves), dim=2) - minval(X(:, slaves), dim=2))
       has_faces = .not. master%is_node_based
-      if (has_faces) call build_facets(model%mesh, master%element, master%face, facets, error)
+      if (has_faces) call build_facets(mesh, master%element, master%face, facets, error)
       if (allocated(error)) return
       if (has_faces) call build_search(facets, X, reach, search)
       do s = 1, size(slaves)
@@ -198,12 +212,12 @@ contains
 
 
   !> u_s(k) - sum_j R(k, j) sum_i N_i u_i(j) = 0; terms of a node on the axis, which is its own partner, are added up.
-  subroutine add_turned_row(model, slave, k, partners, weight, turn, line)
-    type(model_type), intent(inout) :: model
+  subroutine add_turned_row(slave, k, partners, weight, turn, line, equations)
     integer, intent(in) :: slave, k
     integer, intent(in) :: partners(:)
     real(DP), intent(in) :: weight(:), turn(3)     !< row k of R
     integer, intent(in) :: line                    !< of the deck
+    type(equation_type), allocatable, intent(inout) :: equations(:)
     type(equation_type) :: equation
     real(DP) :: coefficient
     integer :: i, j, n
@@ -228,7 +242,7 @@ contains
     equation%n_candidates = count(equation%node == slave)
     equation%card = 'CYCLIC SYMMETRY'
     equation%line = line
-    model%equations = [model%equations, equation]
+    equations = [equations, equation]
   end subroutine add_turned_row
 
 
@@ -237,9 +251,11 @@ contains
   !! Mean displacement at the centre c and mean rotation t = inverse(J) sum w r x u, J = sum w (r r 1 - r r'); the
   !! reference node has u = u_c + t x (X - c) and the rotation t. Its forces and moments so spread over the nodes as
   !! w (f + inverse(J) m x r). The arms are those of the undeformed body, under NLGEOM too (as in CalculiX).
-  subroutine fasten_spread(model, spread_out, error)
-    type(model_type), intent(inout) :: model
+  subroutine fasten_spread(model, mesh, spread_out, equations, error)
+    type(model_type), intent(in) :: model
+    type(mesh_type), intent(in) :: mesh            !< with tied nodes on their masters
     type(spread_type), intent(in) :: spread_out
+    type(equation_type), allocatable, intent(inout) :: equations(:)
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: weight(:), turn(:, :, :), coefficient(:)
     real(DP) :: centre(3), arm(3), mean(3, 3)
@@ -248,9 +264,9 @@ contains
     logical :: is_ok, is_plane
     nodes = model%surfaces(spread_out%surface)%nodes
     n = size(nodes)
-    call share_area(model, spread_out%surface, weight)
-    is_plane = all(model%mesh%is_idle(3, nodes))
-    call mean_rotation(model%mesh%coordinates(:, nodes), weight, is_plane, centre, turn, is_ok)
+    call share_area(model%surfaces(spread_out%surface), mesh, weight)
+    is_plane = all(mesh%is_idle(3, nodes))
+    call mean_rotation(mesh%coordinates(:, nodes), weight, is_plane, centre, turn, is_ok)
     if (.not. is_ok) then
       call set_error(error, EXIT_SETUP, 'The nodes of the surface of a *DISTRIBUTING coupling lie on a line; a ' // &
         'rotation cannot be spread over them.')
@@ -259,7 +275,7 @@ contains
         'have no mean rigid motion but along their axis; an *EQUATION can bind the mean displacement along it.')
     end if
     if (allocated(error)) return
-    arm = model%mesh%coordinates(:, spread_out%reference) - centre
+    arm = mesh%coordinates(:, spread_out%reference) - centre
     node = [0, [(spread(nodes(i), 1, 3), i=1, n)]]
     dof = [0, [(1, 2, 3, i=1, n)]]
     coefficient = [(1.0_DP, i=0, 3 * n)]
@@ -273,7 +289,7 @@ contains
         if (k <= 3) mean = weight(i) * IDENTITY + turned_cross(arm, turn(:, :, i))
         coefficient(3 * i - 1:3 * i + 1) = -matmul(spread_out%axes(:, dof(1)), mean)
       end do
-      call append_equation(model, node, dof, coefficient, 'COUPLING', spread_out%line)
+      equations = [equations, new_equation(node, dof, coefficient, 'COUPLING', spread_out%line)]
     end do
   end subroutine fasten_spread
 
@@ -293,26 +309,24 @@ contains
 
 
   !> The share of each node of a surface in its area, by the shape functions.
-  subroutine share_area(model, surface, weight)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: surface
+  subroutine share_area(faces, mesh, weight)
+    type(surface_type), intent(in) :: faces
+    type(mesh_type), intent(in) :: mesh
     real(DP), allocatable, intent(out) :: weight(:)   !< of surface%nodes, sum 1
     type(kind_type) :: kind
-    real(DP) :: of_node(model%mesh%n_nodes)
+    real(DP) :: of_node(mesh%n_nodes)
     integer :: i, e
     integer, allocatable :: nodes(:)
     of_node = 0.0_DP
-    associate (faces => model%surfaces(surface), mesh => model%mesh)
-      do i = 1, size(faces%element)
-        e = faces%element(i)
-        kind = element_kind(mesh%kind(e))
-        associate (local => kind%face_nodes(:, faces%face(i)), facet => kind%face_kind(faces%face(i)))
-          nodes = mesh%nodes(mesh%first(e) - 1 + pack(local, local > 0))
-          of_node(nodes) = of_node(nodes) + node_areas(mesh%coordinates(:, nodes), facet, depth_of(mesh, e))
-        end associate
-      end do
-      weight = of_node(faces%nodes) / sum(of_node(faces%nodes))
-    end associate
+    do i = 1, size(faces%element)
+      e = faces%element(i)
+      kind = element_kind(mesh%kind(e))
+      associate (local => kind%face_nodes(:, faces%face(i)), facet => kind%face_kind(faces%face(i)))
+        nodes = mesh%nodes(mesh%first(e) - 1 + pack(local, local > 0))
+        of_node(nodes) = of_node(nodes) + node_areas(mesh%coordinates(:, nodes), facet, depth_of(mesh, e))
+      end associate
+    end do
+    weight = of_node(faces%nodes) / sum(of_node(faces%nodes))
   end subroutine share_area
 
 

@@ -18,7 +18,7 @@ module amontons_contact_initialization
   implicit none
   private
   public :: begin_contact_increment
-  public :: adjust_slaves
+  public :: find_adjustment
 
   real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
 
@@ -268,23 +268,21 @@ contains
   end subroutine renew_areas
 
 
-  !> Moves the slave nodes that penetrate or are nearer than the distance, along the master's normal; those of the given
-  !! set wherever they are. A mid-side node that follows its corners moves by half of what they move.
+  !> ADJUST: the ways of the slave nodes that penetrate or are nearer than the distance, along the master's normal; those of
+  !! the given set wherever they are. A mid-side node that follows its corners moves by half of what they move.
   !!
-  !! As in Abaqus and CalculiX the mesh itself is changed. Cost: one search.
-  subroutine adjust_slaves(model, n_moved, largest, error)
-    type(model_type), intent(inout) :: model       !< its coordinates are changed
-    integer, intent(out) :: n_moved                !< nodes moved
-    real(DP), intent(out) :: largest               !< longest way [length]
+  !! As in Abaqus and CalculiX the job is solved on the moved mesh: `model_setup` adds the ways to the coordinates.
+  !! Cost: one search.
+  subroutine find_adjustment(model, way, error)
+    type(model_type), intent(in) :: model
+    real(DP), intent(out) :: way(:, :)             !< (3, n_nodes) from where the nodes are [length]
     type(error_type), allocatable, intent(out) :: error
     type(contact_type) :: contact
     type(model_type) :: by_nodes                   ! the same with node-to-surface contact: nodes are moved, not faces
     type(state_type) :: state
     type(slave_type), allocatable :: slaves(:)
-    real(DP) :: way(3, model%mesh%n_nodes)
     integer :: s, i
-    n_moved = 0
-    largest = 0.0_DP
+    way = 0.0_DP
     if (.not. any(model%pairs%has_adjust)) return
     by_nodes = model
     by_nodes%pairs%is_mortar = .false.
@@ -293,7 +291,6 @@ contains
     if (allocated(error)) return
     call create_state(state, model%mesh, slaves)
     call begin_contact_increment(contact, by_nodes, .true., .true., state%new%u, state%new)
-    way = 0.0_DP
     do s = 1, size(state%new%slaves)
       associate (slave => state%new%slaves(s))
         if (is_wanted(model, slave)) way(:, slave%node) = -(slave%gap - slave%offset) * slave%normal
@@ -304,10 +301,7 @@ contains
         way(:, f(1)) = 0.5_DP * (way(:, f(2)) + way(:, f(3)))
       end associate
     end do
-    n_moved = count(norm2(way, dim=1) > 0.0_DP)
-    largest = maxval(norm2(way, dim=1))
-    model%mesh%coordinates = model%mesh%coordinates + way
-  end subroutine adjust_slaves
+  end subroutine find_adjustment
 
 
   !> Whether a slave node is to be moved.

@@ -20,11 +20,10 @@ module amontons_analysis
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, commit_state, restore_state
   use amontons_slave_nodes, only: commit_slip
-  use amontons_model_change, only: change_model, bear_elements
-  use amontons_contact_initialization, only: adjust_slaves
-  use amontons_user_routine_setup, only: start_routines, heed_routines, ask_amplitudes, recall_amplitudes
+  use amontons_model_change, only: bear_elements
+  use amontons_model_setup, only: set_up_model
+  use amontons_user_routine_setup, only: heed_routines, ask_amplitudes, recall_amplitudes
   use amontons_user_state, only: start_variables
-  use amontons_tie_generation, only: fasten_model
   use amontons_stabilization, only: close_damping
   use amontons_equilibrium, only: plan_solver, create_system, begin_step, begin_increment
   use amontons_model_check, only: audit_model, audit_summary
@@ -41,7 +40,7 @@ module amontons_analysis
   use amontons_text_output, only: print_iteration, print_increment
   use amontons_checkpoint, only: take_snapshot, put_back, unpack_state
   use amontons_restart_file, only: read_state
-  use amontons_driven_loads, only: list_driven, recall_driven
+  use amontons_driven_loads, only: start_loads, begin_loads, list_driven, recall_driven
   use amontons_job_files, only: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files
   use amontons_dense, only: symmetric_eigen
   use amontons_factorization, only: set_blas_threads, choose_blas_kernels
@@ -82,13 +81,9 @@ contains
     if (options%n_threads == 0 .and. analysis%model%mesh%n_nodes < SMALL_MODEL) analysis%options%n_threads = 1
     call use_threads(analysis%options%n_threads)
     if (.not. analysis%options%is_check) call tell_threads(analysis%options%n_threads, journal)
-    call start_routines(analysis%model, options, error)
+    call set_up_model(analysis%model, options, journal, error)
     if (allocated(error)) return
-    call fasten_model(analysis%model, error)
-    if (allocated(error)) return
-    call adjust(analysis%model, journal, error)
-    if (allocated(error)) return
-    call change_model(analysis%model, 0)
+    call start_loads(analysis%drive, analysis%model)
     call claim_matrices(analysis%model, error)
     if (allocated(error)) return
     call create_system(analysis%system, analysis%model, analysis%state, error)
@@ -110,19 +105,6 @@ contains
     end if
     analysis%is_open = .not. allocated(error)
   end subroutine start_analysis
-
-
-  !> ADJUST: slave nodes are moved onto their master, and it is told how many and how far.
-  subroutine adjust(model, journal, error)
-    type(model_type), intent(inout) :: model
-    type(journal_type), intent(inout) :: journal
-    type(error_type), allocatable, intent(out) :: error
-    integer :: n_moved
-    real(DP) :: largest
-    call adjust_slaves(model, n_moved, largest, error)
-    if (allocated(error) .or. n_moved == 0) return
-    call journal%say('ADJUST moved ' // plural(n_moved, 'node') // ' onto the master, at most by ' // text_of(largest) // '.')
-  end subroutine adjust
 
 
   !> Goes on from the state of another job.
@@ -196,7 +178,7 @@ contains
     type(complaints_type) :: report
     character(:), allocatable :: summary
     if (size(analysis%model%steps) == 0) return
-    call begin_increment(analysis%system, analysis%model, analysis%model%steps(1), .true., analysis%state)
+    call begin_increment(analysis%system, analysis%model, analysis%drive%step, .true., analysis%state)
     call audit_model(analysis%model, analysis%system%contact, analysis%state%new%slaves, report, error)
     call journal%complain(report)
     if (analysis%options%is_check) then
@@ -256,7 +238,7 @@ contains
     if (analysis%is_step_start) call plan_solver(analysis%system, analysis%model, error)
     if (allocated(error)) return
     call tell_solver(analysis, journal)
-    associate (step => analysis%model%steps(analysis%stepper%step))
+    associate (step => analysis%drive%step)
       do
         dt = min(propose_time(analysis%stepper, step), until - analysis%stepper%step_time)
         call begin_trial(analysis, dt, error)
@@ -298,9 +280,9 @@ contains
     if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has begun
     call open_step(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
     analysis%state%old%total_time = analysis%stepper%total_time   ! a step may set the clock
-    call change_model(analysis%model, analysis%stepper%step)
+    call begin_loads(analysis%drive, analysis%model, analysis%stepper%step)
     call bear_elements(analysis%model, analysis%stepper%step, analysis%state)
-    call begin_step(analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), analysis%state, error)
+    call begin_step(analysis%system, analysis%model, analysis%drive%step, analysis%state, error)
   end subroutine enter_step
 
 
@@ -312,7 +294,7 @@ contains
     call enter_step(analysis, error)
     if (allocated(error)) return
     call start_attempt(analysis, dt)
-    call begin_newton(analysis%newton, analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), &
+    call begin_newton(analysis%newton, analysis%system, analysis%model, analysis%drive%step, &
       analysis%is_step_start, analysis%state)
   end subroutine begin_trial
 
@@ -324,7 +306,7 @@ contains
     integer, intent(out) :: verdict                !< VERDICT_...
     type(error_type), allocatable, intent(out) :: error
     integer :: turn
-    associate (step => analysis%model%steps(analysis%stepper%step))
+    associate (step => analysis%drive%step)
       turn = leave_turn()                            ! other jobs of the process may read, write and tell meanwhile
       call iterate(analysis%newton, analysis%system, analysis%model, step, analysis%state, verdict, error)
       call resume_turn(turn)
@@ -402,10 +384,10 @@ contains
     type(error_type), allocatable, intent(out) :: error
     analysis%n_records = analysis%n_committed
     analysis%n_iterations = 0
-    call change_model(analysis%model, analysis%snapshot%stepper%step)
-    call put_back(analysis%snapshot, analysis%model, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
-      analysis%is_step_start, error)
-    call recall_amplitudes(analysis%model, analysis%state%old)
+    call begin_loads(analysis%drive, analysis%model, max(1, analysis%snapshot%stepper%step))
+    call put_back(analysis%snapshot, analysis%model, analysis%drive%step, analysis%state, analysis%system, analysis%newton, &
+      analysis%stepper, analysis%is_step_start, error)
+    if (allocated(analysis%drive%step%amplitudes)) call recall_amplitudes(analysis%drive%step%amplitudes, analysis%state%old)
   end subroutine rollback_analysis
 
 
@@ -452,7 +434,8 @@ contains
     analysis%state%new%step = analysis%stepper%step
     analysis%state%new%increment = analysis%stepper%increment
     analysis%state%new%time_increment = dt
-    call ask_amplitudes(analysis%model, analysis%state)
+    if (allocated(analysis%drive%step%amplitudes)) call ask_amplitudes(analysis%model, analysis%drive%step%amplitudes, &
+      analysis%state)
     analysis%system%seconds = 0.0_DP
     analysis%system%megabytes = 0.0_DP
     analysis%system%n_factorisations = 0

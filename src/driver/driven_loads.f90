@@ -2,19 +2,23 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! A value that is set is reached at the end of the increments solved next, straight from where it stands, and kept after
-!! that. Each driven degree of freedom or face has an amplitude of its own in the model, of two points, which replaces
-!! what the deck said. What is reached and what stands are those of the last commit: a rollback needs no more.
+!! that. Each driven degree of freedom or face has an amplitude of its own, of two points, which replaces what the deck said.
+!! What is reached and what stands are those of the last commit: a rollback needs no more.
+!!
+!! The model does not change. What is solved with is the present step, drive%step: that of the model, its loads on driven items
+!! replaced, with coefficients of friction that were set, and with the amplitudes as they are now (those of UAMP among them).
 module amontons_driven_loads
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   use amontons_text, only: text_of
-  use amontons_loads, only: amplitude_type, amplitude_value, load_value, load_type, prescribed_type, concentrated_type, &
+  use amontons_loads, only: amplitude_type, amplitude_value, load_type, prescribed_type, concentrated_type, &
     distributed_type, temperature_type, DISTRIBUTED_PRESSURE
   use amontons_steps, only: step_type
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, load_now
   implicit none
   private
-  public :: drive_type, set_driven, set_friction, loads_now, arm_drives, settle_drives, list_driven, recall_driven
+  public :: drive_type, start_loads, begin_loads, set_driven, friction_now, set_friction, loads_now, &
+    arm_drives, settle_drives, list_driven, recall_driven
   public :: DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, DRIVE_TEMPERATURE
 
   integer, parameter :: DRIVE_FORCE = 1            !< item: 3 (node - 1) + dof
@@ -28,14 +32,15 @@ module amontons_driven_loads
   type :: entry_type
     integer :: kind = 0                            !< DRIVE_...
     integer :: item = 0
-    integer :: amplitude = 0                       !< index into model%amplitudes
+    integer :: amplitude = 0                       !< index into step%amplitudes of the present step
     real(DP) :: target = 0                         !< [force], [length] or [stress]
     logical :: is_pending = .false.                !< the target is set and no increment towards it is committed
     logical :: is_armed = .false.                  !< the amplitude runs to the target
   end type entry_type
 
-  !> All that is driven in a job.
+  !> All that is driven in a job, and the step that runs.
   type :: drive_type
+    type(step_type) :: step                        !< the present one; its amplitudes are there if something sets any of them
     type(entry_type), allocatable :: entries(:)
     integer, allocatable :: place(:, :)            !< (items, N_DRIVES) index into entries, 0: not driven
     real(DP), allocatable :: friction(:)           !< (n_interactions) coefficient that was set; negative: the deck's [-]
@@ -48,12 +53,61 @@ module amontons_driven_loads
 
 contains
 
+  !> Before the first step: the loads of that one.
+  subroutine start_loads(drive, model)
+    type(drive_type), intent(inout) :: drive
+    type(model_type), intent(in) :: model
+    if (any(model%amplitudes%is_user)) call own_amplitudes(drive, model)
+    if (size(model%steps) > 0) call begin_loads(drive, model, 1)
+  end subroutine start_loads
+
+
+  !> A step becomes the present one.
+  subroutine begin_loads(drive, model, i_step)
+    type(drive_type), intent(inout) :: drive
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: i_step                  !< index into model%steps
+    drive%step = driven_step(drive, model, i_step)
+  end subroutine begin_loads
+
+
+  !> A step of the model with what is driven.
+  function driven_step(drive, model, i_step) result(step)
+    type(drive_type), intent(in) :: drive
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: i_step                  !< index into model%steps
+    type(step_type) :: step
+    integer :: kind, i
+    step = model%steps(i_step)
+    if (allocated(drive%step%amplitudes)) step%amplitudes = drive%step%amplitudes
+    if (allocated(drive%friction)) then
+      if (.not. allocated(step%interactions)) step%interactions = model%interactions
+      do i = 1, size(drive%friction)
+        if (drive%friction(i) >= 0) step%interactions(i)%friction = drive%friction(i)
+      end do
+    end if
+    if (.not. allocated(drive%entries)) return
+    do kind = 1, N_DRIVES
+      call follow(step, kind, pack(drive%entries%item, drive%entries%kind == kind), &
+        pack(drive%entries%amplitude, drive%entries%kind == kind))
+    end do
+  end function driven_step
+
+
+  !> Amplitudes that can be set: those of the model to begin with.
+  subroutine own_amplitudes(drive, model)
+    type(drive_type), intent(inout) :: drive
+    type(model_type), intent(in) :: model
+    if (.not. allocated(drive%step%amplitudes)) drive%step%amplitudes = model%amplitudes
+  end subroutine own_amplitudes
+
+
   !> Sets the values of some items.
   !!
   !! Errors (EXIT_USAGE): a displacement that the deck does not prescribe in the step that runs.
   subroutine set_driven(drive, model, i_step, kind, items, values, now, error)
     type(drive_type), intent(inout) :: drive
-    type(model_type), intent(inout) :: model
+    type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< step that runs, or the first
     integer, intent(in) :: kind                    !< DRIVE_...
     integer, intent(in) :: items(:)                !< each once
@@ -61,10 +115,12 @@ contains
     real(DP), intent(in) :: now(:)                 !< total time, step time, then for displacements and temperatures the values now
     type(error_type), allocatable, intent(out) :: error
     integer :: i
+    logical :: has_new
     call make_room(drive, model)
     if (kind == DRIVE_TEMPERATURE) call check_temperature(model, error)
     if (kind == DRIVE_DISPLACEMENT) call check_prescribed(model, model%steps(i_step), items, error)
     if (allocated(error)) return
+    has_new = any(drive%place(items, kind) == 0)
     call add_entries(drive, model, i_step, kind, pack(items, drive%place(items, kind) == 0), &
       pack([(i, i=1, size(items))], drive%place(items, kind) == 0), now)
     do i = 1, size(items)
@@ -74,6 +130,7 @@ contains
         entry%is_armed = .false.
       end associate
     end do
+    if (has_new) call begin_loads(drive, model, drive%step%number)
   end subroutine set_driven
 
 
@@ -87,20 +144,27 @@ contains
   end subroutine make_room
 
 
-  !> Sets the coefficient of friction of an interaction, at once and for all steps that follow.
+  !> Sets the coefficient of friction of an interaction, for the steps that begin from now on.
   subroutine set_friction(drive, model, i, mu)
     type(drive_type), intent(inout) :: drive
-    type(model_type), intent(inout) :: model
+    type(model_type), intent(in) :: model
     integer, intent(in) :: i                       !< interaction
     real(DP), intent(in) :: mu                     !< [-]
-    integer :: k
     if (.not. allocated(drive%friction)) allocate (drive%friction(size(model%interactions)), source=-1.0_DP)
     drive%friction(i) = mu
-    model%interactions(i)%friction = mu
-    do k = 1, size(model%steps)
-      if (allocated(model%steps(k)%interactions)) model%steps(k)%interactions(i)%friction = mu
-    end do
+    if (size(model%steps) > 0) call begin_loads(drive, model, drive%step%number)
   end subroutine set_friction
+
+
+  !> The coefficient of friction of an interaction: the one that was set, else the deck's.
+  pure real(DP) function friction_now(drive, model, i) result(mu)
+    type(drive_type), intent(in) :: drive
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: i                       !< interaction
+    mu = model%interactions(i)%friction
+    if (.not. allocated(drive%friction)) return
+    if (drive%friction(i) >= 0) mu = drive%friction(i)
+  end function friction_now
 
 
   !> All that is driven, as numbers for a checkpoint: what stands after the commit that is under way. (8, n): kind,
@@ -119,7 +183,7 @@ contains
     friction = -1
     if (allocated(drive%friction)) friction = drive%friction
     do i = 1, n
-      associate (entry => drive%entries(i), amplitude => model%amplitudes(drive%entries(i)%amplitude))
+      associate (entry => drive%entries(i), amplitude => drive%step%amplitudes(drive%entries(i)%amplitude))
         driven(:, i) = [real([entry%kind, entry%item], DP), entry%target, &
           merge(1.0_DP, 0.0_DP, entry%is_pending .and. .not. entry%is_armed), amplitude%time, amplitude%factor]
       end associate
@@ -127,10 +191,10 @@ contains
   end subroutine list_driven
 
 
-  !> Drives a model that is as the deck says it as a checkpoint says it.
+  !> Drives what a checkpoint says, from the loads of the deck.
   subroutine recall_driven(drive, model, driven, friction)
     type(drive_type), intent(inout) :: drive
-    type(model_type), intent(inout) :: model
+    type(model_type), intent(in) :: model
     real(DP), intent(in) :: driven(:, :)           !< (8, n) as list_driven gives it
     real(DP), intent(in) :: friction(:)            !< (n_interactions) negative: the deck's [-]
     integer, allocatable :: kinds(:), items(:)
@@ -154,7 +218,7 @@ contains
       first = last + 1
     end do
     do i = 1, size(kinds)
-      associate (entry => drive%entries(i), amplitude => model%amplitudes(drive%entries(i)%amplitude))
+      associate (entry => drive%entries(i), amplitude => drive%step%amplitudes(drive%entries(i)%amplitude))
         entry%target = driven(3, i)
         entry%is_pending = driven(4, i) > 0
         amplitude%time = driven(5:6, i)
@@ -191,10 +255,10 @@ contains
   end subroutine check_prescribed
 
 
-  !> New entries with their amplitudes, which stand at the values now, and the loads of all steps that follow them.
+  !> New entries with their amplitudes, which stand at the values now.
   subroutine add_entries(drive, model, i_step, kind, items, positions, now)
     type(drive_type), intent(inout) :: drive
-    type(model_type), intent(inout) :: model
+    type(model_type), intent(in) :: model
     integer, intent(in) :: i_step, kind
     integer, intent(in) :: items(:)                !< new ones
     integer, intent(in) :: positions(:)            !< their positions in the caller's list
@@ -203,13 +267,14 @@ contains
     real(DP), allocatable :: values(:)
     integer :: i, n
     if (size(items) == 0) return
-    n = size(model%amplitudes)
+    call own_amplitudes(drive, model)
+    n = size(drive%step%amplitudes)
     allocate (amplitudes(n + size(items)))
-    amplitudes(:n) = model%amplitudes
+    amplitudes(:n) = drive%step%amplitudes
     if (kind == DRIVE_DISPLACEMENT .or. kind == DRIVE_TEMPERATURE) then
       values = now(2 + positions)
     else
-      values = loads_now(model, model%steps(i_step), kind, items, now)
+      values = loads_now(drive, model, i_step, kind, items, now)
     end if
     do i = 1, size(items)
       amplitudes(n + i)%name = ''
@@ -219,35 +284,35 @@ contains
       drive%place(items(i), kind) = size(drive%entries) + i
     end do
     drive%entries = [drive%entries, [(entry_type(kind=kind, item=items(i), amplitude=n + i), i=1, size(items))]]
-    call move_alloc(amplitudes, model%amplitudes)
-    do i = 1, size(model%steps)
-      call follow(model%steps(i), kind, items, n)
-    end do
+    call move_alloc(amplitudes, drive%step%amplitudes)
   end subroutine add_entries
 
 
   !> What the loads on some items are at a time, summed: those of the deck, or what drives them.
-  function loads_now(model, step, kind, items, now) result(values)
+  function loads_now(drive, model, i_step, kind, items, now) result(values)
+    type(drive_type), intent(in) :: drive
     type(model_type), intent(in) :: model
-    type(step_type), intent(in) :: step
+    integer, intent(in) :: i_step                  !< index into model%steps
     integer, intent(in) :: kind
     integer, intent(in) :: items(:)
     real(DP), intent(in) :: now(:)                 !< total time, step time [time]
     real(DP), allocatable :: values(:)             !< [force] or [stress]
     real(DP), allocatable :: sums(:)
+    type(step_type) :: step
     integer :: i
+    step = driven_step(drive, model, i_step)
     allocate (sums(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements)), source=0.0_DP)
     if (kind == DRIVE_FORCE) then
       do i = 1, size(step%concentrated)
         associate (sum => sums(item_of_force(step%concentrated(i))))
-          sum = sum + load_value(step%concentrated(i), model%amplitudes, now(2), now(1), step%period)
+          sum = sum + load_now(model, step, step%concentrated(i), now(2), now(1))
         end associate
       end do
     else
       do i = 1, size(step%distributed)
         if (step%distributed(i)%kind /= DISTRIBUTED_PRESSURE) cycle
         associate (sum => sums(item_of_pressure(step%distributed(i))))
-          sum = sum + load_value(step%distributed(i), model%amplitudes, now(2), now(1), step%period)
+          sum = sum + load_now(model, step, step%distributed(i), now(2), now(1))
         end associate
       end do
     end if
@@ -269,17 +334,18 @@ contains
   end function item_of_pressure
 
 
-  !> The loads of a step on some items follow new amplitudes; forces and pressures of the deck on them are taken out.
-  subroutine follow(step, kind, items, n_before)
+  !> The loads of a step on some items follow amplitudes; forces and pressures of the deck on them are taken out.
+  subroutine follow(step, kind, items, amplitudes)
     type(step_type), intent(inout) :: step
-    integer, intent(in) :: kind
-    integer, intent(in) :: items(:)
-    integer, intent(in) :: n_before                !< amplitudes before those of the items
+    integer, intent(in) :: kind                    !< DRIVE_...
+    integer, intent(in) :: items(:)                !< each once
+    integer, intent(in) :: amplitudes(:)           !< of the items: index into step%amplitudes
     integer, allocatable :: order(:)
-    integer :: i
+    integer :: i, k
+    if (size(items) == 0) return
     if (kind == DRIVE_TEMPERATURE) then
       if (.not. allocated(step%temperatures)) allocate (step%temperatures(0))
-      step%temperatures = [step%temperatures, [(temperature_type(end=1.0_DP, amplitude=n_before + i, node=items(i)), &
+      step%temperatures = [step%temperatures, [(temperature_type(end=1.0_DP, amplitude=amplitudes(i), node=items(i)), &
         i=1, size(items))]]                        ! of several for a node the last counts
       return
     end if
@@ -289,19 +355,20 @@ contains
     case (DRIVE_DISPLACEMENT)
       do i = 1, size(step%prescribed)
         associate (load => step%prescribed(i))
-          if (order_of(order, 3 * (load%node - 1) + load%dof) == 0) cycle
-          load%load_type = load_type(end=1.0_DP, amplitude=n_before + order_of(order, 3 * (load%node - 1) + load%dof))
+          k = order_of(order, 3 * (load%node - 1) + load%dof)
+          if (k == 0) cycle
+          load%load_type = load_type(end=1.0_DP, amplitude=amplitudes(k))
           load%is_held = .false.
           load%is_from_current = .false.
         end associate
       end do
     case (DRIVE_FORCE)
       step%concentrated = [pack(step%concentrated, order_of(order, item_of_force(step%concentrated)) == 0), &
-        [(concentrated_type(end=1.0_DP, amplitude=n_before + i, node=(items(i) + 2) / 3, dof=mod(items(i) - 1, 3) + 1), &
+        [(concentrated_type(end=1.0_DP, amplitude=amplitudes(i), node=(items(i) + 2) / 3, dof=mod(items(i) - 1, 3) + 1), &
         i=1, size(items))]]
     case default
       step%distributed = [pack(step%distributed, order_of(order, item_of_pressure(step%distributed)) == 0 .or. &
-        step%distributed%kind /= DISTRIBUTED_PRESSURE), [(distributed_type(end=1.0_DP, amplitude=n_before + i, &
+        step%distributed%kind /= DISTRIBUTED_PRESSURE), [(distributed_type(end=1.0_DP, amplitude=amplitudes(i), &
         kind=DISTRIBUTED_PRESSURE, element=(items(i) + 5) / 6, face=mod(items(i) - 1, 6) + 1), i=1, size(items))]]
     end select
   end subroutine follow
@@ -324,15 +391,14 @@ contains
 
 
   !> Before an attempt from t0 to t1: what is pending runs straight to its target.
-  pure subroutine arm_drives(drive, model, t0, t1)
+  pure subroutine arm_drives(drive, t0, t1)
     type(drive_type), intent(inout) :: drive
-    type(model_type), intent(inout) :: model
     real(DP), intent(in) :: t0, t1                 !< total time [time]
     integer :: i
     if (.not. allocated(drive%entries)) return
     do i = 1, size(drive%entries)
       if (.not. drive%entries(i)%is_pending) cycle
-      associate (amplitude => model%amplitudes(drive%entries(i)%amplitude))
+      associate (amplitude => drive%step%amplitudes(drive%entries(i)%amplitude))
         amplitude%factor = [amplitude_value(amplitude, t0), drive%entries(i)%target]
         amplitude%time = [t0, t1]
         drive%entries(i)%is_armed = .true.

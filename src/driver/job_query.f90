@@ -16,7 +16,8 @@ module amontons_job_query
   use amontons_postprocess, only: nodal_slaves
   use amontons_results, only: point_fields
   use amontons_analysis, only: analysis_type, is_at_end
-  use amontons_driven_loads, only: set_driven, set_friction, loads_now, DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, &
+  use amontons_driven_loads, only: set_driven, set_friction, friction_now, loads_now, DRIVE_FORCE, &
+    DRIVE_DISPLACEMENT, DRIVE_PRESSURE, &
     DRIVE_TEMPERATURE
   implicit none
   private
@@ -148,7 +149,7 @@ contains
       case ('FRICTION')
         call find_interaction(analysis, set, i, error)
         if (allocated(error)) return
-        value = analysis%model%interactions(i)%friction
+        value = friction_now(analysis%drive, analysis%model, i)
       case default
         is_known = .false.
         return
@@ -263,7 +264,7 @@ contains
     if (allocated(error)) return
     width = merge(3, 1, quantity == 'CF')
     associate (model => analysis%model, new => analysis%state%new)
-      values = reshape(loads_now(model, model%steps(max(1, analysis%stepper%step)), kind, items, &
+      values = reshape(loads_now(analysis%drive, model, max(1, analysis%stepper%step), kind, items, &
         [new%total_time, new%step_time]), [width, size(items) / width])
     end associate
   end subroutine get_loads

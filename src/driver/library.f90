@@ -349,7 +349,7 @@ contains
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: length                 !< [time]
     associate (now => job%analysis%stepper%total_time)
-      call arm_drives(job%analysis%drive, job%analysis%model, now, now + length)
+      call arm_drives(job%analysis%drive, now, now + length)
     end associate
   end subroutine arm
 
@@ -447,9 +447,9 @@ contains
       if (i_step > 0) then
         call use_threads(analysis%options%n_threads)
         state = analysis%state
-        call evaluate(system, analysis%model, analysis%model%steps(i_step), state, trouble, is_frozen=.true.)
+        call evaluate(system, analysis%model, analysis%drive%step, state, trouble, is_frozen=.true.)
         if (trouble == TROUBLE_NONE) then
-          call linearise(system, analysis%model, analysis%model%steps(i_step), state, trouble, error)
+          call linearise(system, analysis%model, analysis%drive%step, state, trouble, error)
         end if
       end if
       if (allocated(error)) return

@@ -8,6 +8,7 @@ module amontons_user_routine_setup
   use amontons_user_routines, only: routines_type, open_routines, close_routines, has_routine, hear_routines, name_job_to, &
     uamp_type, call_uamp, CALL_NAME, ROUTINE_NAMES, USER_UMAT, USER_UAMP, USER_DLOAD, USER_DISP, USER_FRIC, USER_UINTER, &
     USER_SDVINI
+  use amontons_loads, only: amplitude_type
   use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
   use amontons_materials, only: material_type
   use amontons_user_state, only: most_components
@@ -181,15 +182,16 @@ contains
 
 
   !> Before an attempt: UAMP gives the factors at its end. What it keeps starts from what the last increment left.
-  subroutine ask_amplitudes(model, state)
-    type(model_type), intent(inout) :: model       !< in: amplitudes; out: their factors
+  subroutine ask_amplitudes(model, amplitudes, state)
+    type(model_type), intent(in) :: model
+    type(amplitude_type), intent(inout) :: amplitudes(:)   !< out: the factors of those by UAMP
     type(state_type), intent(inout) :: state       !< old memory; new times, numbers; out: new memory
     type(uamp_type) :: values
     character(CALL_NAME) :: name
     integer :: i, first
     first = 1
-    do i = 1, size(model%amplitudes)
-      associate (amplitude => model%amplitudes(i), old => state%old, new => state%new)
+    do i = 1, size(amplitudes)
+      associate (amplitude => amplitudes(i), old => state%old, new => state%new)
         if (.not. amplitude%is_user) cycle
         name = amplitude%name
         associate (svars => new%user_memory(first + 1:first + amplitude%n_svars))
@@ -209,21 +211,21 @@ contains
         first = first + 1 + amplitude%n_svars
       end associate
     end do
-    call recall_amplitudes(model, state%new)
+    call recall_amplitudes(amplitudes, state%new)
   end subroutine ask_amplitudes
 
 
   !> The factors that stand in the memory of some fields.
-  subroutine recall_amplitudes(model, fields)
-    type(model_type), intent(inout) :: model
+  subroutine recall_amplitudes(amplitudes, fields)
+    type(amplitude_type), intent(inout) :: amplitudes(:)
     type(fields_type), intent(in) :: fields
     integer :: i, first
     first = 1
-    do i = 1, size(model%amplitudes)
-      if (.not. model%amplitudes(i)%is_user) cycle
-      model%amplitudes(i)%time = [fields%total_time]
-      model%amplitudes(i)%factor = [fields%user_memory(first)]
-      first = first + 1 + model%amplitudes(i)%n_svars
+    do i = 1, size(amplitudes)
+      if (.not. amplitudes(i)%is_user) cycle
+      amplitudes(i)%time = [fields%total_time]
+      amplitudes(i)%factor = [fields%user_memory(first)]
+      first = first + 1 + amplitudes(i)%n_svars
     end do
   end subroutine recall_amplitudes
 

@@ -7,7 +7,7 @@ module amontons_equilibrium
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type
   use amontons_posix, only: peak_megabytes
-  use amontons_model, only: model_type, n_bonds
+  use amontons_model, only: model_type, n_bonds, absent_elements
   use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type, SOLVER_AUTO
   use amontons_iteration_records, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT
@@ -106,6 +106,7 @@ module amontons_equilibrium
   type :: place_type
     real(DP), allocatable :: u(:, :)               !< (3, n_nodes) [length]
     real(DP), allocatable :: internal_force(:, :)  !< (3, n_nodes) [force]
+    real(DP), allocatable :: applied_force(:, :)   !< (3, n_nodes) with which it is balanced, here and where it leads [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R [force]
     type(slave_type), allocatable :: slaves(:)
     type(slip_view_type) :: view
@@ -144,7 +145,7 @@ contains
     end do
     call create_assembly(system%assembly, model%mesh, error, first, nodes)
     if (allocated(error)) return
-    system%is_lone = lone_unknowns(model)
+    system%is_lone = lone_unknowns(model%mesh, absent_elements(model, 1))
     system%lever = levers(model)
   end subroutine prepare_bonds
 
@@ -178,7 +179,7 @@ contains
     system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_plain) .and. .not. allocated(model%mesh%spring) &
       .and. .not. is_damped(step)
     system%is_assembled = .false.
-    if (allocated(step%is_absent)) system%is_lone = lone_unknowns(model)
+    if (allocated(step%is_absent)) system%is_lone = lone_unknowns(model%mesh, step%is_absent)
     system%reduced%asked = step%solver
     system%reduced%is_repeated = size(state%old%slaves) > 0 .or. &
       (system%is_constant .and. step%dt_initial < FEW_INCREMENTS * step%period)
@@ -266,14 +267,15 @@ contains
     system%trouble_item = failed
     if (failed /= 0) return
     call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .false.)
-    if (is_damped(step) .and. .not. allocated(system%share)) call share_volumes(model%mesh, state%new, system%share)
+    if (is_damped(step) .and. .not. allocated(system%share)) &
+      call share_volumes(model%mesh, absent_elements(model, state%new%step), state%new, system%share)
     if (state%new%damping(DAMPING_NOW) > 0.0_DP) call brake(system%share, state)
     if (step%is_nlgeom .and. n_bonds(model) > 0) call prescribe_here(system, model, step, state%new, trouble)
     if (trouble /= TROUBLE_NONE) return
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
-    call measure(system, state%new)
+    call measure(system, state%new%applied_force, state%new)
     system%rounding = ROUNDINGS * rounding_force(system%contact%laws, system%contact%met, state%new%slaves, model%mesh%coordinates)
     call stop_clock(system, clock, PHASE_CONTACT)
     if (.not. system%merit <= huge(1.0_DP)) trouble = TROUBLE_NOT_FINITE
@@ -281,12 +283,13 @@ contains
 
 
   !> Residual, reaction, and the norms by which an iterate is judged.
-  subroutine measure(system, fields)
+  subroutine measure(system, applied_force, fields)
     type(system_type), intent(inout) :: system
+    real(DP), intent(in) :: applied_force(:, :)    !< (3, n_nodes) those of the fields, or a part of them [force]
     type(fields_type), intent(inout) :: fields
     real(DP) :: violation
     integer :: s
-    fields%reaction_force = fields%internal_force - fields%applied_force - fields%contact_force
+    fields%reaction_force = fields%internal_force - applied_force - fields%contact_force
     call condense_forces(system%base, -fields%reaction_force, system%residual)
     system%lawful = system%residual
     if (any(is_compliant(system%contact%laws))) call condense_forces(system%base, system%contact%ahead - fields%reaction_force, &
@@ -294,7 +297,7 @@ contains
     call keep_supports(system%base, fields%reaction_force)
     system%largest_residual = maxval(components_of(system, system%residual, -1))
     system%bulk_force = max(maxval(components_of(system, fields%internal_force, -1)), &
-      maxval(components_of(system, fields%applied_force, -1)))
+      maxval(components_of(system, applied_force, -1)))
     system%largest_force = max(system%bulk_force, maxval(components_of(system, fields%contact_force, -1)))
     violation = 0.0_DP
     do s = 1, size(fields%slaves)
@@ -376,8 +379,8 @@ contains
   pure type(place_type) function place_of(system, state) result(place)
     type(system_type), intent(in) :: system
     type(state_type), intent(in) :: state          !< evaluated
-    place = place_type(state%new%u, state%new%internal_force, system%residual, state%new%slaves, system%contact%view, &
-      system%merit)
+    place = place_type(state%new%u, state%new%internal_force, state%new%applied_force, system%residual, state%new%slaves, &
+      system%contact%view, system%merit)
   end function place_of
 
 
@@ -395,9 +398,9 @@ contains
     call multiply_symmetric(system%assembly%stiffness, reshape(du, [size(du)]), change)
     state%new%u = start%u + du
     state%new%internal_force = start%internal_force + reshape(change, shape(du))
-    call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
+    call condense_forces(system%base, start%applied_force - state%new%internal_force, system%imbalance)
     call evaluate_contact(system%contact, model, state%old, system%imbalance, .false., state%new)
-    call measure(system, state%new)
+    call measure(system, start%applied_force, state%new)
     call stop_clock(system, clock, PHASE_CONTACT)
   end subroutine foresee
 

@@ -200,6 +200,7 @@ contains
       call cut_temperatures(progress%thermal, reader%cut_time / progress%step%period)
       progress%step%period = reader%cut_time
     end if
+    progress%step%number = progress%n
     model%steps(progress%n) = progress%step
     progress%total_time = progress%total_time + progress%step%period
   end subroutine close_step

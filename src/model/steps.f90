@@ -3,7 +3,7 @@
 module amontons_steps
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type
-  use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, temperature_type
+  use amontons_loads, only: amplitude_type, prescribed_type, concentrated_type, distributed_type, temperature_type
   implicit none
   private
   public :: step_type, controls_type, print_request_type, frd_request_type, calculix_controls, is_output_due, next_stop
@@ -72,6 +72,7 @@ module amontons_steps
   !> One load step with everything that acts in it.
   type :: step_type
     character(:), allocatable :: title     !< text line after *STEP, may be empty
+    integer :: number = 1                  !< its place among the steps
     logical :: is_nlgeom = .false.
     integer :: max_increments = 100        !< INC
     logical :: is_direct = .false.         !< DIRECT: fixed increments
@@ -89,6 +90,8 @@ module amontons_steps
     integer :: solver = SOLVER_AUTO        !< SOLVER_...
     type(controls_type) :: controls
     type(prescribed_type), allocatable :: prescribed(:)
+    type(amplitude_type), allocatable :: amplitudes(:)       !< of its loads, where a user routine or a calling program sets them;
+                                           !< not there: those of the model
     type(concentrated_type), allocatable :: concentrated(:)
     type(distributed_type), allocatable :: distributed(:)
     type(temperature_type), allocatable :: temperatures(:)   !< nodes not in it keep their temperature

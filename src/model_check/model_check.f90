@@ -44,13 +44,15 @@ contains
     type(complaints_type), intent(inout) :: report
     type(error_type), allocatable, intent(out) :: error
     type(model_type), allocatable :: linear        ! with the bonds as equations, if there are any
+    type(equation_type), allocatable :: equations(:)
     call check_volumes(model, report)
     call check_materials(model, report)
     call check_equations(model, report)
     call check_contact(model, contact, slaves, report)
     if (n_bonds(model) > 0) then
       allocate (linear, source=model)
-      call append_bonds(linear)
+      call linear_equations(model, equations)
+      linear%equations = [model%equations, equations]
       call check_bodies(linear, contact, slaves, report)
     else
       call check_bodies(model, contact, slaves, report)
@@ -60,15 +62,6 @@ contains
   end subroutine audit_model
 
 
-  !> The bonds of a model, linearised, among its equations.
-  subroutine append_bonds(model)
-    type(model_type), intent(inout) :: model
-    type(equation_type), allocatable :: equations(:)
-    call linear_equations(model, equations)
-    model%equations = [model%equations, equations]
-  end subroutine append_bonds
-
-
   !> Lone nodes and free motions.
   subroutine check_bodies(model, contact, slaves, report)
     type(model_type), intent(in) :: model
@@ -76,7 +69,7 @@ contains
     type(slave_type), intent(in) :: slaves(:)
     type(complaints_type), intent(inout) :: report
     type(bodies_type) :: bodies
-    call find_bodies(model, bodies)
+    call find_bodies(model, 1, bodies)
     call check_lone_nodes(model, bodies, report)
     call check_motions(model, contact, slaves, bodies, report)
     call check_pushes(model, contact, slaves, bodies, report)
@@ -285,7 +278,7 @@ contains
     type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them
     character(:), allocatable, intent(out) :: text
     type(bodies_type) :: bodies
-    call find_bodies(model, bodies)
+    call find_bodies(model, 1, bodies)
     text = mesh_table(model) // material_table(model) // body_table(model, bodies, contact, slaves)
     if (size(model%pairs) > 0) text = text // pair_table(model, contact, slaves)
     text = text // step_table(model)

@@ -108,7 +108,7 @@ contains
     type(finding_type), allocatable :: findings(:)
     integer :: s
     is_free = .false.
-    call find_bodies(model, bodies)
+    call find_bodies(model, step, bodies)
     call find_bases(model, bodies, model%steps(step), bases)
     if (all(bases%n == 0)) return
     allocate (findings(0))
@@ -427,7 +427,7 @@ contains
     logical :: is_open
     call touching_row(contact, slave, row)
     is_open = .not. is_closed(contact, slave)
-    associate (law => model%interactions(model%pairs(slave%pair)%interaction))
+    associate (law => contact%laws(slave%pair))
       n_directions = merge(3, 1, law%friction > 0.0_DP .or. law%is_user_friction .or. law%behavior == BEHAVIOR_USER)
     end associate
     if (slave%status == STATUS_SLIP) n_directions = 1

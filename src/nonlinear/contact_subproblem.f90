@@ -146,10 +146,10 @@ contains
     type(end_type), intent(out) :: here            !< settled only if that is at the end of the way
     type(error_type), allocatable, intent(out) :: error
     type(end_type) :: there
-    real(DP), allocatable :: applied(:, :)         ! (3, n_nodes) [force]
+    type(place_type) :: from                       ! u with the forces of a part of the way
     real(DP) :: t, portion
     integer :: n_rounds
-    applied = state%new%applied_force
+    from = start
     allocate (here%du(size(start%u, 1), size(start%u, 2)), source=0.0_DP)
     here%slaves = start%slaves
     t = 0.0_DP
@@ -157,8 +157,8 @@ contains
     portion = FIRST_PORTION
     do while (t < 1.0_DP .and. portion >= LEAST_PORTION .and. n_rounds < MOST_IN_PORTIONS)
       there = here
-      state%new%applied_force = applied - (1.0_DP - t - portion) * start%residual
-      call settle_portion(system, model, step, start, portion / (1.0_DP - t), state, there, error)
+      from%applied_force = start%applied_force - (1.0_DP - t - portion) * start%residual
+      call settle_portion(system, model, step, from, portion / (1.0_DP - t), state, there, error)
       if (allocated(error)) return
       n_rounds = n_rounds + there%n_rounds
       if (there%is_settled) then
@@ -169,7 +169,6 @@ contains
         portion = 0.5_DP * portion
       end if
     end do
-    state%new%applied_force = applied
     here%n_rounds = n_rounds
     here%is_settled = t >= 1.0_DP
   end subroutine settle_in_portions
@@ -180,9 +179,9 @@ contains
     type(system_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(place_type), intent(in) :: start          !< u
+    type(place_type), intent(in) :: start          !< u, with the applied forces at the end of the portion
     real(DP), intent(in) :: share                  !< the portion over what is left of the way [-]
-    type(state_type), intent(inout) :: state       !< with the applied forces at its end
+    type(state_type), intent(inout) :: state
     type(end_type), intent(inout) :: there         !< in: where it begins; out: where it ends
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: correction(:, :)

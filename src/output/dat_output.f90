@@ -11,10 +11,10 @@ module amontons_dat_output
   use amontons_topology, only: MAX_POINTS
   use amontons_postprocess, only: bar_points, mechanical_strain, point_places, point_volumes, sector_share, shown_density, &
     take_sector, turn_trusses
-  use amontons_mesh, only: mesh_type, set_type, is_out
+  use amontons_mesh, only: mesh_type, set_type
   use amontons_steps, only: print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, PRINT_SECTION
   use amontons_materials, only: HISTORY_CEEQ
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, is_out, absent_elements, DIALECT_CALCULIX
   use amontons_state, only: history_row, inelastic_strain, inner_variables, n_inner_variables, fields_type
   use amontons_dat_contact_output, only: print_contact_variable, print_surface, block_of
   implicit none
@@ -148,7 +148,7 @@ contains
         if (is_contact_inside) force(:, node) = force(:, node) - fields%contact_force(:, node)
       end associate
     end do
-    call take_sector(model%mesh, fields, model%steps(max(1, fields%step))%is_nlgeom, force)
+    call take_sector(model%mesh, absent_elements(model, fields%step), fields, model%steps(max(1, fields%step))%is_nlgeom, force)
     if (present(is_field)) force = force / sector_share(model)   ! a field has those of the whole circle
   end function printed_forces
 
@@ -194,27 +194,28 @@ contains
       case ('PEEQ')
         if (model%dialect == DIALECT_CALCULIX .and. size(fields%history, 1) == 0) return   ! nothing flows
         call print_head(unit, 'equivalent plastic strain (elem, integ.pnt.,pe)', set, time)
-        call print_point_rows(unit, model, set, reshape(inelastic_strain(model, fields), [1, mesh%n_points]))
+        call print_point_rows(unit, model, fields%step, set, reshape(inelastic_strain(model, fields), [1, mesh%n_points]))
       case ('CEEQ')
         call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
-        call print_point_rows(unit, model, set, reshape(history_row(fields, HISTORY_CEEQ), [1, mesh%n_points]))
+        call print_point_rows(unit, model, fields%step, set, reshape(history_row(fields, HISTORY_CEEQ), [1, mesh%n_points]))
       case ('SDV')
         if (n_inner_variables(model, fields) == 0) return   ! no material has any
         call print_head(unit, 'internal state variables (elem, integ.pnt.,values)', set, time)
-        call print_point_rows(unit, model, set, inner_variables(model, fields))
+        call print_point_rows(unit, model, fields%step, set, inner_variables(model, fields))
       case ('ENER')
         call print_head(unit, 'internal energy density (elem, integ.pnt.,energy)', set, time)
-        call print_point_rows(unit, model, set, reshape(shown_density(model, fields), [1, mesh%n_points]))
+        call print_point_rows(unit, model, fields%step, set, reshape(shown_density(model, fields), [1, mesh%n_points]))
       case ('COOR')
         allocate (places(3, mesh%n_points))
         call point_places(mesh, places_of(mesh, fields, is_nlgeom), places)
         call print_head(unit, 'global coordinates (elem, integ.pnt.,x,y,z)', set, time)
-        call print_point_rows(unit, model, set, places)
+        call print_point_rows(unit, model, fields%step, set, places)
       case ('ELSE')
         call print_element_rows(unit, ['internal energy (element, energy)', 'total internal energy            '], &
-          model, request, time, shown_density(model, fields))
+          model, fields%step, request, time, shown_density(model, fields))
       case ('EVOL')
-        call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], model, request, time)
+        call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], model, fields%step, &
+          request, time)
       end select
     end associate
 
@@ -226,7 +227,7 @@ contains
       integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
       real(DP), allocatable :: turned(:, :)
       turned = in_axes(fields, values, request%is_local)
-      call print_point_rows(unit, model, set, turned(ORDER, :))
+      call print_point_rows(unit, model, fields%step, set, turned(ORDER, :))
     end subroutine print_tensors
 
   end subroutine print_element_variable
@@ -250,15 +251,16 @@ contains
 
 
   !> Rows of the integration points of the elements of a set.
-  subroutine print_point_rows(unit, model, set, values)
+  subroutine print_point_rows(unit, model, step, set, values)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< index into model%steps
     type(set_type), intent(in) :: set
     real(DP), intent(in) :: values(:, :)           !< (n_components, n_points)
     integer :: i, p, first, n
     do i = 1, size(set%members)
       associate (e => set%members(i), mesh => model%mesh)
-        if (is_out(mesh, e)) cycle
+        if (is_out(model, step, e)) cycle
         first = mesh%point_first(e)
         n = mesh%point_first(e + 1) - first
         do p = 1, bar_points(model, e)
@@ -274,10 +276,11 @@ contains
 
 
   !> A block with the integral over each element of a set of a density, or of 1, per reference volume, and their sum.
-  subroutine print_element_rows(unit, titles, model, request, time, density)
+  subroutine print_element_rows(unit, titles, model, step, request, time, density)
     integer, intent(in) :: unit
     character(*), intent(in) :: titles(2)          !< of the rows, of the sum
     type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< index into model%steps
     type(print_request_type), intent(in) :: request
     real(DP), intent(in) :: time                   !< total time [time]
     real(DP), intent(in), optional :: density(:)   !< (n_points); default 1
@@ -290,7 +293,7 @@ contains
     share = sector_share(model)
     associate (mesh => model%mesh)
       do i = 1, size(set%members)
-        if (is_out(mesh, set%members(i))) cycle
+        if (is_out(model, step, set%members(i))) cycle
         call point_volumes(mesh, set%members(i), n, volumes)
         integral = sum(volumes(:n))
         first = mesh%point_first(set%members(i))

@@ -1,31 +1,17 @@
-!> Changes: what a step takes out of the model, puts back, or makes of another material.
+!> Model change: what it means for the state that a step takes elements out or puts them back.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! MODEL CHANGE, TYPE=ELEMENT, CHANGE SOLID SECTION, CHANGE MATERIAL and EQUATION, REMOVE. The mesh that the element loops see is
-!! that of the present step.
+!! MODEL CHANGE, TYPE=ELEMENT. The model itself does not change: which elements are taken out in a step, of what material they are,
+!! and which equations hold follows from the step (is_out, material_in_step of `model`, last_step of an equation).
 module amontons_model_change
-  use amontons_mesh, only: is_out
+  use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type
   use amontons_state, only: state_type
   implicit none
   private
-  public :: change_model, bear_elements, lone_unknowns
+  public :: bear_elements, lone_unknowns
 
 contains
-
-  !> The elements, materials and equations of a step. Before the first step (0) those of the first one hold.
-  subroutine change_model(model, step)
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: step                    !< index into model%steps, 0: none has begun
-    if (size(model%steps) == 0) return
-    associate (now => model%steps(max(1, step)))
-      if (allocated(model%mesh%is_absent)) deallocate (model%mesh%is_absent)
-      if (allocated(now%is_absent)) model%mesh%is_absent = now%is_absent
-      if (allocated(now%material)) model%mesh%material = now%material
-      if (allocated(model%equations)) model%equations%is_removed = model%equations%last_step < max(1, step)
-    end associate
-  end subroutine change_model
-
 
   !> Elements that a step puts back free of strain start where their nodes are now, with no history.
   subroutine bear_elements(model, step, state)
@@ -49,15 +35,16 @@ contains
 
 
   !> The unknowns of nodes without elements, or all of whose elements are taken out.
-  pure function lone_unknowns(model) result(is_lone)
-    type(model_type), intent(in) :: model
-    logical :: is_lone(3 * model%mesh%n_nodes)
+  pure function lone_unknowns(mesh, is_absent) result(is_lone)
+    type(mesh_type), intent(in) :: mesh
+    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out
+    logical :: is_lone(3 * mesh%n_nodes)
     integer :: e, i
     is_lone = .true.
-    do e = 1, model%mesh%n_elements
-      if (is_out(model%mesh, e)) cycle
-      do i = model%mesh%first(e), model%mesh%first(e + 1) - 1
-        is_lone(3 * model%mesh%nodes(i) - 2:3 * model%mesh%nodes(i)) = .false.
+    do e = 1, mesh%n_elements
+      if (is_absent(e)) cycle
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        is_lone(3 * mesh%nodes(i) - 2:3 * mesh%nodes(i)) = .false.
       end do
     end do
   end function lone_unknowns

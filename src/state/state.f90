@@ -3,12 +3,11 @@
 module amontons_state
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, element_nodes
-  use amontons_loads, only: load_value
   use amontons_material_point, only: elastic_strain_of, axes_at
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
     HISTORY_PEEQ, USER_STATE, USER_STRESS
   use amontons_logarithmic_strain, only: tensor_exp
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, load_now, material_in_step, DIALECT_CALCULIX
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
@@ -235,8 +234,7 @@ contains
       if (step%is_creeping) new%creep_time = new%creep_time + (new%total_time - state%old%total_time)
       if (.not. allocated(step%temperatures)) return
       do i = 1, size(step%temperatures)
-        new%temperature(step%temperatures(i)%node) = load_value(step%temperatures(i), model%amplitudes, &
-          new%step_time, new%total_time, step%period)
+        new%temperature(step%temperatures(i)%node) = load_now(model, step, step%temperatures(i), new%step_time, new%total_time)
       end do
     end associate
   end subroutine set_temperatures
@@ -290,14 +288,15 @@ contains
     real(DP) :: values(n_inner_variables(model, fields), model%mesh%n_points)
     integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
     real(DP) :: strain(6), back(6)
-    integer :: e, p, n_user
+    integer :: e, m, p, n_user
     values = 0
     n_user = max(0, size(fields%history, 1) - USER_STATE + 1)
     if (n_user > 0) values(:n_user, :) = fields%history(USER_STATE:, :)
     if (size(values, 1) == n_user) return
     do e = 1, model%mesh%n_elements
-      if (model%mesh%material(e) == 0) cycle
-      if (.not. is_plastic(model%materials(model%mesh%material(e)))) cycle
+      m = material_in_step(model, fields%step, e)
+      if (m == 0) cycle
+      if (.not. is_plastic(model%materials(m))) cycle
       do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
         strain = fields%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p)
         if (model%steps(max(1, fields%step))%is_nlgeom) strain = -0.5_DP * tensor_exp(strain, -2.0_DP)

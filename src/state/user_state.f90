@@ -6,7 +6,7 @@ module amontons_user_state
   use amontons_element, only: element_volume
   use amontons_materials, only: USER_STRESS, USER_STATE
   use amontons_mesh, only: element_nodes
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, material_in_step
   use amontons_integration_points, only: points_type
   use amontons_loads, only: distributed_type, prescribed_type
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
@@ -28,7 +28,7 @@ contains
     logical, intent(in) :: is_nlgeom
     type(points_type), intent(inout) :: points     !< out: user
     real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), x(3, MAX_NODES), volume, dt
-    integer :: n_rule, n_nodes, nodes(MAX_NODES), p, first, n_history, status, components(2)
+    integer :: n_rule, n_nodes, nodes(MAX_NODES), p, m, first, n_history, status, components(2)
     components = components_of(model%mesh%kind(e))
     call element_nodes(model%mesh, e, n_nodes, nodes)
     x(:, :n_nodes) = model%mesh%coordinates(:, nodes(:n_nodes))
@@ -37,7 +37,8 @@ contains
     call quadrature(model%mesh%kind(e), n_rule, xi, w)
     dt = state%new%total_time - state%old%total_time
     first = model%mesh%point_first(e)
-    n_history = model%materials(model%mesh%material(e))%n_history
+    m = material_in_step(model, state%new%step, e)
+    n_history = model%materials(m)%n_history
     if (allocated(points%user)) deallocate (points%user)
     allocate (points%user(model%mesh%point_first(e + 1) - first))
     do p = 1, size(points%user)
@@ -52,7 +53,7 @@ contains
         values%celent = max(volume, 0.0_DP)**(1 / 3.0_DP)
         values%noel = model%mesh%element_label(e)
         values%npt = p
-        if (.not. model%materials(model%mesh%material(e))%is_spatial) then
+        if (.not. model%materials(m)%is_spatial) then
           values%ndi = components(1)
           values%nshr = components(2)
         end if
@@ -137,7 +138,7 @@ contains
     type(points_type), intent(in) :: points
     type(fields_type), intent(inout) :: fields
     integer :: p, n_history
-    n_history = model%materials(model%mesh%material(e))%n_history
+    n_history = model%materials(material_in_step(model, fields%step, e))%n_history
     do p = 1, size(points%user)
       fields%history(:USER_STRESS - 1, model%mesh%point_first(e) + p - 1) = 0
       fields%history(USER_STRESS:n_history, model%mesh%point_first(e) + p - 1) = points%user(p)%history
