@@ -15,10 +15,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_library import warm_deck
 
-import amontons  # isort: skip (common, which test_library takes, says where it is)
-from amontons.binding import ABI, SIGNATURES, Options, library as calls
+import amontons
+from amontons.binding import ABI, SIGNATURES, Options
+from amontons.binding import library as calls
+from verify.library.test_library import warm_deck
 
 HERE = Path(__file__).resolve().parent
 NODAL = ["NODES", "X", "U", "RF", "S", "E", "NT", "CPRESS", "CSHEAR", "COPEN", "CSLIP", "CNORMF", "CSHEARF", "CSTATUS", "CSCENARIO",
@@ -31,7 +32,7 @@ OF_SETS = [("P", "LOWER_TOP"), ("FACE CENTRES", "LOWER_TOP"), ("CF", "LOWER_TOP"
 @pytest.fixture(scope="module")
 def deck(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small block with temperatures, pressed and dragged."""
-    import make_decks
+    from verify.decks import make_decks
 
     path = tmp_path_factory.mktemp("verbs") / "block.inp"
     path.write_text(make_decks.block_deck(2))
