@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! User routines are opened; ties and distributing couplings become equations; tied nodes and those of ADJUST are moved onto their
-!! masters; elements have the material of the first step. Nothing after this takes a model with intent(inout) (verify/lint.py).
+!! masters; elements have the material of the first step. Nothing after this takes a model with intent(inout) (`make lint`).
 module amontons_model_setup
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
