@@ -3,69 +3,71 @@
 module amontons_slave_nodes
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type, is_compliant, ROUGH_FRICTION
-  use amontons_local_equilibrium, only: meeting_type
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, GRIP_FIRM, GRIP_LOOSE, &
-    GRIP_LOST, GRIP_TRIED, GRIP_GONE
+  use amontons_local_equilibrium, only: local_solution_type
+  use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, FRICTION_ACTIVE, &
+    FRICTION_SEPARATED_ONCE, &
+    FRICTION_SUPPRESSED, FRICTION_ON_TRIAL, FRICTION_TRIAL_FAILED
   implicit none
   private
-  public :: slip_view_type, lose_master, loosen_grip, is_grip_lost, never_slips, set_force, set_view, rounding_force, commit_slip
+  public :: slip_data_type, detach_slave, suppress_friction_stepwise, is_friction_suppressed, is_rough, set_force, set_slip_data, &
+    rounding_force, accumulate_slip
 
   !> What the slip procedure looks at, for all slave nodes at one configuration.
-  type :: slip_view_type
+  type :: slip_data_type
     real(DP), allocatable :: imbalance_t(:, :)    !< (3, n_slaves) Rt [force]
     real(DP), allocatable :: normal_force(:)      !< (n_slaves) N [force]
     real(DP), allocatable :: slip(:, :)           !< (3, n_slaves) g since the start of the increment [length]
     real(DP), allocatable :: position(:, :)       !< (3, n_slaves) slave relative to the touching point of its master [length]
     integer, allocatable :: status(:)             !< (n_slaves) STATUS_...
-  end type slip_view_type
+  end type slip_data_type
 
 contains
 
   !> The node has left its master: open, without force.
-  subroutine lose_master(slave)
-    type(slave_type), intent(inout) :: slave
+  subroutine detach_slave(slave)
+    type(slave_state_type), intent(inout) :: slave
     slave%facet = 0
     slave%status = STATUS_OPEN
     slave%gap = 0.0_DP
     slave%force = 0.0_DP
     slave%shear = 0.0_DP
     slave%energy = 0.0_DP
-  end subroutine lose_master
+  end subroutine detach_slave
 
 
   !> A node of surfaces that never slip, or of several pairs, is pulled off: the second time in an increment it has lost its grip,
   !! and after that was tried again for good.
-  elemental subroutine loosen_grip(slave)
-    type(slave_type), intent(inout) :: slave
-    select case (slave%grip)
-    case (GRIP_FIRM)
-      slave%grip = GRIP_LOOSE
-    case (GRIP_LOOSE)
-      slave%grip = GRIP_LOST
-    case (GRIP_TRIED)
-      slave%grip = GRIP_GONE
+  elemental subroutine suppress_friction_stepwise(slave)
+    type(slave_state_type), intent(inout) :: slave
+    select case (slave%friction_state)
+    case (FRICTION_ACTIVE)
+      slave%friction_state = FRICTION_SEPARATED_ONCE
+    case (FRICTION_SEPARATED_ONCE)
+      slave%friction_state = FRICTION_SUPPRESSED
+    case (FRICTION_ON_TRIAL)
+      slave%friction_state = FRICTION_TRIAL_FAILED
     end select
-  end subroutine loosen_grip
+  end subroutine suppress_friction_stepwise
 
 
   !> Whether a node has lost its grip in this increment: on surfaces that never slip it slides without friction where it touches;
   !! of several pairs, those that still hold it do not rub along this one's normal.
-  elemental logical function is_grip_lost(slave)
-    type(slave_type), intent(in) :: slave
-    is_grip_lost = slave%grip == GRIP_LOST .or. slave%grip == GRIP_GONE
-  end function is_grip_lost
+  elemental logical function is_friction_suppressed(slave)
+    type(slave_state_type), intent(in) :: slave
+    is_friction_suppressed = slave%friction_state == FRICTION_SUPPRESSED .or. slave%friction_state == FRICTION_TRIAL_FAILED
+  end function is_friction_suppressed
 
 
   !> Whether the surfaces of a law never slip.
-  elemental logical function never_slips(law)
+  elemental logical function is_rough(law)
     type(interaction_type), intent(in) :: law
-    never_slips = law%friction >= ROUGH_FRICTION .and. .not. law%is_user_friction
-  end function never_slips
+    is_rough = law%friction >= ROUGH_FRICTION .and. .not. law%is_user_friction
+  end function is_rough
 
 
   !> Normal and tangential contact force on the slave by its status.
   pure subroutine set_force(slave, imbalance, normal_force, friction)
-    type(slave_type), intent(inout) :: slave
+    type(slave_state_type), intent(inout) :: slave
     real(DP), intent(in) :: imbalance(3)           !< Rhat [force]
     real(DP), intent(in) :: normal_force           !< N [force]
     real(DP), intent(in) :: friction(3)            !< mu N along the direction of friction [force]
@@ -84,24 +86,24 @@ contains
 
 
   !> Notes for the slip procedure what it looks at.
-  pure subroutine set_view(view, s, status, imbalance_t, normal_force, slip)
-    type(slip_view_type), intent(inout) :: view
+  pure subroutine set_slip_data(slip_data, s, status, imbalance_t, normal_force, slip)
+    type(slip_data_type), intent(inout) :: slip_data
     integer, intent(in) :: s, status
     real(DP), intent(in) :: imbalance_t(3), normal_force, slip(3)
-    view%status(s) = status
-    view%imbalance_t(:, s) = imbalance_t
-    view%normal_force(s) = normal_force
-    view%slip(:, s) = slip
-    view%position(:, s) = 0.0_DP
-  end subroutine set_view
+    slip_data%status(s) = status
+    slip_data%imbalance_t(:, s) = imbalance_t
+    slip_data%normal_force(s) = normal_force
+    slip_data%slip(:, s) = slip
+    slip_data%position(:, s) = 0.0_DP
+  end subroutine set_slip_data
 
 
   !> The largest force that the rounding of coordinates makes at a closed node, of a gap of one unit in their last place: by
   !! the law of its pair, or, where contact is exact, by the stiffness of the body.
   pure real(DP) function rounding_force(laws, met, slaves, coordinates) result(force)
     type(interaction_type), intent(in) :: laws(:)      !< (n_pairs)
-    type(meeting_type), intent(in) :: met(:)           !< (n_slaves)
-    type(slave_type), intent(in) :: slaves(:)          !< (n_slaves)
+    type(local_solution_type), intent(in) :: met(:)           !< (n_slaves)
+    type(slave_state_type), intent(in) :: slaves(:)          !< (n_slaves)
     real(DP), intent(in) :: coordinates(:, :)          !< (3, n_nodes) [length]
     integer :: s
     force = 0.0_DP
@@ -118,7 +120,7 @@ contains
 
 
   !> At the end of a converged increment: gather the slip, and the work that friction took.
-  subroutine commit_slip(old, fields)
+  subroutine accumulate_slip(old, fields)
     type(fields_type), intent(in) :: old           !< committed before
     type(fields_type), intent(inout) :: fields
     real(DP) :: work
@@ -132,6 +134,6 @@ contains
       end associate
     end do
     fields%friction_work = old%friction_work + work
-  end subroutine commit_slip
+  end subroutine accumulate_slip
 
 end module amontons_slave_nodes

@@ -10,41 +10,41 @@
 module amontons_driven_loads
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
-  use amontons_text, only: text_of
+  use amontons_text, only: to_text
   use amontons_loads, only: amplitude_type, amplitude_value, load_type, prescribed_type, concentrated_type, &
     distributed_type, temperature_type, DISTRIBUTED_PRESSURE
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, load_now
   implicit none
   private
-  public :: drive_type, start_loads, begin_loads, set_driven, friction_now, set_friction, loads_now, &
-    arm_drives, settle_drives, list_driven, recall_driven
-  public :: DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, DRIVE_TEMPERATURE
+  public :: driven_loads_type, start_loads, begin_loads, set_driven, friction_now, set_friction, current_loads, &
+    activate_driven, finish_driven, list_driven, restore_driven
+  public :: DRIVEN_FORCE, DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE, DRIVEN_TEMPERATURE
 
-  integer, parameter :: DRIVE_FORCE = 1            !< item: 3 (node - 1) + dof
-  integer, parameter :: DRIVE_DISPLACEMENT = 2     !< item: the same
-  integer, parameter :: DRIVE_PRESSURE = 3         !< item: 6 (element - 1) + face
-  integer, parameter :: DRIVE_TEMPERATURE = 4      !< item: node
-  integer, parameter :: N_DRIVES = 4
-  integer, parameter :: N_NUMBERS = 8              !< of one driven value in a checkpoint
+  integer, parameter :: DRIVEN_FORCE = 1            !< item: 3 (node - 1) + dof
+  integer, parameter :: DRIVEN_DISPLACEMENT = 2     !< item: the same
+  integer, parameter :: DRIVEN_PRESSURE = 3         !< item: 6 (element - 1) + face
+  integer, parameter :: DRIVEN_TEMPERATURE = 4      !< item: node
+  integer, parameter :: N_DRIVEN_KINDS = 4
+  integer, parameter :: N_ENTRY_NUMBERS = 8              !< of one driven value in a checkpoint
 
   !> One driven value.
-  type :: entry_type
+  type :: driven_entry_type
     integer :: kind = 0                            !< DRIVE_...
     integer :: item = 0
     integer :: amplitude = 0                       !< index into step%amplitudes of the present step
     real(DP) :: target = 0                         !< [force], [length] or [stress]
     logical :: is_pending = .false.                !< the target is set and no increment towards it is committed
-    logical :: is_armed = .false.                  !< the amplitude runs to the target
-  end type entry_type
+    logical :: is_active = .false.                  !< the amplitude runs to the target
+  end type driven_entry_type
 
   !> All that is driven in a job, and the step that runs.
-  type :: drive_type
+  type :: driven_loads_type
     type(step_type) :: step                        !< the present one; its amplitudes are there if something sets any of them
-    type(entry_type), allocatable :: entries(:)
-    integer, allocatable :: place(:, :)            !< (items, N_DRIVES) index into entries, 0: not driven
+    type(driven_entry_type), allocatable :: entries(:)
+    integer, allocatable :: entry_index(:, :)            !< (items, N_DRIVEN_KINDS) index into entries, 0: not driven
     real(DP), allocatable :: friction(:)           !< (n_interactions) coefficient that was set; negative: the deck's [-]
-  end type drive_type
+  end type driven_loads_type
 
   !> Position in a list of new items.
   interface order_of
@@ -54,59 +54,59 @@ module amontons_driven_loads
 contains
 
   !> Before the first step: the loads of that one.
-  subroutine start_loads(drive, model)
-    type(drive_type), intent(inout) :: drive
+  subroutine start_loads(driven_loads, model)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
-    if (any(model%amplitudes%is_user)) call own_amplitudes(drive, model)
-    if (size(model%steps) > 0) call begin_loads(drive, model, 1)
+    if (any(model%amplitudes%is_user)) call own_amplitudes(driven_loads, model)
+    if (size(model%steps) > 0) call begin_loads(driven_loads, model, 1)
   end subroutine start_loads
 
 
   !> A step becomes the present one.
-  subroutine begin_loads(drive, model, i_step)
-    type(drive_type), intent(inout) :: drive
+  subroutine begin_loads(driven_loads, model, i_step)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< index into model%steps
-    drive%step = driven_step(drive, model, i_step)
+    driven_loads%step = driven_step(driven_loads, model, i_step)
   end subroutine begin_loads
 
 
   !> A step of the model with what is driven.
-  function driven_step(drive, model, i_step) result(step)
-    type(drive_type), intent(in) :: drive
+  function driven_step(driven_loads, model, i_step) result(step)
+    type(driven_loads_type), intent(in) :: driven_loads
     type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< index into model%steps
     type(step_type) :: step
     integer :: kind, i
     step = model%steps(i_step)
-    if (allocated(drive%step%amplitudes)) step%amplitudes = drive%step%amplitudes
-    if (allocated(drive%friction)) then
+    if (allocated(driven_loads%step%amplitudes)) step%amplitudes = driven_loads%step%amplitudes
+    if (allocated(driven_loads%friction)) then
       if (.not. allocated(step%interactions)) step%interactions = model%interactions
-      do i = 1, size(drive%friction)
-        if (drive%friction(i) >= 0) step%interactions(i)%friction = drive%friction(i)
+      do i = 1, size(driven_loads%friction)
+        if (driven_loads%friction(i) >= 0) step%interactions(i)%friction = driven_loads%friction(i)
       end do
     end if
-    if (.not. allocated(drive%entries)) return
-    do kind = 1, N_DRIVES
-      call follow(step, kind, pack(drive%entries%item, drive%entries%kind == kind), &
-        pack(drive%entries%amplitude, drive%entries%kind == kind))
+    if (.not. allocated(driven_loads%entries)) return
+    do kind = 1, N_DRIVEN_KINDS
+      call redirect_loads(step, kind, pack(driven_loads%entries%item, driven_loads%entries%kind == kind), &
+        pack(driven_loads%entries%amplitude, driven_loads%entries%kind == kind))
     end do
   end function driven_step
 
 
   !> Amplitudes that can be set: those of the model to begin with.
-  subroutine own_amplitudes(drive, model)
-    type(drive_type), intent(inout) :: drive
+  subroutine own_amplitudes(driven_loads, model)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
-    if (.not. allocated(drive%step%amplitudes)) drive%step%amplitudes = model%amplitudes
+    if (.not. allocated(driven_loads%step%amplitudes)) driven_loads%step%amplitudes = model%amplitudes
   end subroutine own_amplitudes
 
 
   !> Sets the values of some items.
   !!
   !! Errors (EXIT_USAGE): a displacement that the deck does not prescribe in the step that runs.
-  subroutine set_driven(drive, model, i_step, kind, items, values, now, error)
-    type(drive_type), intent(inout) :: drive
+  subroutine set_driven(driven_loads, model, i_step, kind, items, values, now, error)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< step that runs, or the first
     integer, intent(in) :: kind                    !< DRIVE_...
@@ -116,61 +116,61 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: i
     logical :: has_new
-    call make_room(drive, model)
-    if (kind == DRIVE_TEMPERATURE) call check_temperature(model, error)
-    if (kind == DRIVE_DISPLACEMENT) call check_prescribed(model, model%steps(i_step), items, error)
+    call allocate_entries(driven_loads, model)
+    if (kind == DRIVEN_TEMPERATURE) call check_temperature(model, error)
+    if (kind == DRIVEN_DISPLACEMENT) call check_prescribed(model, model%steps(i_step), items, error)
     if (allocated(error)) return
-    has_new = any(drive%place(items, kind) == 0)
-    call add_entries(drive, model, i_step, kind, pack(items, drive%place(items, kind) == 0), &
-      pack([(i, i=1, size(items))], drive%place(items, kind) == 0), now)
+    has_new = any(driven_loads%entry_index(items, kind) == 0)
+    call add_entries(driven_loads, model, i_step, kind, pack(items, driven_loads%entry_index(items, kind) == 0), &
+      pack([(i, i=1, size(items))], driven_loads%entry_index(items, kind) == 0), now)
     do i = 1, size(items)
-      associate (entry => drive%entries(drive%place(items(i), kind)))
+      associate (entry => driven_loads%entries(driven_loads%entry_index(items(i), kind)))
         entry%target = values(i)
         entry%is_pending = .true.
-        entry%is_armed = .false.
+        entry%is_active = .false.
       end associate
     end do
-    if (has_new) call begin_loads(drive, model, drive%step%number)
+    if (has_new) call begin_loads(driven_loads, model, driven_loads%step%number)
   end subroutine set_driven
 
 
   !> Room for what is driven.
-  subroutine make_room(drive, model)
-    type(drive_type), intent(inout) :: drive
+  subroutine allocate_entries(driven_loads, model)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
-    if (allocated(drive%entries)) return
-    allocate (drive%entries(0))
-    allocate (drive%place(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements), N_DRIVES), source=0)
-  end subroutine make_room
+    if (allocated(driven_loads%entries)) return
+    allocate (driven_loads%entries(0))
+    allocate (driven_loads%entry_index(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements), N_DRIVEN_KINDS), source=0)
+  end subroutine allocate_entries
 
 
   !> Sets the coefficient of friction of an interaction, for the steps that begin from now on.
-  subroutine set_friction(drive, model, i, mu)
-    type(drive_type), intent(inout) :: drive
+  subroutine set_friction(driven_loads, model, i, mu)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
     integer, intent(in) :: i                       !< interaction
     real(DP), intent(in) :: mu                     !< [-]
-    if (.not. allocated(drive%friction)) allocate (drive%friction(size(model%interactions)), source=-1.0_DP)
-    drive%friction(i) = mu
-    if (size(model%steps) > 0) call begin_loads(drive, model, drive%step%number)
+    if (.not. allocated(driven_loads%friction)) allocate (driven_loads%friction(size(model%interactions)), source=-1.0_DP)
+    driven_loads%friction(i) = mu
+    if (size(model%steps) > 0) call begin_loads(driven_loads, model, driven_loads%step%number)
   end subroutine set_friction
 
 
   !> The coefficient of friction of an interaction: the one that was set, else the deck's.
-  pure real(DP) function friction_now(drive, model, i) result(mu)
-    type(drive_type), intent(in) :: drive
+  pure real(DP) function friction_now(driven_loads, model, i) result(mu)
+    type(driven_loads_type), intent(in) :: driven_loads
     type(model_type), intent(in) :: model
     integer, intent(in) :: i                       !< interaction
     mu = model%interactions(i)%friction
-    if (.not. allocated(drive%friction)) return
-    if (drive%friction(i) >= 0) mu = drive%friction(i)
+    if (.not. allocated(driven_loads%friction)) return
+    if (driven_loads%friction(i) >= 0) mu = driven_loads%friction(i)
   end function friction_now
 
 
   !> All that is driven, as numbers for a checkpoint: what stands after the commit that is under way. (8, n): kind,
   !! item, target, whether it is pending, two times, two factors.
-  pure subroutine list_driven(drive, model, driven, friction)
-    type(drive_type), intent(in) :: drive
+  pure subroutine list_driven(driven_loads, model, driven, friction)
+    type(driven_loads_type), intent(in) :: driven_loads
     type(model_type), intent(in) :: model
     real(DP), allocatable, intent(inout) :: driven(:, :)  !< (8, n)
     real(DP), allocatable, intent(inout) :: friction(:)   !< (n_interactions) negative: the deck's
@@ -178,32 +178,32 @@ contains
     if (allocated(driven)) deallocate (driven)
     if (allocated(friction)) deallocate (friction)
     n = 0
-    if (allocated(drive%entries)) n = size(drive%entries)
-    allocate (driven(N_NUMBERS, n), friction(size(model%interactions)))
+    if (allocated(driven_loads%entries)) n = size(driven_loads%entries)
+    allocate (driven(N_ENTRY_NUMBERS, n), friction(size(model%interactions)))
     friction = -1
-    if (allocated(drive%friction)) friction = drive%friction
+    if (allocated(driven_loads%friction)) friction = driven_loads%friction
     do i = 1, n
-      associate (entry => drive%entries(i), amplitude => drive%step%amplitudes(drive%entries(i)%amplitude))
+      associate (entry => driven_loads%entries(i), amplitude => driven_loads%step%amplitudes(driven_loads%entries(i)%amplitude))
         driven(:, i) = [real([entry%kind, entry%item], DP), entry%target, &
-          merge(1.0_DP, 0.0_DP, entry%is_pending .and. .not. entry%is_armed), amplitude%time, amplitude%factor]
+          merge(1.0_DP, 0.0_DP, entry%is_pending .and. .not. entry%is_active), amplitude%time, amplitude%factor]
       end associate
     end do
   end subroutine list_driven
 
 
   !> Drives what a checkpoint says, from the loads of the deck.
-  subroutine recall_driven(drive, model, driven, friction)
-    type(drive_type), intent(inout) :: drive
+  subroutine restore_driven(driven_loads, model, driven, friction)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: driven(:, :)           !< (8, n) as list_driven gives it
     real(DP), intent(in) :: friction(:)            !< (n_interactions) negative: the deck's [-]
     integer, allocatable :: kinds(:), items(:)
     integer :: first, last, i
     do i = 1, size(friction)
-      if (friction(i) >= 0) call set_friction(drive, model, i, friction(i))
+      if (friction(i) >= 0) call set_friction(driven_loads, model, i, friction(i))
     end do
     if (size(driven, 2) == 0) return
-    call make_room(drive, model)
+    call allocate_entries(driven_loads, model)
     kinds = nint(driven(1, :))
     items = nint(driven(2, :))
     first = 1
@@ -213,19 +213,19 @@ contains
         if (kinds(last + 1) /= kinds(first)) exit
         last = last + 1
       end do
-      call add_entries(drive, model, 1, kinds(first), items(first:last), [(i, i=1, last - first + 1)], &
+      call add_entries(driven_loads, model, 1, kinds(first), items(first:last), [(i, i=1, last - first + 1)], &
         [(0.0_DP, i=1, last - first + 3)])
       first = last + 1
     end do
     do i = 1, size(kinds)
-      associate (entry => drive%entries(i), amplitude => drive%step%amplitudes(drive%entries(i)%amplitude))
+      associate (entry => driven_loads%entries(i), amplitude => driven_loads%step%amplitudes(driven_loads%entries(i)%amplitude))
         entry%target = driven(3, i)
         entry%is_pending = driven(4, i) > 0
         amplitude%time = driven(5:6, i)
         amplitude%factor = driven(7:8, i)
       end associate
     end do
-  end subroutine recall_driven
+  end subroutine restore_driven
 
 
   !> Without temperatures in the deck the materials have no expansion.
@@ -243,21 +243,21 @@ contains
     type(step_type), intent(in) :: step
     integer, intent(in) :: items(:)
     type(error_type), allocatable, intent(out) :: error
-    logical, allocatable :: is_there(:)
+    logical, allocatable :: is_prescribed(:)
     integer :: i
-    allocate (is_there(3 * model%mesh%n_nodes), source=.false.)
-    is_there(3 * (step%prescribed%node - 1) + step%prescribed%dof) = .true.
-    if (all(is_there(items))) return
-    i = findloc(is_there(items), .false., dim=1)
-    call set_error(error, EXIT_USAGE, 'The displacement of node ' // text_of(model%mesh%node_label((items(i) + 2) / 3)) // &
-      ' in direction ' // text_of(mod(items(i) - 1, 3) + 1) // ' cannot be set: it is free. Prescribe it in the deck, ' // &
+    allocate (is_prescribed(3 * model%mesh%n_nodes), source=.false.)
+    is_prescribed(3 * (step%prescribed%node - 1) + step%prescribed%dof) = .true.
+    if (all(is_prescribed(items))) return
+    i = findloc(is_prescribed(items), .false., dim=1)
+    call set_error(error, EXIT_USAGE, 'The displacement of node ' // to_text(model%mesh%node_label((items(i) + 2) / 3)) // &
+      ' in direction ' // to_text(mod(items(i) - 1, 3) + 1) // ' cannot be set: it is free. Prescribe it in the deck, ' // &
       'with *BOUNDARY and any value, in this step.')
   end subroutine check_prescribed
 
 
   !> New entries with their amplitudes, which stand at the values now.
-  subroutine add_entries(drive, model, i_step, kind, items, positions, now)
-    type(drive_type), intent(inout) :: drive
+  subroutine add_entries(driven_loads, model, i_step, kind, items, positions, now)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
     integer, intent(in) :: i_step, kind
     integer, intent(in) :: items(:)                !< new ones
@@ -267,30 +267,31 @@ contains
     real(DP), allocatable :: values(:)
     integer :: i, n
     if (size(items) == 0) return
-    call own_amplitudes(drive, model)
-    n = size(drive%step%amplitudes)
+    call own_amplitudes(driven_loads, model)
+    n = size(driven_loads%step%amplitudes)
     allocate (amplitudes(n + size(items)))
-    amplitudes(:n) = drive%step%amplitudes
-    if (kind == DRIVE_DISPLACEMENT .or. kind == DRIVE_TEMPERATURE) then
+    amplitudes(:n) = driven_loads%step%amplitudes
+    if (kind == DRIVEN_DISPLACEMENT .or. kind == DRIVEN_TEMPERATURE) then
       values = now(2 + positions)
     else
-      values = loads_now(drive, model, i_step, kind, items, now)
+      values = current_loads(driven_loads, model, i_step, kind, items, now)
     end if
     do i = 1, size(items)
       amplitudes(n + i)%name = ''
       amplitudes(n + i)%is_total_time = .true.
       amplitudes(n + i)%time = [now(1), now(1) + 1.0_DP]
       amplitudes(n + i)%factor = [values(i), values(i)]
-      drive%place(items(i), kind) = size(drive%entries) + i
+      driven_loads%entry_index(items(i), kind) = size(driven_loads%entries) + i
     end do
-    drive%entries = [drive%entries, [(entry_type(kind=kind, item=items(i), amplitude=n + i), i=1, size(items))]]
-    call move_alloc(amplitudes, drive%step%amplitudes)
+    driven_loads%entries = [driven_loads%entries, [(driven_entry_type(kind=kind, item=items(i), amplitude=n + i), i=1, &
+      size(items))]]
+    call move_alloc(amplitudes, driven_loads%step%amplitudes)
   end subroutine add_entries
 
 
   !> What the loads on some items are at a time, summed: those of the deck, or what drives them.
-  function loads_now(drive, model, i_step, kind, items, now) result(values)
-    type(drive_type), intent(in) :: drive
+  function current_loads(driven_loads, model, i_step, kind, items, now) result(values)
+    type(driven_loads_type), intent(in) :: driven_loads
     type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< index into model%steps
     integer, intent(in) :: kind
@@ -300,9 +301,9 @@ contains
     real(DP), allocatable :: sums(:)
     type(step_type) :: step
     integer :: i
-    step = driven_step(drive, model, i_step)
+    step = driven_step(driven_loads, model, i_step)
     allocate (sums(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements)), source=0.0_DP)
-    if (kind == DRIVE_FORCE) then
+    if (kind == DRIVEN_FORCE) then
       do i = 1, size(step%concentrated)
         associate (sum => sums(item_of_force(step%concentrated(i))))
           sum = sum + load_now(model, step, step%concentrated(i), now(2), now(1))
@@ -317,7 +318,7 @@ contains
       end do
     end if
     values = sums(items)
-  end function loads_now
+  end function current_loads
 
 
   !> The item of a force.
@@ -335,7 +336,7 @@ contains
 
 
   !> The loads of a step on some items follow amplitudes; forces and pressures of the deck on them are taken out.
-  subroutine follow(step, kind, items, amplitudes)
+  subroutine redirect_loads(step, kind, items, amplitudes)
     type(step_type), intent(inout) :: step
     integer, intent(in) :: kind                    !< DRIVE_...
     integer, intent(in) :: items(:)                !< each once
@@ -343,7 +344,7 @@ contains
     integer, allocatable :: order(:)
     integer :: i, k
     if (size(items) == 0) return
-    if (kind == DRIVE_TEMPERATURE) then
+    if (kind == DRIVEN_TEMPERATURE) then
       if (.not. allocated(step%temperatures)) allocate (step%temperatures(0))
       step%temperatures = [step%temperatures, [(temperature_type(end=1.0_DP, amplitude=amplitudes(i), node=items(i)), &
         i=1, size(items))]]                        ! of several for a node the last counts
@@ -352,7 +353,7 @@ contains
     allocate (order(maxval(items)), source=0)
     order(items) = [(i, i=1, size(items))]
     select case (kind)
-    case (DRIVE_DISPLACEMENT)
+    case (DRIVEN_DISPLACEMENT)
       do i = 1, size(step%prescribed)
         associate (load => step%prescribed(i))
           k = order_of(order, 3 * (load%node - 1) + load%dof)
@@ -362,7 +363,7 @@ contains
           load%is_from_current = .false.
         end associate
       end do
-    case (DRIVE_FORCE)
+    case (DRIVEN_FORCE)
       step%concentrated = [pack(step%concentrated, order_of(order, item_of_force(step%concentrated)) == 0), &
         [(concentrated_type(end=1.0_DP, amplitude=amplitudes(i), node=(items(i) + 2) / 3, dof=mod(items(i) - 1, 3) + 1), &
         i=1, size(items))]]
@@ -371,7 +372,7 @@ contains
         step%distributed%kind /= DISTRIBUTED_PRESSURE), [(distributed_type(end=1.0_DP, amplitude=amplitudes(i), &
         kind=DISTRIBUTED_PRESSURE, element=(items(i) + 5) / 6, face=mod(items(i) - 1, 6) + 1), i=1, size(items))]]
     end select
-  end subroutine follow
+  end subroutine redirect_loads
 
 
   !> Position of an item in the list of new ones; 0: it is not there.
@@ -391,26 +392,27 @@ contains
 
 
   !> Before an attempt from t0 to t1: what is pending runs straight to its target.
-  pure subroutine arm_drives(drive, t0, t1)
-    type(drive_type), intent(inout) :: drive
+  pure subroutine activate_driven(driven_loads, t0, t1)
+    type(driven_loads_type), intent(inout) :: driven_loads
     real(DP), intent(in) :: t0, t1                 !< total time [time]
     integer :: i
-    if (.not. allocated(drive%entries)) return
-    do i = 1, size(drive%entries)
-      if (.not. drive%entries(i)%is_pending) cycle
-      associate (amplitude => drive%step%amplitudes(drive%entries(i)%amplitude))
-        amplitude%factor = [amplitude_value(amplitude, t0), drive%entries(i)%target]
+    if (.not. allocated(driven_loads%entries)) return
+    do i = 1, size(driven_loads%entries)
+      if (.not. driven_loads%entries(i)%is_pending) cycle
+      associate (amplitude => driven_loads%step%amplitudes(driven_loads%entries(i)%amplitude))
+        amplitude%factor = [amplitude_value(amplitude, t0), driven_loads%entries(i)%target]
         amplitude%time = [t0, t1]
-        drive%entries(i)%is_armed = .true.
+        driven_loads%entries(i)%is_active = .true.
       end associate
     end do
-  end subroutine arm_drives
+  end subroutine activate_driven
 
 
   !> After a commit: what was pending is on its way.
-  pure subroutine settle_drives(drive)
-    type(drive_type), intent(inout) :: drive
-    if (allocated(drive%entries)) drive%entries%is_pending = drive%entries%is_pending .and. .not. drive%entries%is_armed
-  end subroutine settle_drives
+  pure subroutine finish_driven(driven_loads)
+    type(driven_loads_type), intent(inout) :: driven_loads
+    if (allocated(driven_loads%entries)) driven_loads%entries%is_pending = driven_loads%entries%is_pending &
+      .and. .not. driven_loads%entries%is_active
+  end subroutine finish_driven
 
 end module amontons_driven_loads

@@ -6,13 +6,13 @@
 module amontons_model_setup
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_text, only: text_of, plural
-  use amontons_logger, only: journal_type
+  use amontons_text, only: to_text, plural
+  use amontons_logger, only: logger_type
   use amontons_loads, only: equation_type
   use amontons_model, only: model_type, job_options_type
   use amontons_contact_initialization, only: find_adjustment
   use amontons_tie_generation, only: generate_ties
-  use amontons_user_routine_setup, only: start_routines
+  use amontons_user_routine_setup, only: open_user_routines
   implicit none
   private
   public :: set_up_model
@@ -23,9 +23,9 @@ contains
   subroutine set_up_model(model, options, journal, error)
     type(model_type), intent(inout) :: model       !< as the deck says it; out: as it stays
     type(job_options_type), intent(in) :: options
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: journal
     type(error_type), allocatable, intent(out) :: error
-    call start_routines(model, options, error)
+    call open_user_routines(model, options, error)
     if (allocated(error)) return
     call add_ties(model, error)
     if (allocated(error)) return
@@ -42,7 +42,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(equation_type), allocatable :: equations(:)
     real(DP), allocatable :: coordinates(:, :)
-    if (.not. (allocated(model%ties) .or. allocated(model%spreads))) return
+    if (.not. (allocated(model%ties) .or. allocated(model%distributing_couplings))) return
     call generate_ties(model, equations, coordinates, error)
     if (allocated(error)) return
     if (size(equations) > 0) model%equations = [model%equations, equations]
@@ -53,7 +53,7 @@ contains
   !> ADJUST: slave nodes are moved onto their master; the log says how many and how far.
   subroutine adjust(model, journal, error)
     type(model_type), intent(inout) :: model
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: journal
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: way(:, :), length(:)
     if (.not. any(model%pairs%has_adjust)) return
@@ -63,7 +63,7 @@ contains
     model%mesh%coordinates = model%mesh%coordinates + way
     length = norm2(way, dim=1)
     if (any(length > 0.0_DP)) call journal%say('ADJUST moved ' // plural(count(length > 0.0_DP), 'node') // &
-      ' onto the master, at most by ' // text_of(maxval(length)) // '.')
+      ' onto the master, at most by ' // to_text(maxval(length)) // '.')
   end subroutine adjust
 
 end module amontons_model_setup

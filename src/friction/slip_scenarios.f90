@@ -15,8 +15,9 @@ module amontons_slip_scenarios
   use amontons_kinds, only: DP
   implicit none
   private
-  public :: trial_type, slip_point_type, slip_controls_type, slip_verdict_type
-  public :: split_imbalance, trial_traction, classify_slip, classify_nodes, table_length, guarded_length
+  public :: trial_traction_type, slip_state_type, slip_controls_type, slip_result_type
+  public :: split_nodal_imbalance, evaluate_trial_traction, classify_slip_scenario, classify_slip_scenarios, &
+    find_scenario_step_length, find_bounded_step_length
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   public :: SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV
   public :: NODE_OPEN, NODE_STICK, NODE_SLIP, NODE_BALANCED, NODE_OPENED, NODE_CLOSED
@@ -38,27 +39,27 @@ module amontons_slip_scenarios
   integer, parameter :: NODE_CLOSED = 5      !< was open, gap < 0: closes
 
   !> Result of the trial traction.
-  type :: trial_type
+  type :: trial_traction_type
     integer :: status = STATUS_OPEN          !< STATUS_...
     real(DP) :: sigma = 0                    !< trial normal force, positive in compression [force]
     real(DP) :: tau(3) = 0                   !< trial friction on the slave [force]
     real(DP) :: direction(3) = 0             !< tau/|tau|, of friction on the slave; it slides the other way [-]
     real(DP) :: N = 0                        !< normal force that the imbalance asks for [force]
     real(DP) :: Rt(3) = 0                    !< tangential imbalance [force]
-  end type trial_type
+  end type trial_traction_type
 
   !> One slave node in one configuration.
-  type :: slip_point_type
+  type :: slip_state_type
     logical :: is_closed = .true.            !< it is held by contact in this iteration
     real(DP) :: gap = 0                      !< signed distance; read at open nodes only [length]
     real(DP) :: N = 0                        !< normal force, positive in compression [force]
     real(DP) :: Rt(3) = 0                    !< tangential imbalance [force]
     real(DP) :: slip(3) = 0                  !< g [length]
-  end type slip_point_type
+  end type slip_state_type
 
   !> Tolerances and bounds. The defaults only exclude rounding: the steps of a job give their own.
   type :: slip_controls_type
-    real(DP) :: balance = 1.0e-12_DP         !< slip is in balance when |DR| <= balance mu N [-]
+    real(DP) :: slip_tolerance = 1.0e-12_DP         !< slip is in balance when |DR| <= balance mu N [-]
     real(DP) :: force_zero = 0               !< or when |DR| is at most this [force]
     real(DP) :: slip_zero = 0                !< a slip up to this counts as none [length]
     real(DP) :: alpha_min = 0                !< least step length (the cap to zero slip may be less) [-]
@@ -66,7 +67,7 @@ module amontons_slip_scenarios
   end type slip_controls_type
 
   !> What the procedure says of one node.
-  type :: slip_verdict_type
+  type :: slip_result_type
     integer :: state = NODE_OPEN             !< NODE_...
     integer :: scenario = SCENARIO_NONE      !< SCENARIO_...
     real(DP) :: alpha = 1                    !< step length [-]
@@ -74,21 +75,21 @@ module amontons_slip_scenarios
     real(DP) :: DR_u = 0, DR_ud = 0          !< signed excess in both configurations [force]
     real(DP) :: numerator = 0                !< d.e(u), e = DR t: a global length sums these over the nodes [energy]
     real(DP) :: denominator = 0              !< d.(e(ud) - e(u)) [energy]
-  end type slip_verdict_type
+  end type slip_result_type
 
-  real(DP), parameter :: NEARLY = 1.0e-12_DP   !< relative rounding of a sum of a few products
+  real(DP), parameter :: TOL_CANCELLATION = 1.0e-12_DP   !< relative rounding of a sum of a few products
 
 contains
 
   !> Normal force and tangential imbalance of an imbalance: N = -n.Rhat, Rt = Rhat + N n.
-  pure subroutine split_imbalance(imbalance, normal, N, Rt)
+  pure subroutine split_nodal_imbalance(imbalance, normal, N, Rt)
     real(DP), intent(in) :: imbalance(3)     !< Rhat [force]
     real(DP), intent(in) :: normal(3)        !< unit normal out of the master [-]
     real(DP), intent(out) :: N               !< positive in compression [force]
     real(DP), intent(out) :: Rt(3)           !< [force]
     N = -dot_product(normal, imbalance)
     Rt = imbalance + N * normal
-  end subroutine split_imbalance
+  end subroutine split_nodal_imbalance
 
 
   !> Status of a slave node by trial traction: the primal-dual active set in the form of an augmented Lagrangian.
@@ -104,7 +105,7 @@ contains
   !!
   !! Reference: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution
   !! methods, Comput. Methods Appl. Mech. Engrg. 92 (1991) 353-375.
-  pure subroutine trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, most, trial)
+  pure subroutine evaluate_trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, limit_cap, trial)
     real(DP), intent(in) :: imbalance(3)     !< Rhat of the slave node [force]
     real(DP), intent(in) :: gap              !< signed distance, negative is penetration [length]
     real(DP), intent(in) :: slip(3)          !< x_s - x_m(origin), g before its projection [length]
@@ -112,22 +113,22 @@ contains
     real(DP), intent(in) :: mu               !< coefficient of friction [-]
     real(DP), intent(in) :: stiffness        !< c, the node's own stiffness, > 0 [force/length]
     logical, intent(in) :: was_closed        !< it was held by contact in the last iteration
-    real(DP), intent(in) :: most             !< largest friction, whatever the normal force [force]
-    type(trial_type), intent(out) :: trial
+    real(DP), intent(in) :: limit_cap             !< largest friction, whatever the normal force [force]
+    type(trial_traction_type), intent(out) :: trial
     real(DP) :: size_tau
-    if (was_closed) call split_imbalance(imbalance, normal, trial%N, trial%Rt)
+    if (was_closed) call split_nodal_imbalance(imbalance, normal, trial%N, trial%Rt)
     trial%sigma = trial%N - stiffness * gap
     trial%tau = -trial%Rt - stiffness * (slip - dot_product(normal, slip) * normal)
     size_tau = norm2(trial%tau)
     if (size_tau > 0) trial%direction = trial%tau / size_tau
     if (trial%sigma <= 0) then
       trial%status = STATUS_OPEN
-    else if (mu > 0 .and. size_tau <= min(mu * trial%sigma, most)) then
+    else if (mu > 0 .and. size_tau <= min(mu * trial%sigma, limit_cap)) then
       trial%status = STATUS_STICK
     else
       trial%status = STATUS_SLIP
     end if
-  end subroutine trial_traction
+  end subroutine evaluate_trial_traction
 
 
   !> State, scenario and step length of one slave node from its two configurations.
@@ -142,36 +143,36 @@ contains
   !! | 0 within the tolerance | some | any | slip, in balance |
   !!
   !! The length is one secant step on d.e with the vector e = DR t: alpha = - d.e(u) / d.(e(ud) - e(u)). For d along t_u
-  !! (I, II) or -t_g (III, IV) it is the formula of the table (`table_length`). In III and IV the step is cut where the
+  !! (I, II) or -t_g (III, IV) it is the formula of the table (`find_scenario_step_length`). In III and IV the step is cut where the
   !! projection on t_g of the slip comes to zero; then the node becomes stick. Order: formula, guard (a vanishing
   !! denominator or a negative length means 1), bounds, cut.
-  pure subroutine classify_slip(at_u, at_ud, d, mu, controls, verdict)
-    type(slip_point_type), intent(in) :: at_u         !< the node at the iterate
-    type(slip_point_type), intent(in) :: at_ud        !< the node after the full search direction
+  pure subroutine classify_slip_scenario(at_u, at_ud, d, mu, controls, slip_result)
+    type(slip_state_type), intent(in) :: at_u         !< the node at the iterate
+    type(slip_state_type), intent(in) :: at_ud        !< the node after the full search direction
     real(DP), intent(in) :: d(3)                      !< its tangential increment relative to the master [length]
     real(DP), intent(in) :: mu                        !< coefficient of friction [-]
     type(slip_controls_type), intent(in) :: controls
-    type(slip_verdict_type), intent(out) :: verdict
+    type(slip_result_type), intent(out) :: slip_result
     real(DP) :: e_u(3), e_ud(3), rounding
-    verdict%state = node_state(at_u, mu, controls)
-    verdict%DR_u = excess(at_u, mu)
-    verdict%DR_ud = excess(at_ud, mu)
-    if (verdict%state /= NODE_SLIP .and. verdict%state /= NODE_BALANCED) return
-    if (verdict%state == NODE_SLIP) verdict%scenario = scenario_of(verdict%DR_u, verdict%DR_ud)
-    call excess_vectors(at_u, at_ud, verdict, e_u, e_ud)
-    rounding = NEARLY * norm2(d) * (abs(verdict%DR_u) + abs(verdict%DR_ud))
-    verdict%numerator = without_noise(dot_product(d, e_u), rounding)
-    verdict%denominator = without_noise(dot_product(d, e_ud) - verdict%numerator, rounding)
-    if (verdict%state == NODE_BALANCED) return
-    verdict%alpha = guarded_length(verdict%numerator, verdict%denominator, controls)
-    if (verdict%scenario == SCENARIO_I .or. verdict%scenario == SCENARIO_II) return
-    call cut_at_zero_slip(at_u%slip, at_ud%slip, verdict%alpha, verdict%becomes_stick)
-  end subroutine classify_slip
+    slip_result%state = classify_node(at_u, mu, controls)
+    slip_result%DR_u = evaluate_slip_excess(at_u, mu)
+    slip_result%DR_ud = evaluate_slip_excess(at_ud, mu)
+    if (slip_result%state /= NODE_SLIP .and. slip_result%state /= NODE_BALANCED) return
+    if (slip_result%state == NODE_SLIP) slip_result%scenario = choose_scenario(slip_result%DR_u, slip_result%DR_ud)
+    call evaluate_excess_vectors(at_u, at_ud, slip_result, e_u, e_ud)
+    rounding = TOL_CANCELLATION * norm2(d) * (abs(slip_result%DR_u) + abs(slip_result%DR_ud))
+    slip_result%numerator = drop_rounding(dot_product(d, e_u), rounding)
+    slip_result%denominator = drop_rounding(dot_product(d, e_ud) - slip_result%numerator, rounding)
+    if (slip_result%state == NODE_BALANCED) return
+    slip_result%alpha = find_bounded_step_length(slip_result%numerator, slip_result%denominator, controls)
+    if (slip_result%scenario == SCENARIO_I .or. slip_result%scenario == SCENARIO_II) return
+    call limit_to_zero_slip(at_u%slip, at_ud%slip, slip_result%alpha, slip_result%becomes_stick)
+  end subroutine classify_slip_scenario
 
 
   !> The same for many nodes, in plain arrays for other programs: last index 1 is the iterate, 2 is after the full
   !! direction. All nodes are closed; an N < 0 at the iterate says opened.
-  pure subroutine classify_nodes(Rt, N, slip, d, mu, controls, scenario, state, alpha)
+  pure subroutine classify_slip_scenarios(Rt, N, slip, d, mu, controls, scenario, state, alpha)
     real(DP), intent(in) :: Rt(:, :, :)               !< (3, n, 2) tangential imbalance [force]
     real(DP), intent(in) :: N(:, :)                   !< (n, 2) normal force, positive in compression [force]
     real(DP), intent(in) :: slip(:, :, :)             !< (3, n, 2) slip since the start of the increment [length]
@@ -181,18 +182,18 @@ contains
     integer, intent(out) :: scenario(:)               !< (n) SCENARIO_...
     integer, intent(out) :: state(:)                  !< (n) NODE_...; NODE_STICK also where the step ends at zero slip
     real(DP), intent(out) :: alpha(:)                 !< (n) step lengths [-]
-    type(slip_point_type) :: at_u, at_ud
-    type(slip_verdict_type) :: verdict
+    type(slip_state_type) :: at_u, at_ud
+    type(slip_result_type) :: slip_result
     integer :: i
     do i = 1, size(mu)
-      at_u = slip_point_type(N=N(i, 1), Rt=Rt(:, i, 1), slip=slip(:, i, 1))
-      at_ud = slip_point_type(N=N(i, 2), Rt=Rt(:, i, 2), slip=slip(:, i, 2))
-      call classify_slip(at_u, at_ud, d(:, i), mu(i), controls, verdict)
-      scenario(i) = verdict%scenario
-      state(i) = merge(NODE_STICK, verdict%state, verdict%becomes_stick)
-      alpha(i) = verdict%alpha
+      at_u = slip_state_type(N=N(i, 1), Rt=Rt(:, i, 1), slip=slip(:, i, 1))
+      at_ud = slip_state_type(N=N(i, 2), Rt=Rt(:, i, 2), slip=slip(:, i, 2))
+      call classify_slip_scenario(at_u, at_ud, d(:, i), mu(i), controls, slip_result)
+      scenario(i) = slip_result%scenario
+      state(i) = merge(NODE_STICK, slip_result%state, slip_result%becomes_stick)
+      alpha(i) = slip_result%alpha
     end do
-  end subroutine classify_nodes
+  end subroutine classify_slip_scenarios
 
 
   !> The step length of the slides' table, for a search along t_u (I, II) or -t_g (III, IV); unguarded and unbounded.
@@ -203,7 +204,7 @@ contains
   !! | II | a / (a - b cos(gamma)) | cos(gamma) = t_u.t_d |
   !! | III | a cos(beta) / (b cos(theta) + a cos(beta)) | cos(beta) = t_u.t_g, cos(theta) = t_g.t_d |
   !! | IV | a cos(beta) / (a cos(beta) - b cos(theta)) | the same |
-  pure function table_length(scenario, a, b, cos_beta, cos_gamma, cos_theta) result(alpha)
+  pure function find_scenario_step_length(scenario, a, b, cos_beta, cos_gamma, cos_theta) result(alpha)
     integer, intent(in) :: scenario                   !< SCENARIO_...
     real(DP), intent(in) :: a, b                      !< |DR(u)|, |DR(ud)| [force]
     real(DP), intent(in) :: cos_beta, cos_gamma, cos_theta   !< [-]
@@ -220,51 +221,51 @@ contains
     case default
       alpha = 1
     end select
-  end function table_length
+  end function find_scenario_step_length
 
 
   !> - numerator / denominator, made safe: 1 if the denominator vanishes or the length is negative; then bounded.
   !! With sums over all slave nodes it is the global step length of the slides' code.
-  pure function guarded_length(numerator, denominator, controls) result(alpha)
+  pure function find_bounded_step_length(numerator, denominator, controls) result(alpha)
     real(DP), intent(in) :: numerator                 !< d.e(u) [energy]
     real(DP), intent(in) :: denominator               !< d.(e(ud) - e(u)) [energy]
     type(slip_controls_type), intent(in) :: controls
     real(DP) :: alpha
     alpha = 1
-    if (abs(denominator) > NEARLY * (abs(numerator) + abs(numerator + denominator))) alpha = -numerator / denominator
+    if (abs(denominator) > TOL_CANCELLATION * (abs(numerator) + abs(numerator + denominator))) alpha = -numerator / denominator
     if (alpha < 0) alpha = 1
     alpha = min(max(alpha, controls%alpha_min), controls%alpha_max)
-  end function guarded_length
+  end function find_bounded_step_length
 
 
   !> A value, or zero where it is only rounding.
-  pure function without_noise(value, rounding) result(clean)
+  pure function drop_rounding(value, rounding) result(clean)
     real(DP), intent(in) :: value, rounding
     real(DP) :: clean
     clean = merge(value, 0.0_DP, abs(value) > rounding)
-  end function without_noise
+  end function drop_rounding
 
 
   !> DR = |Rt| - mu max(N, 0).
-  pure function excess(point, mu) result(DR)
-    type(slip_point_type), intent(in) :: point
+  pure function evaluate_slip_excess(point, mu) result(DR)
+    type(slip_state_type), intent(in) :: point
     real(DP), intent(in) :: mu                        !< [-]
     real(DP) :: DR
     DR = norm2(point%Rt) - mu * max(point%N, 0.0_DP)
-  end function excess
+  end function evaluate_slip_excess
 
 
   !> State of a node by what is known at the iterate.
-  pure function node_state(point, mu, controls) result(state)
-    type(slip_point_type), intent(in) :: point
+  pure function classify_node(point, mu, controls) result(state)
+    type(slip_state_type), intent(in) :: point
     real(DP), intent(in) :: mu                        !< [-]
     type(slip_controls_type), intent(in) :: controls
     integer :: state
     real(DP) :: DR
     logical :: has_slip, is_balanced
-    DR = excess(point, mu)
+    DR = evaluate_slip_excess(point, mu)
     has_slip = norm2(point%slip) > controls%slip_zero
-    is_balanced = abs(DR) <= max(controls%balance * mu * max(point%N, 0.0_DP), controls%force_zero)
+    is_balanced = abs(DR) <= max(controls%slip_tolerance * mu * max(point%N, 0.0_DP), controls%force_zero)
     if (.not. point%is_closed) then
       state = merge(NODE_CLOSED, NODE_OPEN, point%gap < 0)
     else if (point%N < 0) then
@@ -276,11 +277,11 @@ contains
     else
       state = NODE_SLIP
     end if
-  end function node_state
+  end function classify_node
 
 
   !> The scenario by the signs of DR.
-  pure function scenario_of(DR_u, DR_ud) result(scenario)
+  pure function choose_scenario(DR_u, DR_ud) result(scenario)
     real(DP), intent(in) :: DR_u, DR_ud               !< [force]
     integer :: scenario
     if (DR_u > 0) then
@@ -288,47 +289,47 @@ contains
     else
       scenario = merge(SCENARIO_III, SCENARIO_IV, DR_ud > 0)
     end if
-  end function scenario_of
+  end function choose_scenario
 
 
   !> The vectors e = DR t of both configurations. Without an Rt its direction is that of the slip; in I t_d is t_u.
-  pure subroutine excess_vectors(at_u, at_ud, verdict, e_u, e_ud)
-    type(slip_point_type), intent(in) :: at_u, at_ud
-    type(slip_verdict_type), intent(in) :: verdict    !< with scenario and DR
+  pure subroutine evaluate_excess_vectors(at_u, at_ud, slip_result, e_u, e_ud)
+    type(slip_state_type), intent(in) :: at_u, at_ud
+    type(slip_result_type), intent(in) :: slip_result    !< with scenario and DR
     real(DP), intent(out) :: e_u(3), e_ud(3)          !< [force]
     real(DP) :: t_g(3), t_u(3), t_d(3)
-    t_g = direction_of(at_u%slip, [0.0_DP, 0.0_DP, 0.0_DP])
-    t_u = direction_of(at_u%Rt, t_g)
-    t_d = direction_of(at_ud%Rt, t_g)
-    if (verdict%scenario == SCENARIO_I) t_d = t_u
-    e_u = verdict%DR_u * t_u
-    e_ud = verdict%DR_ud * t_d
-  end subroutine excess_vectors
+    t_g = unit_vector(at_u%slip, [0.0_DP, 0.0_DP, 0.0_DP])
+    t_u = unit_vector(at_u%Rt, t_g)
+    t_d = unit_vector(at_ud%Rt, t_g)
+    if (slip_result%scenario == SCENARIO_I) t_d = t_u
+    e_u = slip_result%DR_u * t_u
+    e_ud = slip_result%DR_ud * t_d
+  end subroutine evaluate_excess_vectors
 
 
   !> v/|v|, or the given other direction if v vanishes.
-  pure function direction_of(v, otherwise) result(t)
+  pure function unit_vector(v, otherwise) result(t)
     real(DP), intent(in) :: v(3), otherwise(3)
     real(DP) :: t(3)
     t = otherwise
     if (norm2(v) > 0) t = v / norm2(v)
-  end function direction_of
+  end function unit_vector
 
 
   !> Cuts a step that would back up past zero slip: |g| / (|g| - t_g.g_d) brings the slip's projection on t_g to zero.
   !! (The slides print |g| / (|g| - |g_d|), which is the same as long as the full step does not pass zero slip.)
-  pure subroutine cut_at_zero_slip(slip_u, slip_ud, alpha, becomes_stick)
+  pure subroutine limit_to_zero_slip(slip_u, slip_ud, alpha, becomes_stick)
     real(DP), intent(in) :: slip_u(3), slip_ud(3)     !< g and g_d [length]
     real(DP), intent(inout) :: alpha                  !< step length [-]
     logical, intent(out) :: becomes_stick             !< the step ends there
-    real(DP) :: length, way
+    real(DP) :: length, projected_slip_change
     length = norm2(slip_u)
     becomes_stick = .false.
     if (length <= 0) return
-    way = length - dot_product(slip_u, slip_ud) / length
-    if (way <= 0) return
-    becomes_stick = alpha * way >= length * (1 - NEARLY)
-    if (becomes_stick) alpha = length / way
-  end subroutine cut_at_zero_slip
+    projected_slip_change = length - dot_product(slip_u, slip_ud) / length
+    if (projected_slip_change <= 0) return
+    becomes_stick = alpha * projected_slip_change >= length * (1 - TOL_CANCELLATION)
+    if (becomes_stick) alpha = length / projected_slip_change
+  end subroutine limit_to_zero_slip
 
 end module amontons_slip_scenarios

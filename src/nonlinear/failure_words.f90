@@ -1,7 +1,7 @@
 !> Failure words: the sentences about a failure, its name and its remedy, made of its code.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_failure_words
-  use amontons_text, only: text_of
+  use amontons_text, only: to_text
   use amontons_failure, only: failure_type, family_of, FAILURE_NONE, FAILURE_MATERIAL, FAILURE_SINGULAR, FAILURE_NOT_FINITE, &
     FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_LEFT_MASTER, &
     FAILURE_CYCLE, FAILURE_FLIP, FAILURE_UNSETTLED, FAILURE_PASSED_THROUGH, FAILURE_DEEP, FAILURE_LIMIT_POINT, &
@@ -70,7 +70,7 @@ contains
     case (FAILURE_GROWING)
       words = 'the force imbalance grows from iteration to iteration.'
     case (FAILURE_USER_ROUTINE)
-      words = 'PNEWDT is ' // text_of(failure%number) // '.'
+      words = 'PNEWDT is ' // to_text(failure%number) // '.'
     case default
       words = 'the force imbalance does not fall any more.'
     end select
@@ -163,9 +163,9 @@ contains
     if (size(labels) /= 1) names = 'nodes'
     do i = 1, min(size(labels), N_NAMED)
       if (i > 1) names = names // ','
-      names = names // ' ' // text_of(labels(i))
+      names = names // ' ' // to_text(labels(i))
     end do
-    if (size(labels) > N_NAMED) names = names // ' and ' // text_of(size(labels) - N_NAMED) // ' more'
+    if (size(labels) > N_NAMED) names = names // ' and ' // to_text(size(labels) - N_NAMED) // ' more'
   end function node_list
 
 
@@ -173,7 +173,7 @@ contains
   pure function first_of(failure) result(text)
     type(failure_type), intent(in) :: failure
     character(:), allocatable :: text
-    text = text_of(failure%labels(1))
+    text = to_text(failure%labels(1))
   end function first_of
 
 
@@ -181,7 +181,7 @@ contains
   pure function of_length(failure) result(words)
     type(failure_type), intent(in) :: failure
     character(:), allocatable :: words
-    words = ' of length ' // text_of(failure%length) // ' at ' // node_list(failure%labels)
+    words = ' of length ' // to_text(failure%length) // ' at ' // node_list(failure%labels)
   end function of_length
 
 
@@ -191,7 +191,7 @@ contains
     character(*), intent(in) :: what               !< follows from it
     character(:), allocatable :: words
     words = ''
-    if (failure%n_slipping > 1) words = ' All ' // text_of(failure%n_slipping) // ' closed slave nodes slip: ' // what
+    if (failure%n_slipping > 1) words = ' All ' // to_text(failure%n_slipping) // ' closed slave nodes slip: ' // what
   end function all_slip
 
 end module amontons_failure_words

@@ -9,44 +9,44 @@ module amontons_model_change
   use amontons_state, only: state_type
   implicit none
   private
-  public :: bear_elements, lone_unknowns
+  public :: activate_elements, find_unconnected_unknowns
 
 contains
 
   !> Elements that a step puts back free of strain start where their nodes are now, with no history.
-  subroutine bear_elements(model, step, state)
+  subroutine activate_elements(model, step, state)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step                    !< index into model%steps
     type(state_type), intent(inout) :: state       !< the committed fields
     integer :: e, i
-    if (.not. allocated(model%steps(step)%is_born)) return
+    if (.not. allocated(model%steps(step)%is_reactivated)) return
     associate (old => state%old, mesh => model%mesh)
-      if (.not. allocated(old%birth)) return
+      if (.not. allocated(old%birth_displacement)) return
       do e = 1, mesh%n_elements
-        if (.not. model%steps(step)%is_born(e)) cycle
+        if (.not. model%steps(step)%is_reactivated(e)) cycle
         do i = mesh%first(e), mesh%first(e + 1) - 1
-          old%birth(:, i) = old%u(:, mesh%nodes(i))
+          old%birth_displacement(:, i) = old%u(:, mesh%nodes(i))
         end do
         old%history(:, mesh%point_first(e):mesh%point_first(e + 1) - 1) = 0
       end do
       state%new = old
     end associate
-  end subroutine bear_elements
+  end subroutine activate_elements
 
 
   !> The unknowns of nodes without elements, or all of whose elements are taken out.
-  pure function lone_unknowns(mesh, is_absent) result(is_lone)
+  pure function find_unconnected_unknowns(mesh, is_absent) result(is_unconnected)
     type(mesh_type), intent(in) :: mesh
     logical, intent(in) :: is_absent(:)            !< (n_elements) taken out
-    logical :: is_lone(3 * mesh%n_nodes)
+    logical :: is_unconnected(3 * mesh%n_nodes)
     integer :: e, i
-    is_lone = .true.
+    is_unconnected = .true.
     do e = 1, mesh%n_elements
       if (is_absent(e)) cycle
       do i = mesh%first(e), mesh%first(e + 1) - 1
-        is_lone(3 * mesh%nodes(i) - 2:3 * mesh%nodes(i)) = .false.
+        is_unconnected(3 * mesh%nodes(i) - 2:3 * mesh%nodes(i)) = .false.
       end do
     end do
-  end function lone_unknowns
+  end function find_unconnected_unknowns
 
 end module amontons_model_change

@@ -1,13 +1,13 @@
 !> Every verb of the module amontons_library once; verbs.c and test_verbs.py do the same in the same order.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module heard
-  use amontons_library, only: listener_type
+  use amontons_library, only: log_sink_type
   implicit none
   private
   public :: counter_type
 
   !> Counts the lines that it hears; of a line that holds several, each.
-  type, extends(listener_type) :: counter_type
+  type, extends(log_sink_type) :: counter_type
     integer, pointer :: n_lines => null()
   contains
     procedure :: hear
@@ -36,7 +36,7 @@ program verbs
   use, intrinsic :: iso_fortran_env, only: real64, int64
   use amontons_library, only: job_type, job_options_type, error_type, sparse_type, open_job, advance_job, advance_job_to, &
     try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, &
-    get_names, get_matrix, VERDICT_GO_ON, classify_nodes, slip_controls_type
+    get_names, get_matrix, VERDICT_CONTINUE, classify_slip_scenarios, slip_controls_type
   use heard, only: counter_type
   implicit none
   type(job_type), allocatable :: job
@@ -87,7 +87,7 @@ program verbs
     call iterate_job(job, verdict, error)
     call judge()
     n_iterations = n_iterations + 1
-    if (verdict /= VERDICT_GO_ON) exit
+    if (verdict /= VERDICT_CONTINUE) exit
   end do
   write (*, '(a,i0,a,i0)') 'verdict ', verdict, ' after ', n_iterations
   call commit_job(job, error)
@@ -210,7 +210,7 @@ contains
     slip(1, 3:4, 2) = [0.1_real64, -0.1_real64]
     d = 0
     d(1, :) = [0.1_real64, 0.1_real64, -0.1_real64, -0.3_real64, 0.1_real64]
-    call classify_nodes(Rt, N, slip, d, spread(0.3_real64, 1, 5), slip_controls_type(), scenario, state, alpha)
+    call classify_slip_scenarios(Rt, N, slip, d, spread(0.3_real64, 1, 5), slip_controls_type(), scenario, state, alpha)
     write (*, '(a,10(1x,i0),1x,z16.16)') 'scenarios: 0', scenario, state, mixed(transfer(alpha, [0_int64]))
     write (*, '(a)') 'no nodes: 2'
   end subroutine tell_scenarios

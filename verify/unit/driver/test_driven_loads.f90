@@ -2,11 +2,12 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_driven_loads
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type, complaints_type, EXIT_USAGE
+  use amontons_errors, only: error_type, diagnostic_list_type, EXIT_USAGE
   use amontons_deck, only: read_deck_text
   use amontons_model, only: model_type, job_options_type, is_out, absent_elements, material_in_step, load_now
-  use amontons_driven_loads, only: drive_type, start_loads, begin_loads, set_driven, set_friction, friction_now, loads_now, &
-    arm_drives, settle_drives, list_driven, recall_driven, DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE
+  use amontons_driven_loads, only: driven_loads_type, start_loads, begin_loads, set_driven, set_friction, friction_now, &
+    current_loads, &
+    activate_driven, finish_driven, list_driven, restore_driven, DRIVEN_FORCE, DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE
   use check, only: suite_type
   implicit none
   character(*), parameter :: NL = new_line('a')
@@ -38,7 +39,7 @@ contains
   subroutine read_model(model)
     type(model_type), intent(out) :: model
     type(job_options_type) :: options
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: complaints
     type(error_type), allocatable :: error
     options%job = 'unit'
     options%deck = 'unit.inp'
@@ -64,7 +65,7 @@ contains
 
   !> The force on an item in the present step at a time, summed over its loads.
   real(DP) function force(drive, item, time)
-    type(drive_type), intent(in) :: drive
+    type(driven_loads_type), intent(in) :: drive
     integer, intent(in) :: item
     real(DP), intent(in) :: time                   !< step and total time
     integer :: i
@@ -79,27 +80,27 @@ contains
 
   !> A force that is set runs from where it stands to its target, replaces the deck's in all steps, and others stay.
   subroutine check_forces()
-    type(drive_type) :: drive
+    type(driven_loads_type) :: drive
     type(error_type), allocatable :: error
     integer :: item
     item = along_z(17)
     call start_loads(drive, model)
     call suite%that('nothing is driven: no amplitudes of its own', .not. allocated(drive%step%amplitudes))
     call suite%near('the ramp of the deck', force(drive, item, 0.5_DP), -2.0_DP, 1.0e-14_DP)
-    call set_driven(drive, model, 1, DRIVE_FORCE, [item], [10.0_DP], [0.5_DP, 0.5_DP], error)
+    call set_driven(drive, model, 1, DRIVEN_FORCE, [item], [10.0_DP], [0.5_DP, 0.5_DP], error)
     call suite%that('no error', .not. allocated(error))
     call suite%near('it stands before an increment is armed', force(drive, item, 0.5_DP), -2.0_DP, 1.0e-14_DP)
-    call arm_drives(drive, 0.5_DP, 0.75_DP)
+    call activate_driven(drive, 0.5_DP, 0.75_DP)
     call suite%near('at the start', force(drive, item, 0.5_DP), -2.0_DP, 1.0e-14_DP)
     call suite%near('half way', force(drive, item, 0.625_DP), 4.0_DP, 1.0e-13_DP)
     call suite%near('at the end', force(drive, item, 0.75_DP), 10.0_DP, 1.0e-13_DP)
     call suite%near('another force is the deck''s', force(drive, along_z(18), 0.5_DP), -3.0_DP, 1.0e-14_DP)
     call suite%that('as many loads as before', size(drive%step%concentrated) == size(model%steps(1)%concentrated))
-    call settle_drives(drive)
+    call finish_driven(drive)
     call begin_loads(drive, model, 2)
     call suite%that('the second step is the present one', drive%step%number == 2)
     call suite%near('in the next step it stays', force(drive, item, 1.0_DP), 10.0_DP, 1.0e-13_DP)
-    associate (values => loads_now(drive, model, 1, DRIVE_FORCE, [item, along_z(18)], [0.75_DP, 0.75_DP]))
+    associate (values => current_loads(drive, model, 1, DRIVEN_FORCE, [item, along_z(18)], [0.75_DP, 0.75_DP]))
       call suite%near('what is asked for of a step', values(1), 10.0_DP, 1.0e-13_DP)
       call suite%near('and of the deck''s', values(2), -4.5_DP, 1.0e-14_DP)
     end associate
@@ -111,16 +112,16 @@ contains
 
   !> Prescribed displacements can be set, free ones cannot.
   subroutine check_displacements()
-    type(drive_type) :: drive
+    type(driven_loads_type) :: drive
     type(error_type), allocatable :: error
     integer :: i
     call start_loads(drive, model)
-    call set_driven(drive, model, 1, DRIVE_DISPLACEMENT, [along_z(16)], [0.1_DP], [0.0_DP, 0.0_DP, 0.0_DP], error)
+    call set_driven(drive, model, 1, DRIVEN_DISPLACEMENT, [along_z(16)], [0.1_DP], [0.0_DP, 0.0_DP, 0.0_DP], error)
     call suite%that('a free displacement is refused', allocated(error))
     if (allocated(error)) call suite%that('as a mistake of the caller', error%code == EXIT_USAGE)
-    call set_driven(drive, model, 1, DRIVE_DISPLACEMENT, [along_z(15)], [0.2_DP], [0.0_DP, 0.0_DP, 0.0_DP], error)
+    call set_driven(drive, model, 1, DRIVEN_DISPLACEMENT, [along_z(15)], [0.2_DP], [0.0_DP, 0.0_DP, 0.0_DP], error)
     call suite%that('a prescribed one is not', .not. allocated(error))
-    call arm_drives(drive, 0.0_DP, 1.0_DP)
+    call activate_driven(drive, 0.0_DP, 1.0_DP)
     i = findloc(drive%step%prescribed%node == index_of(15), .true., dim=1)
     call suite%near('it runs', load_now(model, drive%step, drive%step%prescribed(i), 0.5_DP, 0.5_DP), 0.1_DP, 1.0e-14_DP)
     call suite%near('the model has its own', model%steps(1)%prescribed(i)%end, -0.1_DP, 1.0e-14_DP)
@@ -129,7 +130,7 @@ contains
 
   !> A coefficient of friction goes into the present step alone.
   subroutine check_friction()
-    type(drive_type) :: drive
+    type(driven_loads_type) :: drive
     call start_loads(drive, model)
     call suite%that('the deck''s: no laws of its own', .not. allocated(drive%step%interactions))
     call suite%near('the deck''s', friction_now(drive, model, 1), 0.3_DP, 1.0e-15_DP)
@@ -144,17 +145,17 @@ contains
 
   !> What a checkpoint keeps makes the same loads again.
   subroutine check_recall()
-    type(drive_type) :: drive, again
+    type(driven_loads_type) :: drive, again
     type(error_type), allocatable :: error
     real(DP), allocatable :: driven(:, :), friction(:)
     call start_loads(drive, model)
-    call set_driven(drive, model, 1, DRIVE_FORCE, [along_z(18), along_z(17)], [1.0_DP, 2.0_DP], [0.0_DP, 0.0_DP], error)
-    call set_driven(drive, model, 1, DRIVE_PRESSURE, [6 + 2], [5.0_DP], [0.0_DP, 0.0_DP], error)
+    call set_driven(drive, model, 1, DRIVEN_FORCE, [along_z(18), along_z(17)], [1.0_DP, 2.0_DP], [0.0_DP, 0.0_DP], error)
+    call set_driven(drive, model, 1, DRIVEN_PRESSURE, [6 + 2], [5.0_DP], [0.0_DP, 0.0_DP], error)
     call set_friction(drive, model, 1, 0.7_DP)
-    call arm_drives(drive, 0.0_DP, 0.5_DP)
+    call activate_driven(drive, 0.0_DP, 0.5_DP)
     call list_driven(drive, model, driven, friction)
     call start_loads(again, model)
-    call recall_driven(again, model, driven, friction)
+    call restore_driven(again, model, driven, friction)
     call begin_loads(again, model, 1)
     call suite%near('force', force(again, along_z(17), 0.25_DP), 1.0_DP, 1.0e-14_DP)
     call suite%near('the other force', force(again, along_z(18), 0.25_DP), 0.5_DP, 1.0e-14_DP)
@@ -170,7 +171,7 @@ contains
     type(model_type) :: changed
     changed = model
     call suite%that('no step takes anything out', .not. any(absent_elements(changed, 2)))
-    changed%steps(2)%is_absent = [.false., .true.]
+    changed%steps(2)%is_inactive = [.false., .true.]
     changed%steps(2)%material = [1, 2]
     call suite%that('before the first step', .not. is_out(changed, 0, 2))
     call suite%that('in the first step', .not. is_out(changed, 1, 2))

@@ -2,10 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_model_setup
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type, complaints_type
+  use amontons_errors, only: error_type, diagnostic_list_type
   use amontons_deck, only: read_deck_text
   use amontons_loads, only: equation_type
-  use amontons_logger, only: journal_type
+  use amontons_logger, only: logger_type
   use amontons_model, only: model_type, job_options_type
   use amontons_contact_initialization, only: find_adjustment
   use amontons_model_setup, only: set_up_model
@@ -38,7 +38,7 @@ contains
     character(*), intent(in) :: deck
     type(job_options_type), intent(out) :: options
     type(model_type), intent(out) :: model
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: complaints
     type(error_type), allocatable :: error
     options%job = 'unit'
     options%deck = 'unit.inp'
@@ -51,7 +51,7 @@ contains
   subroutine check_ties()
     type(model_type) :: model
     type(job_options_type) :: options
-    type(journal_type) :: journal
+    type(logger_type) :: journal
     type(error_type), allocatable :: error
     type(equation_type), allocatable :: equations(:)
     real(DP), allocatable :: coordinates(:, :)
@@ -75,7 +75,7 @@ contains
   subroutine check_adjustment()
     type(model_type) :: model
     type(job_options_type) :: options
-    type(journal_type) :: journal
+    type(logger_type) :: journal
     type(error_type), allocatable :: error
     real(DP), allocatable :: way(:, :), before(:, :)
     call read_model(CUBES // PAIR // STEPS, options, model)

@@ -2,8 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_slip_scenarios
   use amontons_kinds, only: DP, PI
-  use amontons_slip_scenarios, only: trial_type, slip_point_type, slip_controls_type, slip_verdict_type, split_imbalance, &
-    trial_traction, classify_slip, classify_nodes, table_length, guarded_length, STATUS_OPEN, STATUS_STICK, &
+  use amontons_slip_scenarios, only: trial_traction_type, slip_state_type, slip_controls_type, slip_result_type, &
+    split_nodal_imbalance, &
+    evaluate_trial_traction, classify_slip_scenario, classify_slip_scenarios, find_scenario_step_length, &
+    find_bounded_step_length, STATUS_OPEN, STATUS_STICK, &
     STATUS_SLIP, SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, NODE_OPEN, NODE_STICK, NODE_SLIP, &
     NODE_BALANCED, NODE_OPENED, NODE_CLOSED
   use check, only: suite_type
@@ -27,7 +29,7 @@ contains
     type(suite_type), intent(inout) :: suite
     real(DP) :: N, Rt(3)
     real(DP), parameter :: NORMAL(3) = [0.6_DP, 0.0_DP, 0.8_DP]
-    call split_imbalance([1.0_DP, 2.0_DP, -3.0_DP], NORMAL, N, Rt)
+    call split_nodal_imbalance([1.0_DP, 2.0_DP, -3.0_DP], NORMAL, N, Rt)
     call suite%near('N = -n.Rhat', N, 1.8_DP, 1.0e-14_DP)
     call suite%near('Rt is tangential', dot_product(Rt, NORMAL), 0.0_DP, 1.0e-14_DP)
     call suite%near('Rt = Rhat + N n', norm2(Rt - [2.08_DP, 2.0_DP, -1.56_DP]), 0.0_DP, 1.0e-14_DP)
@@ -37,35 +39,38 @@ contains
   !> Status by trial traction: each branch, with numbers that can be followed by hand; c = 10, normal z.
   subroutine check_trial(suite)
     type(suite_type), intent(inout) :: suite
-    type(trial_type) :: trial
+    type(trial_traction_type) :: trial
     real(DP), parameter :: NORMAL(3) = [0.0_DP, 0.0_DP, 1.0_DP], NONE(3) = 0, C = 10
-    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
     call suite%that('pressed, small shear: stick', trial%status == STATUS_STICK)
     call suite%near('sigma = N', trial%sigma, 10.0_DP, 1.0e-14_DP)
     call suite%near('tau = -Rt', norm2(trial%tau - [-2.0_DP, 0.0_DP, 0.0_DP]), 0.0_DP, 1.0e-14_DP)
-    call trial_traction([4.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([4.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
     call suite%that('pressed, large shear: slip', trial%status == STATUS_SLIP)
     call suite%near('friction against the drive', trial%direction(1), -1.0_DP, 1.0e-14_DP)
-    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [0.05_DP, 0.0_DP, 7.0_DP], NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [0.05_DP, 0.0_DP, 7.0_DP], NORMAL, MU, C, .true., 1.0e3_DP, &
+      trial)
     call suite%near('tau = -Rt - c P g', trial%tau(1), -2.5_DP, 1.0e-14_DP)
     call suite%near('the normal part of g does not count', trial%tau(3), 0.0_DP, 1.0e-14_DP)
     call suite%that('still stick', trial%status == STATUS_STICK)
-    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [-0.06_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [-0.06_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .true., 1.0e3_DP, &
+      trial)
     call suite%that('slip against the drive goes back to stick', trial%status == STATUS_STICK)
-    call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.9_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.9_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
     call suite%near('sigma = N - c g', trial%sigma, 1.0_DP, 1.0e-14_DP)
-    call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 1.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 1.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
     call suite%that('sigma = 0 is open', trial%status == STATUS_OPEN)
-    call trial_traction([0.0_DP, 0.0_DP, 1.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, 1.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
     call suite%that('tension opens', trial%status == STATUS_OPEN)
-    call trial_traction([5.0_DP, 0.0_DP, -10.0_DP], 0.01_DP, NONE, NORMAL, MU, C, .false., 1.0e3_DP, trial)
+    call evaluate_trial_traction([5.0_DP, 0.0_DP, -10.0_DP], 0.01_DP, NONE, NORMAL, MU, C, .false., 1.0e3_DP, trial)
     call suite%that('an open node with a gap stays open whatever its imbalance', trial%status == STATUS_OPEN)
-    call trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, NONE, NORMAL, MU, C, .false., 1.0e3_DP, trial)
+    call evaluate_trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, NONE, NORMAL, MU, C, .false., 1.0e3_DP, trial)
     call suite%that('an open node that penetrates closes, as stick', trial%status == STATUS_STICK)
     call suite%near('its sigma', trial%sigma, 0.1_DP, 1.0e-14_DP)
-    call trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, [0.1_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .false., 1.0e3_DP, trial)
+    call evaluate_trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, [0.1_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .false., 1.0e3_DP, &
+      trial)
     call suite%that('or as slip if it slid since it touched', trial%status == STATUS_SLIP .and. trial%direction(1) < 0)
-    call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, 0.0_DP, 10.0_DP, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, 0.0_DP, 10.0_DP, .true., 1.0e3_DP, trial)
     call suite%that('without friction a closed node slips', &
       trial%status == STATUS_SLIP .and. norm2(trial%direction) <= 0)
   end subroutine check_trial
@@ -74,7 +79,7 @@ contains
   !> The four rows with numbers from the formulas: mu N = 3 in both configurations, angles of 60 degrees.
   subroutine check_rows_by_number(suite)
     type(suite_type), intent(inout) :: suite
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     real(DP) :: rt_u(3), rt_ud(3), x(3)
     x = along(0.0_DP)
     rt_u = 5 * along(0.0_DP)
@@ -109,7 +114,7 @@ contains
       0.671044_DP, 0.549700_DP]
     integer :: i, n(4)
     real(DP) :: r(8), t_u(3), t_d(3), t_g(3), normal(3), a, b, expected, d(3), worst, size_d
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     n = 0
     worst = 0
     do i = 1, 400
@@ -125,19 +130,19 @@ contains
       case (0)
         d = size_d * t_u
         call classify(point((3 + a) * t_u, t_g), point((3 - b) * t_d, t_g), d, verdict)
-        expected = table_length(SCENARIO_I, a, b, 0.0_DP, 0.0_DP, 0.0_DP)
+        expected = find_scenario_step_length(SCENARIO_I, a, b, 0.0_DP, 0.0_DP, 0.0_DP)
       case (1)
         d = size_d * t_u
         call classify(point((3 + a) * t_u, t_g), point((3 + b) * t_d, t_g), d, verdict)
-        expected = table_length(SCENARIO_II, a, b, 0.0_DP, dot_product(t_u, t_d), 0.0_DP)
+        expected = find_scenario_step_length(SCENARIO_II, a, b, 0.0_DP, dot_product(t_u, t_d), 0.0_DP)
       case (2)
         d = -size_d * t_g
         call classify(point((3 - a) * t_u, 99 * t_g), point((3 + b) * t_d, 99 * t_g + d), d, verdict)
-        expected = table_length(SCENARIO_III, a, b, dot_product(t_u, t_g), 0.0_DP, dot_product(t_g, t_d))
+        expected = find_scenario_step_length(SCENARIO_III, a, b, dot_product(t_u, t_g), 0.0_DP, dot_product(t_g, t_d))
       case default
         d = -size_d * t_g
         call classify(point((3 - a) * t_u, 9999 * t_g), point((3 - b) * t_d, 9999 * t_g + d), d, verdict)
-        expected = table_length(SCENARIO_IV, a, b, dot_product(t_u, t_g), 0.0_DP, dot_product(t_g, t_d))
+        expected = find_scenario_step_length(SCENARIO_IV, a, b, dot_product(t_u, t_g), 0.0_DP, dot_product(t_g, t_d))
       end select
       if (expected < 0) expected = 1
       if (verdict%becomes_stick) cycle
@@ -153,7 +158,7 @@ contains
   !> A node on a spring: Rt = F - k s with N constant. I and II on a straight path land on balance in one step.
   subroutine check_linear_node(suite)
     type(suite_type), intent(inout) :: suite
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     real(DP) :: t(3), d(3), slip
     integer :: i
     t = unit([1.0_DP, -2.0_DP, 0.5_DP])
@@ -176,7 +181,7 @@ contains
   subroutine check_cut(suite)
     type(suite_type), intent(inout) :: suite
     real(DP), parameter :: STEPS(6) = [0.5_DP, 1.0_DP, 1.5_DP, 2.0_DP, 2.5_DP, 40.0_DP]
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     type(slip_controls_type) :: controls
     real(DP) :: t(3), g(3), d(3), alpha
     integer :: i
@@ -215,9 +220,9 @@ contains
     call suite%that('moving on is not cut', (.not. verdict%becomes_stick))
     controls%alpha_min = 0.25_DP
     controls%alpha_max = 1.01_DP
-    call classify_slip(point(1 * t, g), point(2.9_DP * t, -9 * g), -10 * g, MU, controls, verdict)
+    call classify_slip_scenario(point(1 * t, g), point(2.9_DP * t, -9 * g), -10 * g, MU, controls, verdict)
     call suite%near('the cut may go below the least length', verdict%alpha, 0.1_DP, 1.0e-14_DP)
-    call classify_slip(point(1 * t, g), point(2.9_DP * t, 0.9_DP * g), -0.1_DP * g, MU, controls, verdict)
+    call classify_slip_scenario(point(1 * t, g), point(2.9_DP * t, 0.9_DP * g), -0.1_DP * g, MU, controls, verdict)
     call suite%near('but never above the largest', verdict%alpha, 1.01_DP, 1.0e-14_DP)
     call suite%that('and then it is not stick', (.not. verdict%becomes_stick))
   end subroutine check_cut
@@ -226,7 +231,7 @@ contains
   !> Vanishing denominators and negative lengths mean 1; bounds; missing directions.
   subroutine check_guards(suite)
     type(suite_type), intent(inout) :: suite
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     type(slip_controls_type) :: controls
     real(DP) :: t(3), zero(3)
     t = along(10.0_DP)
@@ -241,16 +246,16 @@ contains
     call expect(suite, 'I: increment across', verdict, SCENARIO_I, 1.0_DP)
     controls%alpha_max = 1.5_DP
     controls%alpha_min = 0.4_DP
-    call classify_slip(point(5 * t, zero), point(4.9_DP * t, zero), t, MU, controls, verdict)
+    call classify_slip_scenario(point(5 * t, zero), point(4.9_DP * t, zero), t, MU, controls, verdict)
     call expect(suite, 'II: upper bound', verdict, SCENARIO_II, 1.5_DP)
-    call classify_slip(point(3.1_DP * t, zero), point(1 * t, zero), t, MU, controls, verdict)
+    call classify_slip_scenario(point(3.1_DP * t, zero), point(1 * t, zero), t, MU, controls, verdict)
     call expect(suite, 'I: lower bound', verdict, SCENARIO_I, 0.4_DP)
-    call suite%near('guarded: plain', guarded_length(-1.0_DP, 2.0_DP, controls), 0.5_DP, 1.0e-15_DP)
-    call suite%near('guarded: no denominator', guarded_length(1.0_DP, 1.0e-14_DP, controls), 1.0_DP, 0.0_DP)
-    call suite%near('guarded: negative', guarded_length(1.0_DP, 2.0_DP, controls), 1.0_DP, 0.0_DP)
-    call suite%near('guarded: nothing at all', guarded_length(0.0_DP, 0.0_DP, controls), 1.0_DP, 0.0_DP)
+    call suite%near('guarded: plain', find_bounded_step_length(-1.0_DP, 2.0_DP, controls), 0.5_DP, 1.0e-15_DP)
+    call suite%near('guarded: no denominator', find_bounded_step_length(1.0_DP, 1.0e-14_DP, controls), 1.0_DP, 0.0_DP)
+    call suite%near('guarded: negative', find_bounded_step_length(1.0_DP, 2.0_DP, controls), 1.0_DP, 0.0_DP)
+    call suite%near('guarded: nothing at all', find_bounded_step_length(0.0_DP, 0.0_DP, controls), 1.0_DP, 0.0_DP)
     ! N < 0 after the step carries no friction: DR = |Rt|.
-    call classify_slip(point(5 * t, zero), slip_point_type(N=-4.0_DP, Rt=1 * t), t, MU, slip_controls_type(), verdict)
+    call classify_slip_scenario(point(5 * t, zero), slip_state_type(N=-4.0_DP, Rt=1 * t), t, MU, slip_controls_type(), verdict)
     call expect(suite, 'II: N < 0 at ud', verdict, SCENARIO_II, 2.0_DP)
     ! Rt = 0 with some slip: t_u := t_g, so e(u) = -3 t_g.
     call classify(point(zero, 9 * t), point(1 * t, 8.9_DP * t), -0.1_DP * t, verdict)
@@ -260,21 +265,21 @@ contains
     call classify(point(5 * t, zero), point(3 * t, zero), t, verdict)
     call expect(suite, 'in balance after the step', verdict, SCENARIO_I, 1.0_DP)
     call suite%near('no scenario, full step', &
-      table_length(SCENARIO_NONE, 1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP), 1.0_DP, 0.0_DP)
+      find_scenario_step_length(SCENARIO_NONE, 1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP), 1.0_DP, 0.0_DP)
   end subroutine check_guards
 
 
   !> The states that are no scenario.
   subroutine check_states(suite)
     type(suite_type), intent(inout) :: suite
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     type(slip_controls_type) :: controls
     real(DP) :: t(3), zero(3)
     t = along(200.0_DP)
     zero = 0
-    call expect_state(suite, slip_point_type(is_closed=.false., gap=1.0_DP), controls, NODE_OPEN, 'open')
-    call expect_state(suite, slip_point_type(is_closed=.false., gap=-1.0e-9_DP), controls, NODE_CLOSED, 'closed')
-    call expect_state(suite, slip_point_type(N=-1.0e-9_DP, Rt=t), controls, NODE_OPENED, 'opened')
+    call expect_state(suite, slip_state_type(is_closed=.false., gap=1.0_DP), controls, NODE_OPEN, 'open')
+    call expect_state(suite, slip_state_type(is_closed=.false., gap=-1.0e-9_DP), controls, NODE_CLOSED, 'closed')
+    call expect_state(suite, slip_state_type(N=-1.0e-9_DP, Rt=t), controls, NODE_OPENED, 'opened')
     call expect_state(suite, point(2 * t, zero), controls, NODE_STICK, 'stick')
     call expect_state(suite, point(zero, zero), controls, NODE_STICK, 'no force and no slip')
     call expect_state(suite, point(2 * t, t), controls, NODE_SLIP, 'slip to take back')
@@ -283,15 +288,15 @@ contains
     call expect_state(suite, point((3 - 1.0e-13_DP) * t, t), controls, NODE_BALANCED, 'balance below')
     call expect_state(suite, point((3 + 1.0e-13_DP) * t, zero), controls, NODE_STICK, 'at the limit without slip')
     call expect_state(suite, point(3.001_DP * t, t), controls, NODE_SLIP, 'out of balance')
-    controls%balance = 1.0e-3_DP
+    controls%slip_tolerance = 1.0e-3_DP
     call expect_state(suite, point(3.001_DP * t, t), controls, NODE_BALANCED, 'a wider balance')
-    controls%balance = 0
+    controls%slip_tolerance = 0
     controls%force_zero = 0.01_DP
     call expect_state(suite, point(3.009_DP * t, t), controls, NODE_BALANCED, 'a balance in force')
     controls%slip_zero = 0.5_DP
     call expect_state(suite, point(2 * t, 0.4_DP * t), controls, NODE_STICK, 'a slip that counts as none')
     controls = slip_controls_type()
-    call classify_slip(point(3 * t, t), point(5 * t, 2 * t), t, MU, controls, verdict)
+    call classify_slip_scenario(point(3 * t, t), point(5 * t, 2 * t), t, MU, controls, verdict)
     call suite%near('balance adds to the global denominator', verdict%denominator, 2.0_DP, 1.0e-14_DP)
   end subroutine check_states
 
@@ -299,14 +304,14 @@ contains
   !> At u the given node: its state, and for all but slip no scenario and a full step.
   subroutine expect_state(suite, at_u, controls, expected, name)
     type(suite_type), intent(inout) :: suite
-    type(slip_point_type), intent(in) :: at_u
+    type(slip_state_type), intent(in) :: at_u
     type(slip_controls_type), intent(in) :: controls
     integer, intent(in) :: expected
     character(*), intent(in) :: name
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     real(DP) :: t(3)
     t = along(200.0_DP)
-    call classify_slip(at_u, point(4 * t, 0 * t), 0.1_DP * t, MU, controls, verdict)
+    call classify_slip_scenario(at_u, point(4 * t, 0 * t), 0.1_DP * t, MU, controls, verdict)
     call suite%that('state: ' // name, verdict%state == expected)
     call suite%that('state: ' // name // ', scenario', &
       (verdict%scenario == SCENARIO_NONE) .eqv. (expected /= NODE_SLIP))
@@ -330,7 +335,7 @@ contains
     Rt(:, :, 1) = spread(t, 2, M) * spread([5.0_DP, 5.0_DP, 1.0_DP, 1.0_DP, 1.0_DP], 1, 3)
     Rt(:, :, 2) = spread(t, 2, M) * spread([2.0_DP, 4.0_DP, 4.0_DP, 2.0_DP, 1.0_DP], 1, 3)
     d = spread(t, 2, M) * spread([0.1_DP, 0.1_DP, -0.1_DP, -0.3_DP, 0.1_DP], 1, 3)
-    call classify_nodes(Rt, N, slip, d, spread(MU, 1, M), slip_controls_type(), scenario, state, alpha)
+    call classify_slip_scenarios(Rt, N, slip, d, spread(MU, 1, M), slip_controls_type(), scenario, state, alpha)
     call suite%that('many: scenarios', &
       all(scenario == [SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, SCENARIO_NONE]))
     call suite%that('many: states', all(state == [NODE_SLIP, NODE_SLIP, NODE_SLIP, NODE_STICK, NODE_OPENED]))
@@ -340,17 +345,17 @@ contains
 
 
   subroutine classify(at_u, at_ud, d, verdict)
-    type(slip_point_type), intent(in) :: at_u, at_ud
+    type(slip_state_type), intent(in) :: at_u, at_ud
     real(DP), intent(in) :: d(3)
-    type(slip_verdict_type), intent(out) :: verdict
-    call classify_slip(at_u, at_ud, d, MU, slip_controls_type(), verdict)
+    type(slip_result_type), intent(out) :: verdict
+    call classify_slip_scenario(at_u, at_ud, d, MU, slip_controls_type(), verdict)
   end subroutine classify
 
 
   subroutine expect(suite, name, verdict, scenario, alpha)
     type(suite_type), intent(inout) :: suite
     character(*), intent(in) :: name
-    type(slip_verdict_type), intent(in) :: verdict
+    type(slip_result_type), intent(in) :: verdict
     integer, intent(in) :: scenario
     real(DP), intent(in) :: alpha
     call suite%that(name // ': scenario', verdict%scenario == scenario .and. verdict%state == NODE_SLIP)
@@ -361,8 +366,8 @@ contains
   !> A closed node with N = 10, so mu N = 3.
   pure function point(Rt, slip) result(at)
     real(DP), intent(in) :: Rt(3), slip(3)
-    type(slip_point_type) :: at
-    at = slip_point_type(N=10.0_DP, Rt=Rt, slip=slip)
+    type(slip_state_type) :: at
+    at = slip_state_type(N=10.0_DP, Rt=Rt, slip=slip)
   end function point
 
 

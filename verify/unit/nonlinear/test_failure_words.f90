@@ -7,7 +7,7 @@ program test_failure_words
     FAILURE_CONTACT_LIMIT, FAILURE_SLOW, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, N_FAILURES, FAMILY_FREE_BODY, FAMILY_NONE, &
     FAMILY_LIMIT_POINT
   use amontons_failure_words, only: failure_words, failure_name, remedy_words, is_same_failure
-  use amontons_failure_report, only: failed_attempts, is_free_for_good
+  use amontons_failure_report, only: summarize_attempts, is_always_unsupported
   use amontons_iteration_records, only: increment_record_type
   use check, only: suite_type
   implicit none
@@ -121,9 +121,9 @@ contains
     records(3)%failure = sample(FAILURE_CYCLE)
     records(4)%failure = sample(FAILURE_SLOW)
     records(5)%failure = sample(FAILURE_SINGULAR)
-    call suite%that('attempts', failed_attempts(records) == &
+    call suite%that('attempts', summarize_attempts(records) == &
       'Its attempts failed by FREE BODY, CYCLE of length 3 at nodes 12, 7, SLOW, LINEAR SOLVER.')
-    call suite%that('one attempt needs no list', failed_attempts(records(:1)) == '')
+    call suite%that('one attempt needs no list', summarize_attempts(records(:1)) == '')
   end subroutine check_attempts
 
 
@@ -139,14 +139,14 @@ contains
       records(i)%failure = sample(k)
       call suite%that('a free body', family_of(records(i)%failure) == FAMILY_FREE_BODY)
     end do
-    call suite%that('four times: it is free for good', is_free_for_good(records))
-    call suite%that('three attempts are too few', .not. is_free_for_good(records(:3)))
+    call suite%that('four times: it is free for good', is_always_unsupported(records))
+    call suite%that('three attempts are too few', .not. is_always_unsupported(records(:3)))
     records(3)%failure = sample(FAILURE_LIMIT_POINT)
     records(3)%reason = 'FREE BODY: these words say nothing either'
     call suite%that('a limit point is none', family_of(records(3)%failure) == FAMILY_LIMIT_POINT)
-    call suite%that('once not: it may be held', .not. is_free_for_good(records))
+    call suite%that('once not: it may be held', .not. is_always_unsupported(records))
     records(3)%failure%code = FAILURE_NONE
-    call suite%that('once no failure: it may be held', .not. is_free_for_good(records))
+    call suite%that('once no failure: it may be held', .not. is_always_unsupported(records))
   end subroutine check_giving_up
 
 end program test_failure_words
