@@ -18,6 +18,7 @@ module amontons_audit
     DISTRIBUTED_BODY, DISTRIBUTED_TRACTION
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, direction_of, n_bonds
+  use amontons_node_overrides, only: gives_way
   use amontons_state, only: slave_type
   use amontons_bonds, only: linear_equations
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, ROW_REDUNDANT, &
@@ -396,7 +397,7 @@ contains
     n_closed = 0
     n_open = 0
     do s = 1, size(slaves)
-      if (slaves(s)%facet == 0 .or. .not. contact%overlaps%is_kept(s)) cycle
+      if (slaves(s)%facet == 0 .or. gives_way(slaves(s)%overrides)) cycle
       call touching_row(contact, slaves(s), row)
       if (.not. any(bodies%of_node(row%nodes) == b)) cycle
       if (is_closed(contact, slaves(s))) then
@@ -582,7 +583,7 @@ contains
     real(DP) :: push(3)
     integer :: s, i, b
     do s = 1, size(slaves)
-      if (slaves(s)%facet == 0 .or. .not. contact%overlaps%is_kept(s)) cycle
+      if (slaves(s)%facet == 0 .or. gives_way(slaves(s)%overrides)) cycle
       call touching_row(contact, slaves(s), row)
       do i = 1, size(row%nodes)
         b = bodies%of_node(row%nodes(i))

@@ -9,6 +9,7 @@ module amontons_audit_contact
   use amontons_loads, only: amplitude_type, prescribed_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant
+  use amontons_node_overrides, only: gives_way
   use amontons_state, only: slave_type, STATUS_OPEN
   use amontons_contact, only: contact_type
   use amontons_audit_bodies, only: complain, warn, label_list, number_of
@@ -90,7 +91,7 @@ contains
     type(pair_tally_type), intent(inout) :: tally
     real(DP) :: edge
     logical :: is_turned, is_yielding
-    is_yielding = .not. contact%overlaps%is_kept(s)
+    is_yielding = gives_way(slave%overrides)
     if (slave%row > 0 .and. slave%side == 0) is_yielding = is_yielding .or. contact%mortar(slave%pair)%places(slave%row)%is_merged
     if (is_yielding) tally%n_yielding = tally%n_yielding + 1
     if (is_yielding) return

@@ -43,8 +43,8 @@ contains
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction; read if trouble is none [length]
     integer, intent(in) :: trouble                 !< TROUBLE_... of the direction
     real(DP) :: missing(size(du, 2))               ! prescribed displacements that are [length]
-    is_carried_off = trouble == TROUBLE_SOLVER .and. size(system%contact%view%status) > 0
-    if (trouble /= TROUBLE_NONE .or. size(system%contact%view%status) == 0) return
+    is_carried_off = trouble == TROUBLE_SOLVER .and. size(system%contact%view) > 0
+    if (trouble /= TROUBLE_NONE .or. size(system%contact%view) == 0) return
     missing = components_of(system, reshape(system%base%offset, shape(du)), 1)
     is_carried_off = .not. maxval(sizes_of(system, du, 1)) <= mesh_extent(model%mesh) + 2.0_DP * maxval(missing)
     is_carried_off = is_carried_off .or. system%is_unheld

@@ -6,6 +6,7 @@
 !! overclosure, minus the gap.
 module amontons_compliance
   use amontons_kinds, only: DP, PI
+  use amontons_slip, only: friction_limit
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
   implicit none
   private
@@ -108,12 +109,12 @@ contains
   end function law_reach
 
 
-  !> The largest shear force that a compliant law lets a node carry.
+  !> The friction limit of a law at a pressure: the largest shear force that a node carries. TIED never slips but by TAUMAX.
   pure real(DP) function shear_most(law, area, pressure) result(most)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< [length^2]
     real(DP), intent(in) :: pressure               !< [stress]
-    most = min(law%friction * max(pressure, 0.0_DP), law%shear_limit) * area
+    most = friction_limit(law%friction, max(pressure, 0.0_DP), law%shear_limit) * area
     if (law%behavior == BEHAVIOR_TIED) most = law%shear_limit * area
   end function shear_most
 

@@ -9,7 +9,9 @@ module amontons_contact
   use amontons_topology, only: N_SOLID_KINDS
   use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, is_compliant, pair_laws
-  use amontons_slaves, only: slip_view_type, lose_master
+  use amontons_slaves, only: lose_master
+  use amontons_slip, only: slip_point_type
+  use amontons_node_overrides, only: edge_extension, gives_way, NODE_OVERRIDE_OFF_MASTER
   use amontons_user_contact, only: user_answer_type
   use amontons_meeting, only: meeting_type
   use amontons_steps, only: step_type
@@ -30,11 +32,7 @@ module amontons_contact
   private
   public :: contact_type, create_contact, begin_contact_step, set_supports, fit_contact
   public :: renew_rows, touching_row, origin_row, contact_slip_vector, origin_offset_rate, find_again, refresh_facet, &
-    renew_place, locate_slave, set_origin, close_slave, is_stuck, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
-
-  integer, parameter :: HOLD_NEVER = 0            !< the node's status was not held in this increment
-  integer, parameter :: HOLD_NOW = 1              !< it is held, whatever its trial traction says
-  integer, parameter :: HOLD_WAS = 2              !< it was, and is not held again
+    renew_place, locate_slave, set_origin, close_slave, is_stuck, SEARCH_REACH
 
   real(DP), parameter :: FLUSH = 1.0e-2_DP         !< masters that stand off from each other by more of an edge are two [-]
   real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
@@ -65,18 +63,18 @@ module amontons_contact
     real(DP), allocatable :: Rhat(:, :)           !< (3, n_slaves) imbalance of the row, what other slaves bring included [force]
     type(mortar_type), allocatable :: mortar(:)   !< (n_pairs) rows of surface-to-surface pairs: slave%row; empty for others
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
-    type(slip_view_type) :: view                  !< of the last evaluation
+    type(slip_point_type), allocatable :: view(:) !< (n_slaves) the decision on each slave node at the last evaluation
     type(user_answer_type), allocatable :: answers(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
     type(meeting_type), allocatable :: met(:)     !< (n_slaves) under compliant laws, at the last evaluation
     real(DP), allocatable :: ahead(:, :)          !< (3, n_nodes) what laws give more where their slaves are [force]
     logical, allocatable :: is_lone(:)            !< (n_slaves) under a compliant law, and no other slave gives its node a force
     real(DP), allocatable :: memory(:)            !< committed STATEV
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
-    integer, allocatable :: hold(:)               !< (n_slaves) HOLD_...: whether a cycle has its status held
     integer :: n_opened = 0                       !< changes found by the last evaluation
     integer :: n_closed = 0
     integer :: n_changed = 0                      !< all changes of status, opened and closed included
     integer :: n_left = 0                         !< nodes that left their master
+    integer :: n_imposed = 0                      !< nodes that the line search set to stick against their trial traction
     real(DP) :: worst_gap = 0                     !< of the closed nodes, over the edge of the master's facet [-]
     integer :: worst_slave = 0
   end type contact_type
@@ -137,10 +135,7 @@ contains
     allocate (contact%answers(n), contact%met(n))
     allocate (contact%is_lone(n), source=.false.)
     allocate (contact%ahead(3, model%mesh%n_nodes), source=0.0_DP)
-    allocate (contact%hold(n), source=HOLD_NEVER)
-    allocate (contact%view%imbalance_t(3, n), contact%view%slip(3, n), contact%view%position(3, n), source=0.0_DP)
-    allocate (contact%view%normal_force(n), source=0.0_DP)
-    allocate (contact%view%status(n), source=STATUS_OPEN)
+    allocate (contact%view(n))
   end subroutine create_contact
 
 
@@ -236,18 +231,13 @@ contains
     contact%free = reshape([0.0_DP], [3, 3, n], pad=[0.0_DP])
     contact%is_shifted = spread(.false., 1, n)
     contact%friction = spread(0.0_DP, 1, n)
-    contact%hold = spread(HOLD_NEVER, 1, n)
     contact%is_bound = [contact%is_bound(:min(n, size(contact%is_bound))), spread(.false., 1, n - min(n, size(contact%is_bound)))]
     deallocate (contact%answers, contact%met)
     allocate (contact%answers(n), contact%met(n))
     contact%is_lone = [contact%is_lone(:min(n, size(contact%is_lone))), spread(.false., 1, n - min(n, size(contact%is_lone)))]
     contact%Rhat = reshape([0.0_DP], [3, n], pad=[0.0_DP])
     contact%direction = contact%Rhat
-    contact%view%imbalance_t = contact%Rhat
-    contact%view%slip = contact%Rhat
-    contact%view%position = contact%Rhat
-    contact%view%normal_force = contact%friction
-    contact%view%status = spread(STATUS_OPEN, 1, n)
+    contact%view = spread(slip_point_type(), 1, n)
     call fit_overlaps(contact%overlaps, n)
   end subroutine fit_contact
 
@@ -439,8 +429,8 @@ contains
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: s
     type(slave_type), intent(inout) :: slave
-    if (contact%is_small(slave%pair) .or. contact%is_removed(slave%pair) .or. slave%extension < 0.0_DP) return
-    if (.not. contact%overlaps%is_kept(s)) return
+    if (contact%is_small(slave%pair) .or. contact%is_removed(slave%pair)) return
+    if (slave%overrides%edge == NODE_OVERRIDE_OFF_MASTER .or. gives_way(slave%overrides)) return
     call refresh_facet(contact, x, s, SEARCH_REACH * contact%edge(slave%pair), slave)
   end subroutine find_again
 
@@ -462,7 +452,7 @@ contains
     end if
     if (slave%status /= STATUS_OPEN .and. slave%facet > 0) then
       call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
-        slave%normal, status, slave%extension)
+        slave%normal, status, edge_extension(slave%overrides))
     else
       call find_projection(contact%facets(slave%pair), contact%search(slave%pair), x, x(:, slave%node), reach, &
         projection, contact%slave_normal(:, s))
@@ -625,7 +615,7 @@ contains
         - origin_offset_of(contact, slave))
     else
       call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
-        slave%normal, status, slave%extension)
+        slave%normal, status, edge_extension(slave%overrides))
       slave%gap = slave%gap + slave%offset
       if (status /= PROJECT_ON) slave%facet = 0
     end if

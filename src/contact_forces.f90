@@ -7,19 +7,20 @@
 module amontons_contact_forces
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
-  use amontons_surfaces, only: is_compliant, BEHAVIOR_USER
-  use amontons_slaves, only: lose_master, loosen_grip, is_grip_lost, never_slips, set_force, set_view
+  use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
+  use amontons_node_overrides, only: note_pull_off, is_friction_suppressed, is_status_imposed, gives_way, NODE_OVERRIDE_STICK_ONCE
+  use amontons_slaves, only: lose_master, never_slips, set_force
   use amontons_user_contact, only: ask_interface, ask_friction
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_rows, only: contact_row_type, imbalance_of, spread_force
   use amontons_sparse, only: multiply
   use amontons_overlaps, only: free_directions, left_free, is_friction_taken
   use amontons_facets, only: is_line
-  use amontons_slip, only: trial_type, trial_traction
-  use amontons_compliance, only: law_reach
+  use amontons_slip, only: trial_type, trial_traction, slip_point_type, friction_limit, NO_FRICTION_LIMIT
+  use amontons_compliance, only: law_reach, shear_most
   use amontons_meeting, only: asked_type, meeting_type, meet_law
   use amontons_contact, only: contact_type, renew_rows, find_again, renew_place, locate_slave, close_slave, is_stuck, &
-    touching_row, origin_row, contact_slip_vector, HOLD_NOW
+    touching_row, origin_row, contact_slip_vector
   implicit none
   private
   public :: evaluate_contact, elastic_trial, is_cornered
@@ -27,6 +28,7 @@ module amontons_contact_forces
   real(DP), parameter :: GRAZE = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge [-]
   real(DP), parameter :: CLING = 1.0e-12_DP       !< a closed node opens when it is pulled off by more than this times the edge [-]
   real(DP), parameter :: STILL = 1.0e-11_DP        !< a slip below this times the edge is rounding [-]
+  real(DP), parameter :: SLIP_ZERO = 1.0e-12_DP    !< for the slip scenarios a slip up to this times the edge is zero [-]
   real(DP), parameter :: SUPPORTED = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
   real(DP), parameter :: LED = 1.0e-9_DP          !< a node that supports lead farther than this times the edge slides [-]
 
@@ -51,6 +53,7 @@ contains
     contact%n_closed = 0
     contact%n_changed = 0
     contact%n_left = 0
+    contact%n_imposed = 0
     contact%worst_gap = 0.0_DP
     contact%worst_slave = 0
     if (size(fields%slaves) == 0) return
@@ -65,7 +68,8 @@ contains
       end do
       do s = 1, size(fields%slaves)
         if (contact%overlaps%level(s) /= level) cycle
-        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. contact%hold(s) == HOLD_NOW, s, fields)
+        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. &
+          is_status_imposed(fields%slaves(s)%overrides), s, fields)
       end do
       do s = 1, size(fields%slaves)
         if (contact%overlaps%level(s) == level) call add_contact_force(contact, s, fields%slaves(s), fields%contact_force)
@@ -116,7 +120,8 @@ contains
     integer :: before
     associate (slave => fields%slaves(s))
       before = slave%status
-      if (slave%row > 0 .and. .not. contact%is_small(slave%pair) .and. contact%overlaps%is_kept(s)) call renew_place(contact, slave)
+      if (slave%row > 0 .and. .not. contact%is_small(slave%pair) .and. .not. gives_way(slave%overrides)) &
+        call renew_place(contact, slave)
       if (slave%facet == 0 .and. slave%row == 0) call find_again(contact, x, s, slave)
       call locate_slave(contact, x, slave)
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
@@ -155,14 +160,14 @@ contains
         call lose_master(slave)
         if (old%status == STATUS_OPEN) slave%origin_facet = 0
         slave%slip_increment = 0.0_DP
-        call set_view(contact%view, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, spread(0.0_DP, 1, 3))
+        contact%view(s) = slip_point_type()
         return
       end if
       free_normal = free_normal / share
       d = 0.0_DP
       if (slave%origin_facet > 0) d = contact_slip_vector(contact, model, fields%u, slave)
       if (is_led(free, d - dot_product(slave%normal, d) * slave%normal, contact%edge(slave%pair))) contact%friction(s) = 0.0_DP
-      if (never_slips(law) .and. is_grip_lost(slave)) contact%friction(s) = 0.0_DP
+      if (never_slips(law) .and. is_friction_suppressed(slave%overrides)) contact%friction(s) = 0.0_DP
       mu = contact%friction(s) / share
       most = law%shear_limit * slave%area
       contact%is_shifted(s) = is_shifted(free, d, contact%edge(slave%pair))
@@ -174,15 +179,14 @@ contains
         call ask_status()
       end if
       if (before /= STATUS_OPEN .and. slave%status == STATUS_OPEN .and. (never_slips(law) .or. is_cornered(contact, s))) &
-        call loosen_grip(slave)
+        call note_pull_off(slave%overrides)
       if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       contact%direction(:, s) = trial%direction
       slave%slip_increment = d - dot_product(free_normal, d) * free_normal
       if (slave%status == STATUS_OPEN) slave%slip_increment = 0.0_DP
       call set_forces(-dot_product(free_normal, Rhat))
-      contact%view%position(:, s) = d
-      if (is_cornered(contact, s)) contact%view%position(:, s) = slave%slip_increment + slave%gap * free_normal
-      call count_changes(contact, before, s, slave)
+      if (is_cornered(contact, s)) d = slave%slip_increment + slave%gap * free_normal
+      call count_changes(contact, before, s, slave, norm2(d))
     end associate
 
   contains
@@ -196,6 +200,8 @@ contains
         gap = gap + merge(GRAZE, -CLING, before == STATUS_OPEN) * contact%edge(slave%pair)
         call trial_traction(Rhat, gap, d, free_normal, mu, slave%stiffness, before /= STATUS_OPEN, most, trial)
         slave%status = merge(before, trial%status, is_frozen)
+        if (slave%overrides%status == NODE_OVERRIDE_STICK_ONCE .and. trial%status /= STATUS_STICK) &
+          contact%n_imposed = contact%n_imposed + 1
       end associate
     end subroutine ask_status
 
@@ -212,14 +218,43 @@ contains
         if (contact%laws(slave%pair)%is_user_friction .and. slave%status == STATUS_SLIP) then
           slave%force = N / share * slave%normal
         else
-          call set_force(slave, Rhat, N / share, min(mu * N, most) * trial%direction)
+          call set_force(slave, Rhat, N / share, friction_limit(mu, N, most) * trial%direction)
         end if
         if (slave%status == STATUS_STICK .and. is_cornered(contact, s)) slave%shear = -Rhat - N * free_normal
-        call set_view(contact%view, s, slave%status, Rhat + N * free_normal, N, slave%slip_increment)
+        contact%view(s) = slip_point_type(slave%status, N, Rhat + N * free_normal, limit_of(contact, slave, s, N / share), &
+          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair))
       end associate
     end subroutine set_forces
 
   end subroutine hold_slave
+
+
+  !> The friction limit of a closed node as the slip scenarios take it: by its coefficient, TAUMAX or the user's routine.
+  !!
+  !! Exact contact: the coefficient of the node, 0 where its friction is suppressed, with the normal force that acts along the normal
+  !! itself. Compliant law: that of the law. FRIC: the shear that it gave; a node that it holds, a ROUGH one and a TIED one have no
+  !! limit.
+  pure real(DP) function limit_of(contact, slave, s, N) result(limit)
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave          !< evaluated
+    integer, intent(in) :: s                       !< index of the slave
+    real(DP), intent(in) :: N                      !< normal force that the imbalance requires [force]
+    logical :: is_unlimited
+    associate (law => contact%laws(slave%pair))
+      if (law%is_user_friction) then
+        limit = merge(NO_FRICTION_LIMIT, norm2(slave%shear), contact%answers(s)%is_stuck)
+        return
+      end if
+      if (is_compliant(law)) then
+        is_unlimited = law%friction >= ROUGH_FRICTION .or. law%behavior == BEHAVIOR_TIED
+        limit = shear_most(law, slave%area, N / slave%area)
+      else
+        is_unlimited = contact%friction(s) >= ROUGH_FRICTION
+        limit = friction_limit(contact%friction(s), max(N, 0.0_DP), law%shear_limit * slave%area)
+      end if
+      if (is_unlimited .and. law%shear_limit >= NO_SHEAR_LIMIT) limit = NO_FRICTION_LIMIT
+    end associate
+  end function limit_of
 
 
   !> Whether supports alone move a slave along its master: none of its directions along the master is free. What friction is
@@ -290,8 +325,9 @@ contains
         call ask_interface(model, law, is_line(contact%facets(slave%pair)%kind(1)), elastic_trial(contact, model, old, fields%u, &
           slave), old, contact%memory, s, fields, contact%answers(s))
         if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
-        call set_view(contact%view, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
-        call count_changes(contact, before, s, slave)
+        contact%view(s) = slip_point_type(status=slave%status, slip=slave%slip_increment, &
+          slip_zero=SLIP_ZERO * contact%edge(slave%pair))
+        call count_changes(contact, before, s, slave, 0.0_DP)
         return
       end if
       if (old%status == STATUS_OPEN .and. .not. slave%is_within) slave%origin_facet = 0
@@ -310,11 +346,12 @@ contains
         -contact%met(s)%pressure * slave%normal - slave%shear / slave%area, asked%slip, s, fields)
       N = -dot_product(slave%normal, imbalance)
       if (slave%status == STATUS_OPEN) then
-        call set_view(contact%view, s, STATUS_OPEN, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
+        contact%view(s) = slip_point_type(slip=slave%slip_increment, slip_zero=SLIP_ZERO * contact%edge(slave%pair))
       else
-        call set_view(contact%view, s, slave%status, imbalance + N * slave%normal, N, slave%slip_increment)
+        contact%view(s) = slip_point_type(slave%status, N, imbalance + N * slave%normal, limit_of(contact, slave, s, N), &
+          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair))
       end if
-      call count_changes(contact, before, s, slave)
+      call count_changes(contact, before, s, slave, 0.0_DP)
     end associate
   end subroutine press_slave
 
@@ -392,18 +429,19 @@ contains
 
 
   !> Counts changes of status and keeps the worst violation of a closed node.
-  subroutine count_changes(contact, before, s, slave)
+  subroutine count_changes(contact, before, s, slave, from_origin)
     type(contact_type), intent(inout) :: contact
     integer, intent(in) :: before                  !< status before
     integer, intent(in) :: s
     type(slave_type), intent(in) :: slave
+    real(DP), intent(in) :: from_origin            !< exact contact: distance from where it sticks [length]
     real(DP) :: distance
     if (slave%status /= before) contact%n_changed = contact%n_changed + 1
     if (slave%status == STATUS_OPEN .and. before /= STATUS_OPEN) contact%n_opened = contact%n_opened + 1
     if (slave%status /= STATUS_OPEN .and. before == STATUS_OPEN) contact%n_closed = contact%n_closed + 1
     if (slave%status == STATUS_OPEN .or. is_compliant(contact%laws(slave%pair))) return
     distance = abs(slave%gap)
-    if (slave%status == STATUS_STICK) distance = max(distance, norm2(contact%view%position(:, s)))
+    if (slave%status == STATUS_STICK) distance = max(distance, from_origin)
     distance = distance / contact%edge(slave%pair)
     if (distance > contact%worst_gap) then
       contact%worst_gap = distance

@@ -5,7 +5,9 @@ module amontons_contact_start
   use amontons_topology, only: MAX_FACE_NODES
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED
-  use amontons_state, only: fields_type, slave_type, GRIP_FIRM, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, state_type, create_state
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, state_type, create_state
+  use amontons_node_overrides, only: node_overrides_type, gives_way, NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, &
+    NODE_OVERRIDE_GIVES_WAY
   use amontons_rows, only: facet_weights
   use amontons_areas, only: face_area, depth_of, sum_shares
   use amontons_gap, only: excess_over_edges
@@ -70,7 +72,7 @@ contains
         else if (is_step_start) then
           call refresh_facet(contact, x, s, reach, slave)
         end if
-        if (.not. is_beyond(contact, slave)) slave%extension = 0.0_DP
+        slave%overrides = node_overrides_type(edge=merge(NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_NONE, is_beyond(contact, slave)))
         is_new = .not. slave%is_started
         if (is_new) call start_slave(contact, model, slave)
         call ramp_interference(contact, is_step_start, fields, slave)
@@ -78,7 +80,6 @@ contains
         slave%scenario = 0
         slave%is_within = .false.
         if (never_slips(contact%laws(p)) .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! where it slid to
-        slave%grip = GRIP_FIRM
         slave%slip_increment = 0.0_DP
         slave%origin_facet = 0
         if (slave%status /= STATUS_OPEN) call set_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
@@ -86,9 +87,9 @@ contains
     end do
     if (contact%overlaps%has_chains) call list_reach(contact, model, fields%slaves, nodes_in_reach)
     call order_slaves(fields%slaves, mirrored_pairs(contact, model), nodes_in_reach, contact%overlaps)
-    where (contact%is_bound) contact%overlaps%is_kept = .false.
+    where (contact%is_bound) fields%slaves%overrides%side = NODE_OVERRIDE_GIVES_WAY
     do s = 1, size(fields%slaves)
-      if (contact%overlaps%is_kept(s)) cycle
+      if (.not. gives_way(fields%slaves(s)%overrides)) cycle
       call lose_master(fields%slaves(s))
       fields%slaves(s)%origin_facet = 0
     end do
@@ -169,7 +170,7 @@ contains
   pure logical function is_beyond(contact, slave)
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slave
-    is_beyond = slave%extension > 0.0_DP .and. slave%facet > 0 .and. slave%status /= STATUS_OPEN
+    is_beyond = slave%overrides%edge == NODE_OVERRIDE_EXTENDED .and. slave%facet > 0 .and. slave%status /= STATUS_OPEN
     if (is_beyond) is_beyond = any(excess_over_edges(contact%facets(slave%pair)%kind(slave%facet), slave%xi) > 0.0_DP)
   end function is_beyond
 

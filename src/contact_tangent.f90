@@ -13,6 +13,7 @@ module amontons_contact_tangent
   use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, row_type, add_row, ROW_CONFLICT
   use amontons_gap, only: gap_derivative, gap_derivative_type, vertex_derivative
+  use amontons_slip, only: friction_limit, is_friction_capped
   use amontons_surfaces, only: is_compliant, BEHAVIOR_USER
   use amontons_rows, only: contact_row_type, relative_position
   use amontons_cut_rates, only: facet_rates_type
@@ -392,7 +393,7 @@ contains
       mu = contact%friction(link%slave)
       if (contact%laws(slave%pair)%is_user_friction) mu = 0.0_DP
       most = contact%laws(slave%pair)%shear_limit * slave%area
-      is_capped = mu / share * N > most
+      is_capped = is_friction_capped(mu / share, N, most)
       w = -matmul(m, imbalance) - slave%stiffness * matmul(m, contact_slip_vector(contact, model, fields%u, slave))
       p = unit - outer(n_f, n_f)
       h = matmul(p, m) / share                     ! d n_f = h d n
@@ -405,7 +406,7 @@ contains
         turn = (unit - outer(q, q)) / length
       end if
       d_limit = merge(0.0_DP, mu, is_capped)       ! friction is limit q, d limit = d_limit/|n_f| (dN - N d|n_f|/|n_f|)
-      limit = merge(most, mu / share * N, is_capped)
+      limit = friction_limit(mu / share, N, most)
       a = (slave%normal + d_limit * q) / share
       link%force_imbalance = -outer(a, n_f) - limit * matmul(turn, p)
       force_slip = -limit * slave%stiffness * matmul(matmul(turn, p), m)

@@ -152,7 +152,7 @@ contains
     type(system_type), intent(in) :: system
     type(step_type), intent(in) :: step
     is_astray = step%line_search == SEARCH_AUTO .and. system%is_condensed .and. .not. system%is_settled .and. &
-      course%now == COURSE_NEWTON .and. size(system%contact%view%status) > 0
+      course%now == COURSE_NEWTON .and. size(system%contact%view) > 0
   end function is_astray
 
 end module amontons_course

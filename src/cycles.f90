@@ -13,10 +13,12 @@
 module amontons_cycles
   use amontons_kinds, only: DP
   use amontons_surfaces, only: is_compliant
-  use amontons_state, only: slave_type, STATUS_OPEN, GRIP_LOST, GRIP_TRIED
+  use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_OFF_MASTER, &
+    NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_RELEASED, NODE_OVERRIDE_FRICTIONLESS, NODE_OVERRIDE_RETRY
+  use amontons_state, only: slave_type, STATUS_OPEN
   use amontons_forensics, only: forensics_type, find_cycle, cycle_nodes, least_merit, last_facet, DEPTH
   use amontons_gap, only: projection_type, find_projection, excess_over_edges, PROJECT_ON
-  use amontons_contact, only: contact_type, SEARCH_REACH, HOLD_NEVER, HOLD_NOW, HOLD_WAS
+  use amontons_contact, only: contact_type, SEARCH_REACH
   implicit none
   private
   public :: act_on_cycle, release_nodes, keep_to_edges, walk_type
@@ -24,9 +26,7 @@ module amontons_cycles
   real(DP), parameter :: STAGNANT = 0.5_DP         !< a merit that is not below this part of that one cycle before does not fall [-]
   integer, parameter :: OFTEN = 3                  !< times that a node runs off its master until it keeps to the edge
   integer, parameter :: TWICE = 2                  !< times that it comes back over an edge where the normal jumps until it stays
-  real(DP), parameter :: BESIDE = -1.0_DP          !< of a node that stays beside its master in this increment [-]
   real(DP), parameter :: NEAR_EDGE = 0.1_DP        !< a node deeper in a facet than this is not beside it, in its lengths [-]
-  real(DP), parameter :: KEEPING = 0.5_DP          !< how far the facet of a node that keeps to its edge reaches beyond itself [-]
 
   !> Where a node has been while contact settles along a direction.
   type :: walk_type
@@ -39,7 +39,7 @@ contains
 
   !> Looks for a cycle and acts on its nodes. After: the statuses and facets with which contact is to be evaluated again.
   subroutine act_on_cycle(contact, forensics, slaves, is_found, is_acted)
-    type(contact_type), intent(inout) :: contact
+    type(contact_type), intent(in) :: contact
     type(forensics_type), intent(in) :: forensics
     type(slave_type), intent(inout) :: slaves(:)
     logical, intent(out) :: is_found               !< there is a cycle
@@ -57,13 +57,13 @@ contains
     do i = 1, size(nodes)
       associate (slave => slaves(nodes(i)), s => nodes(i))
         if (is_running_off(contact, forensics, slave, s, length) .or. is_changing_facets(contact, forensics, slave, s, length)) then
-          if (slave%extension >= KEEPING) cycle
-          slave%extension = KEEPING
+          if (slave%overrides%edge == NODE_OVERRIDE_EXTENDED) cycle
+          slave%overrides%edge = NODE_OVERRIDE_EXTENDED
           slave%facet = last_facet(forensics, s)
           is_acted = .true.
-        else if (contact%hold(s) == HOLD_NEVER .and. .not. is_compliant(contact%laws(slave%pair))) then
+        else if (slave%overrides%status == NODE_OVERRIDE_NONE .and. .not. is_compliant(contact%laws(slave%pair))) then
           if (forensics%facet(s, best) == 0) cycle
-          contact%hold(s) = HOLD_NOW
+          slave%overrides%status = NODE_OVERRIDE_FROZEN
           slave%status = forensics%status(s, best)
           if (slave%facet == 0) slave%facet = forensics%facet(s, best)
           is_acted = .true.
@@ -85,15 +85,15 @@ contains
     integer :: s
     is_kept = .false.
     do s = 1, size(now)
-      if (abs(start(s)%extension) > 0.0_DP .or. .not. has_edges(contact, now(s))) cycle
+      if (start(s)%overrides%edge /= NODE_OVERRIDE_NONE .or. .not. has_edges(contact, now(s))) cycle
       is_faceted = contact%facets(now(s)%pair)%is_faceted
       call follow_walk(now(s)%facet, is_faceted, walks(s))
       if (walks(s)%n_turns < merge(TWICE, OFTEN, is_faceted)) cycle
       if (now(s)%facet > 0 .and. .not. is_faceted) cycle
-      start(s)%extension = KEEPING
+      start(s)%overrides%edge = NODE_OVERRIDE_EXTENDED
       is_kept = .true.
       if (now(s)%facet > 0 .or. start(s)%status /= STATUS_OPEN) cycle
-      start(s)%extension = BESIDE
+      start(s)%overrides%edge = NODE_OVERRIDE_OFF_MASTER
       start(s)%facet = 0
     end do
   end subroutine keep_to_edges
@@ -150,25 +150,25 @@ contains
   !> All else is in balance: nodes that were held are let go, and those beside their master that are well within it. After:
   !! whether there were any.
   subroutine release_nodes(contact, x, slaves, is_released)
-    type(contact_type), intent(inout) :: contact
+    type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates now [length]
     type(slave_type), intent(inout) :: slaves(:)
     logical, intent(out) :: is_released
     type(projection_type) :: here
     integer :: s
-    is_released = any(contact%hold == HOLD_NOW)
-    where (contact%hold == HOLD_NOW) contact%hold = HOLD_WAS
-    is_released = is_released .or. any(slaves%grip == GRIP_LOST)
-    where (slaves%grip == GRIP_LOST) slaves%grip = GRIP_TRIED
+    is_released = any(slaves%overrides%status == NODE_OVERRIDE_FROZEN .or. &
+      slaves%overrides%friction == NODE_OVERRIDE_FRICTIONLESS)
+    where (slaves%overrides%status == NODE_OVERRIDE_FROZEN) slaves%overrides%status = NODE_OVERRIDE_RELEASED
+    where (slaves%overrides%friction == NODE_OVERRIDE_FRICTIONLESS) slaves%overrides%friction = NODE_OVERRIDE_RETRY
     do s = 1, size(slaves)
-      if (slaves(s)%extension >= 0.0_DP) cycle
+      if (slaves(s)%overrides%edge /= NODE_OVERRIDE_OFF_MASTER) cycle
       associate (p => slaves(s)%pair)
         call find_projection(contact%facets(p), contact%search(p), x, x(:, slaves(s)%node), SEARCH_REACH * contact%edge(p), here, &
           contact%slave_normal(:, s))
         if (here%status /= PROJECT_ON .or. here%gap + slaves(s)%offset >= 0.0_DP) cycle
         if (maxval(excess_over_edges(contact%facets(p)%kind(here%facet), here%xi)) > -NEAR_EDGE) cycle
       end associate
-      slaves(s)%extension = 0.0_DP
+      slaves(s)%overrides%edge = NODE_OVERRIDE_NONE
       is_released = .true.
     end do
   end subroutine release_nodes

@@ -17,6 +17,7 @@ module amontons_failure
   use amontons_text, only: text_of
   use amontons_history, only: increment_record_type, STORY_LENGTH
   use amontons_model, only: model_type
+  use amontons_node_overrides, only: NODE_OVERRIDE_EXTENDED
   use amontons_state, only: state_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_audit_motion, only: free_motion
   use amontons_forensics, only: most_held, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, story_of
@@ -299,8 +300,8 @@ contains
     integer :: s
     allocate (lines(0))
     if (size(state%new%slaves) == 0) return
-    slaves = pack([(s, s=1, size(state%new%slaves))], state%new%slaves%extension > 0.0_DP .and. &
-      state%old%slaves%extension <= 0.0_DP)
+    slaves = pack([(s, s=1, size(state%new%slaves))], state%new%slaves%overrides%edge == NODE_OVERRIDE_EXTENDED .and. &
+      state%old%slaves%overrides%edge /= NODE_OVERRIDE_EXTENDED)
     if (size(slaves) > 0) lines = [character(STORY_LENGTH) :: 'Slave ' // names_of(model, state%new%slaves, slaves) // &
       ' went off the master and back in a cycle: the facet at the edge reaches farther for them.']
     slaves = left_nodes(state%old%slaves, state%new%slaves)

@@ -12,8 +12,10 @@ module amontons_line_search
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
-  use amontons_state, only: state_type, slave_type, STATUS_OPEN
-  use amontons_slip, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip, NODE_SLIP, NODE_BALANCED
+  use amontons_state, only: state_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_surfaces, only: is_compliant
+  use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_STICK_ONCE
+  use amontons_slip, only: slip_verdict_type, slip_controls_type, classify_slip_scenarios, guarded_length, STATUS_BALANCED
   use amontons_travel, only: farthest_travel
   use amontons_sparse, only: multiply, multiply_transpose
   use amontons_condensed, only: apply_condensed
@@ -73,17 +75,18 @@ contains
     start%is_comparable = has_arrived(system, state%new%u)
     call first_step(system, model, step, du, start, state, search, trouble)
     if (trouble /= TROUBLE_NONE) return
-    call classify(system, step, start, state, search, verdicts)
+    call classify(system, step, start, search, verdicts)
     select case (step%line_search)
     case (SEARCH_ALL)
-      call try_length(one_step_length(step, start%pair, residual_pair(system, du) - start%pair))
+      call try_length(guarded_length(start%pair, residual_pair(system, du) - start%pair, controls_of(system, step)))
     case (SEARCH_GLOBAL)
-      call try_length(one_step_length(step, sum(verdicts%numerator), sum(verdicts%denominator)))
+      call try_length(guarded_length(sum(verdicts%numerator), sum(verdicts%denominator), controls_of(system, step)))
     case (SEARCH_NODAL)
       call try_nodal(system, model, step, start, verdicts, state, search, trouble)
     case (SEARCH_AUTO)
       call back_track(system, model, step, du, start, state, search, trouble)
     end select
+    call note_scenarios(verdicts, state%new%slaves)
     search%n_opened = count(start%slaves%status /= STATUS_OPEN .and. state%new%slaves%status == STATUS_OPEN)
     search%n_closed = count(start%slaves%status == STATUS_OPEN .and. state%new%slaves%status /= STATUS_OPEN)
     search%correction = maxval(components_of(system, state%new%u - start%u, 1))
@@ -160,56 +163,46 @@ contains
   end subroutine go
 
 
-  !> State and scenario of every slave node between the iterate and the full step.
-  subroutine classify(system, step, start, state, search, verdicts)
+  !> Tolerances and bounds of the slip scenarios and of all step lengths.
+  pure type(slip_controls_type) function controls_of(system, step) result(controls)
     type(system_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    type(start_type), intent(in) :: start
-    type(state_type), intent(inout) :: state
-    type(search_type), intent(inout) :: search
-    type(slip_verdict_type), allocatable, intent(out) :: verdicts(:)   !< (n_slaves)
-    type(slip_controls_type) :: controls
-    type(slip_point_type) :: at_u, at_ud
-    real(DP) :: d(3), mu
-    integer :: s
     controls%balance = step%controls%r_n
     controls%force_zero = step%controls%r_n * system%largest_force
     controls%alpha_min = step%controls%s_min
     controls%alpha_max = step%controls%s_max
-    allocate (verdicts(size(state%new%slaves)))
-    associate (after => system%contact%view)
-      do s = 1, size(verdicts)
-        if (start%view%status(s) == STATUS_OPEN) cycle
-        mu = system%contact%laws(state%new%slaves(s)%pair)%friction
-        if (mu == 0.0_DP) cycle
-        controls%slip_zero = 1.0e-12_DP * system%contact%edge(state%new%slaves(s)%pair)
-        at_u = slip_point_type(N=start%view%normal_force(s), Rt=start%view%imbalance_t(:, s), slip=start%view%slip(:, s))
-        at_ud = slip_point_type(N=after%normal_force(s), Rt=after%imbalance_t(:, s), slip=after%slip(:, s))
-        d = after%slip(:, s) - start%view%slip(:, s)
-        call classify_slip(at_u, at_ud, d, mu, controls, verdicts(s))
-        if (verdicts(s)%state == NODE_BALANCED) search%n_balanced = search%n_balanced + 1
-        if (verdicts(s)%scenario == 0) cycle
-        search%n_scenario(verdicts(s)%scenario) = search%n_scenario(verdicts(s)%scenario) + 1
-        state%new%slaves(s)%scenario = verdicts(s)%scenario
-      end do
-    end associate
+  end function controls_of
+
+
+  !> Status and scenario of every slave node between the iterate and the full step.
+  pure subroutine classify(system, step, start, search, verdicts)
+    type(system_type), intent(in) :: system        !< evaluated after the full step
+    type(step_type), intent(in) :: step
+    type(start_type), intent(in) :: start
+    type(search_type), intent(inout) :: search
+    type(slip_verdict_type), allocatable, intent(out) :: verdicts(:)   !< (n_slaves)
+    real(DP), allocatable :: d(:, :)               ! (3, n_slaves) [length]
+    integer :: s, scenario
+    allocate (verdicts(size(start%view)), d(3, size(start%view)))
+    do s = 1, size(start%view)
+      d(:, s) = system%contact%view(s)%slip - start%view(s)%slip
+    end do
+    call classify_slip_scenarios(start%view, system%contact%view, d, controls_of(system, step), verdicts)
+    search%n_balanced = count(verdicts%status == STATUS_BALANCED)
+    search%n_scenario = [(count(verdicts%scenario == scenario), scenario=1, 4)]
   end subroutine classify
 
 
-  !> (LS) within its bounds; 1 where the denominator vanishes or the length is negative.
-  pure real(DP) function one_step_length(step, numerator, denominator) result(alpha)
-    type(step_type), intent(in) :: step
-    real(DP), intent(in) :: numerator              !< d'R(u) [energy]
-    real(DP), intent(in) :: denominator            !< d'(R(u + d) - R(u)) [energy]
-    alpha = 1.0_DP
-    if (abs(denominator) <= 1.0e-12_DP * abs(numerator) .or. numerator == 0.0_DP) return
-    alpha = -numerator / denominator
-    if (alpha < 0.0_DP) alpha = 1.0_DP
-    alpha = min(step%controls%s_max, max(step%controls%s_min, alpha))
-  end function one_step_length
+  !> The scenario of each node that this iteration moved by one; the others show that of an earlier iteration.
+  pure subroutine note_scenarios(verdicts, slaves)
+    type(slip_verdict_type), intent(in) :: verdicts(:)   !< (n_slaves)
+    type(slave_type), intent(inout) :: slaves(:)   !< (n_slaves)
+    where (verdicts%scenario > 0) slaves%scenario = verdicts%scenario
+  end subroutine note_scenarios
 
 
-  !> Each slipping node goes its own part of its tangential increment, if that lowers the merit against the full step.
+  !> Each slipping node goes its own part of its tangential increment, if that lowers the merit against the full step. A node whose
+  !! step is cut at zero slip is set to stick there.
   subroutine try_nodal(system, model, step, start, verdicts, state, search, trouble)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -219,6 +212,7 @@ contains
     type(state_type), intent(inout) :: state
     type(search_type), intent(inout) :: search
     integer, intent(out) :: trouble
+    type(start_type) :: nodal
     real(DP), allocatable :: u_full(:, :), u(:, :)
     real(DP) :: full
     integer :: s
@@ -227,21 +221,36 @@ contains
     full = system%merit
     u_full = state%new%u
     u = u_full
+    nodal = start
     do s = 1, size(verdicts)
-      if (verdicts(s)%state /= NODE_SLIP) cycle
+      if (verdicts(s)%status /= STATUS_SLIP) cycle
       associate (node => start%slaves(s)%node)
-        u(:, node) = u(:, node) + (verdicts(s)%alpha - 1.0_DP) * (system%contact%view%slip(:, s) - start%view%slip(:, s))
+        u(:, node) = u(:, node) + (verdicts(s)%alpha - 1.0_DP) * (system%contact%view(s)%slip - start%view(s)%slip)
       end associate
+      if (verdicts(s)%becomes_stick) call set_to_stick(system, nodal%slaves(s))
     end do
-    call go(system, model, step, start, u, .false., state, trouble)
+    call go(system, model, step, nodal, u, .false., state, trouble)
+    where (state%new%slaves%overrides%status == NODE_OVERRIDE_STICK_ONCE) state%new%slaves%overrides%status = NODE_OVERRIDE_NONE
     if (trouble == TROUBLE_NONE .and. system%merit <= full) then
-      search%step_length = sum(verdicts%alpha, mask=verdicts%state == NODE_SLIP) &
-        / real(count(verdicts%state == NODE_SLIP), DP)
+      search%step_length = sum(verdicts%alpha, mask=verdicts%status == STATUS_SLIP) &
+        / real(count(verdicts%status == STATUS_SLIP), DP)
       search%is_whole_step = .false.
     else
       call go(system, model, step, start, u_full, .true., state, trouble)
     end if
   end subroutine try_nodal
+
+
+  !> A slave node of exact contact sticks in the next evaluation. (A law, or a routine of the user, decides by itself.)
+  pure subroutine set_to_stick(system, slave)
+    type(system_type), intent(in) :: system
+    type(slave_type), intent(inout) :: slave
+    associate (law => system%contact%laws(slave%pair))
+      if (is_compliant(law) .or. law%is_user_friction) return
+    end associate
+    slave%status = STATUS_STICK
+    slave%overrides%status = NODE_OVERRIDE_STICK_ONCE
+  end subroutine set_to_stick
 
 
   !> AUTO: the full step if the merit does not grow, if nothing touches, or if contact has settled ahead and the next correction
@@ -267,7 +276,7 @@ contains
     end if
     best = search%step_length
     best_merit = system%merit
-    alpha = min(0.5_DP * best, one_step_length(step, start%pair, residual_pair(system, du) - start%pair))
+    alpha = min(0.5_DP * best, guarded_length(start%pair, residual_pair(system, du) - start%pair, controls_of(system, step)))
     do halving = 1, MOST_HALVINGS
       call go(system, model, step, start, start%u + alpha * du, .false., state, trouble)
       if (trouble == TROUBLE_NONE .and. system%merit < LESS * best_merit) then

@@ -8,6 +8,7 @@ module amontons_meeting
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer, IDENTITY
   use amontons_surfaces, only: interaction_type, BEHAVIOR_TIED
+  use amontons_slip, only: is_friction_capped
   use amontons_compliance, only: law_pressure, law_reach, shear_most
   implicit none
   private
@@ -155,7 +156,8 @@ contains
     met%energy = met%energy + 0.5_DP * limit**2 / k
     met%by_slip = -limit * c / (length - limit) * (IDENTITY - outer(q, q))
     met%ahead = matmul(met%by_slip, asked%slip)
-    if (law%behavior == BEHAVIOR_TIED .or. met%pressure <= 0.0_DP .or. law%friction * met%pressure > law%shear_limit) return
+    if (law%behavior == BEHAVIOR_TIED .or. met%pressure <= 0.0_DP .or. &
+      is_friction_capped(law%friction, met%pressure, law%shear_limit)) return
     met%by_gap = law%friction * met%slope * asked%area * q
     met%ahead = met%ahead - law%friction * excess * q
   end subroutine meet_shear

@@ -10,7 +10,6 @@ module amontons_newton
   use amontons_state, only: state_type, slave_type, STATUS_OPEN
   use amontons_travel, only: farthest_travel, passed_through
   use amontons_forensics, only: forensics_type, note_slaves
-  use amontons_contact, only: HOLD_NEVER
   use amontons_cycles, only: act_on_cycle, release_nodes
   use amontons_converge, only: progress_type, judge, judge_early, VERDICT_GO_ON, VERDICT_DIVERGES, &
     VERDICT_CONVERGED, VERDICT_TOO_SLOW
@@ -62,7 +61,6 @@ contains
     real(DP) :: dt, travel
     newton = newton_type(progress_type(), iteration_record_type(), forensics=forensics_type(), n_shifted=system%n_shifted, &
       force_scale=newton%force_scale)
-    system%contact%hold = HOLD_NEVER
     if (system%carry > 0.0_DP) call carry_bodies(system, model, state%new, 0.0_DP)   ! an attempt ended in the midst of it
     call begin_increment(system, model, step, is_step_start, state)
     newton%trouble = TROUBLE_ELEMENT
@@ -152,6 +150,8 @@ contains
       verdict = VERDICT_GO_ON                      ! through a snap imbalances grow
     if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. is_contact .and. newton%course%now == COURSE_NEWTON) &
       call judge_early(newton%progress, verdict)
+    if (verdict == VERDICT_CONVERGED .and. system%contact%n_imposed > 0) &   ! stick that friction does not hold: once more
+      verdict = merge(VERDICT_GO_ON, VERDICT_TOO_SLOW, newton%progress%iteration < step%controls%i_c)
     if (step%line_search == SEARCH_AUTO) call watch_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)

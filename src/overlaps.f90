@@ -9,7 +9,7 @@ module amontons_overlaps
   use amontons_kinds, only: DP
   use amontons_facets, only: facets_type
   use amontons_state, only: slave_type, STATUS_OPEN
-  use amontons_slaves, only: is_grip_lost
+  use amontons_node_overrides, only: is_friction_suppressed, NODE_OVERRIDE_NONE, NODE_OVERRIDE_GIVES_WAY
   implicit none
   private
   public :: overlaps_type, reach_type, find_overlaps, fit_overlaps, order_slaves, free_directions, left_free, global_axes, &
@@ -25,7 +25,6 @@ module amontons_overlaps
     logical :: has_corners = .false.           !< nodes are slaves in several exact pairs
     integer :: n_levels = 1
     integer, allocatable :: level(:)           !< (n_slaves) from 1
-    logical, allocatable :: is_kept(:)         !< (n_slaves) .false.: gives way in this increment
     logical, allocatable :: is_exact(:)        !< (n_slaves) of a HARD pair: found from the balance of its node
     integer, allocatable :: first(:)           !< (n_nodes + 1) start of a node's slaves in member(:)
     integer, allocatable :: member(:)          !< slaves of all nodes, ascending
@@ -49,7 +48,6 @@ contains
     integer, allocatable :: next(:)
     integer :: s, p, n
     allocate (overlaps%level(size(slaves)), source=1)
-    allocate (overlaps%is_kept(size(slaves)), source=.true.)
     overlaps%is_exact = is_exact(slaves%pair)
     allocate (overlaps%first(n_nodes + 1), source=0)
     do s = 1, size(slaves)
@@ -84,41 +82,42 @@ contains
     integer :: m
     m = min(n, size(overlaps%level))
     overlaps%level = [overlaps%level(:m), spread(1, 1, n - m)]
-    overlaps%is_kept = [overlaps%is_kept(:m), spread(.true., 1, n - m)]
     overlaps%is_exact = [overlaps%is_exact(:m), spread(.false., 1, n - m)]
   end subroutine fit_overlaps
 
 
   !> The levels of an increment, and which slaves give way: pair by pair in the order of the deck, a slave is kept unless
   !! its reaction would come back to it through slaves that are kept already.
-  subroutine order_slaves(slaves, gives_way, reach, overlaps)
-    type(slave_type), intent(in) :: slaves(:)
-    logical, intent(in) :: gives_way(:)            !< (n_pairs) all slaves of the pair give way
+  subroutine order_slaves(slaves, is_secondary, reach, overlaps)
+    type(slave_type), intent(inout) :: slaves(:)   !< out: the override GIVES_WAY
+    logical, intent(in) :: is_secondary(:)         !< (n_pairs) all slaves of the pair give way
     type(reach_type), intent(in) :: reach          !< of the slaves where they are at the start of the increment
     type(overlaps_type), intent(inout) :: overlaps
     integer, allocatable :: list(:), mark(:), stack(:)
     integer :: s, t, i, n, pass
+    logical, allocatable :: is_kept(:)             ! (n_slaves)
     logical :: is_changed
     overlaps%level = 1
     overlaps%n_levels = 1
-    overlaps%is_kept = .true.
+    slaves%overrides%side = NODE_OVERRIDE_NONE
     if (.not. overlaps%has_chains) return
-    overlaps%is_kept = .not. overlaps%is_exact
+    is_kept = .not. overlaps%is_exact
     allocate (mark(size(slaves)), source=0)
     allocate (stack(size(slaves)))
     do s = 1, size(slaves)
-      if (.not. overlaps%is_exact(s) .or. gives_way(slaves(s)%pair)) cycle
-      overlaps%is_kept(s) = .true.
-      overlaps%is_kept(s) = .not. comes_back(s)
+      if (.not. overlaps%is_exact(s) .or. is_secondary(slaves(s)%pair)) cycle
+      is_kept(s) = .true.
+      is_kept(s) = .not. comes_back(s)
     end do
+    where (.not. is_kept) slaves%overrides%side = NODE_OVERRIDE_GIVES_WAY
     do pass = 1, size(slaves)
       is_changed = .false.
       do s = 1, size(slaves)
-        if (.not. overlaps%is_kept(s)) cycle
+        if (.not. is_kept(s)) cycle
         call find_carriers(overlaps, reach, s, list, n)
         do i = 1, n
           t = list(i)
-          if (.not. overlaps%is_kept(t) .or. overlaps%level(t) > overlaps%level(s)) cycle
+          if (.not. is_kept(t) .or. overlaps%level(t) > overlaps%level(s)) cycle
           overlaps%level(t) = overlaps%level(s) + 1
           is_changed = .true.
         end do
@@ -144,7 +143,7 @@ contains
         do k = 1, n
           if (list(k) == s) comes_back = .true.
           if (list(k) == s) return
-          if (mark(list(k)) == s .or. .not. overlaps%is_kept(list(k))) cycle
+          if (mark(list(k)) == s .or. .not. is_kept(list(k))) cycle
           mark(list(k)) = s
           n_stack = n_stack + 1
           stack(n_stack) = list(k)
@@ -214,7 +213,7 @@ contains
     do k = overlaps%first(slaves(s)%node), overlaps%first(slaves(s)%node + 1) - 1
       t = overlaps%member(k)
       if (t == s .or. slaves(t)%facet == 0) cycle
-      if (slaves(t)%status == STATUS_OPEN .and. .not. is_grip_lost(slaves(t))) cycle
+      if (slaves(t)%status == STATUS_OPEN .and. .not. is_friction_suppressed(slaves(t)%overrides)) cycle
       along = abs(dot_product(slaves(t)%normal, slaves(s)%normal))
       if (along > PARALLEL .and. t > s) cycle
       v = matmul(free, slaves(t)%normal)

@@ -4,20 +4,10 @@ module amontons_slaves
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type, is_compliant, ROUGH_FRICTION
   use amontons_meeting, only: meeting_type
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, GRIP_FIRM, GRIP_LOOSE, &
-    GRIP_LOST, GRIP_TRIED, GRIP_GONE
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   implicit none
   private
-  public :: slip_view_type, lose_master, loosen_grip, is_grip_lost, never_slips, set_force, set_view, rounding_force, commit_slip
-
-  !> What the slip procedure looks at, for all slave nodes at one configuration.
-  type :: slip_view_type
-    real(DP), allocatable :: imbalance_t(:, :)    !< (3, n_slaves) Rt [force]
-    real(DP), allocatable :: normal_force(:)      !< (n_slaves) N [force]
-    real(DP), allocatable :: slip(:, :)           !< (3, n_slaves) g since the start of the increment [length]
-    real(DP), allocatable :: position(:, :)       !< (3, n_slaves) slave relative to the touching point of its master [length]
-    integer, allocatable :: status(:)             !< (n_slaves) STATUS_...
-  end type slip_view_type
+  public :: lose_master, never_slips, set_force, rounding_force, commit_slip
 
 contains
 
@@ -31,29 +21,6 @@ contains
     slave%shear = 0.0_DP
     slave%energy = 0.0_DP
   end subroutine lose_master
-
-
-  !> A node of surfaces that never slip, or of several pairs, is pulled off: the second time in an increment it has lost its grip,
-  !! and after that was tried again for good.
-  elemental subroutine loosen_grip(slave)
-    type(slave_type), intent(inout) :: slave
-    select case (slave%grip)
-    case (GRIP_FIRM)
-      slave%grip = GRIP_LOOSE
-    case (GRIP_LOOSE)
-      slave%grip = GRIP_LOST
-    case (GRIP_TRIED)
-      slave%grip = GRIP_GONE
-    end select
-  end subroutine loosen_grip
-
-
-  !> Whether a node has lost its grip in this increment: on surfaces that never slip it slides without friction where it touches;
-  !! of several pairs, those that still hold it do not rub along this one's normal.
-  elemental logical function is_grip_lost(slave)
-    type(slave_type), intent(in) :: slave
-    is_grip_lost = slave%grip == GRIP_LOST .or. slave%grip == GRIP_GONE
-  end function is_grip_lost
 
 
   !> Whether the surfaces of a law never slip.
@@ -81,19 +48,6 @@ contains
       slave%shear = friction
     end select
   end subroutine set_force
-
-
-  !> Notes for the slip procedure what it looks at.
-  pure subroutine set_view(view, s, status, imbalance_t, normal_force, slip)
-    type(slip_view_type), intent(inout) :: view
-    integer, intent(in) :: s, status
-    real(DP), intent(in) :: imbalance_t(3), normal_force, slip(3)
-    view%status(s) = status
-    view%imbalance_t(:, s) = imbalance_t
-    view%normal_force(s) = normal_force
-    view%slip(:, s) = slip
-    view%position(:, s) = 0.0_DP
-  end subroutine set_view
 
 
   !> The largest force that the rounding of coordinates makes at a closed node, of a gap of one unit in their last place: by

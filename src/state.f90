@@ -9,6 +9,7 @@ module amontons_state
     HISTORY_PEEQ, USER_STATE, USER_STRESS
   use amontons_log_strain, only: tensor_exp
   use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_node_overrides, only: node_overrides_type
   use amontons_shapes, only: shape_functions, quadrature
   use amontons_slip, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
@@ -19,15 +20,9 @@ module amontons_state
   public :: set_temperatures, history_row, amplitude_memory, inelastic_strain, inner_variables, n_inner_variables
   public :: state_type, fields_type, slave_type, create_state, create_material_state, commit_state, restore_state
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
-  public :: GRIP_FIRM, GRIP_LOOSE, GRIP_LOST, GRIP_TRIED, GRIP_GONE
 
   integer, parameter :: N_PLASTIC = 13                      !< values that CalculiX keeps of its plasticity
   integer, parameter :: DAMPING_NOW = 1, DAMPING_NEXT = 2   !< in force; from the next increment on
-
-  !> Of a slave node of surfaces that never slip, within an increment: it sticks; it was pulled off once; again, and slides freely;
-  !! it sticks on trial; it was pulled off then, too, and slides freely. Of one that other pairs hold as well: their friction does
-  !! not act along its normal where it would slide freely.
-  integer, parameter :: GRIP_FIRM = 0, GRIP_LOOSE = 1, GRIP_LOST = 2, GRIP_TRIED = 3, GRIP_GONE = 4
 
   !> The contact memory of one slave node of one pair.
   type :: slave_type
@@ -37,12 +32,11 @@ module amontons_state
     integer :: row = 0                      !< place of its row in the mortar of its pair; 0: the row follows from facet and xi
     integer :: side = 0                     !< of a point of a slave face: facet of the slave surface; 0: it is a node
     real(DP) :: at(2) = 0                   !< of a point: natural coordinates on that facet [-]
-    integer :: grip = GRIP_FIRM             !< GRIP_...: of surfaces that never slip, or of several pairs
-    integer :: status = STATUS_OPEN
+    type(node_overrides_type) :: overrides  !< what the solver imposes on it
+    integer :: status = STATUS_OPEN         !< STATUS_OPEN, STATUS_STICK or STATUS_SLIP
     integer :: scenario = 0                 !< 1 to 4 of the last iteration that moved the node in this increment, else 0
     integer :: facet = 0                    !< facet of the master that it projects on; 0: none
     real(DP) :: xi(2) = 0                   !< natural coordinates there
-    real(DP) :: extension = 0               !< how far it may be beyond an edge of its master, if more than a tenth of a facet [-]
     real(DP) :: gap = 0                     !< signed distance along the normal, negative is penetration [length]
     real(DP) :: normal(3) = 0               !< unit normal out of the master
     logical :: is_within = .false.          !< it came within the reach of its compliant law in this increment and is there

@@ -26,7 +26,8 @@ module amontons_system
   use amontons_symmetry, only: find_symmetry, find_held
   use amontons_contact, only: contact_type, create_contact, begin_contact_step, set_supports, touching_row
   use amontons_contact_forces, only: evaluate_contact
-  use amontons_slaves, only: slip_view_type, rounding_force
+  use amontons_slaves, only: rounding_force
+  use amontons_slip, only: slip_point_type
   use amontons_contact_start, only: begin_contact_increment
   use amontons_contact_points, only: renew_points
   use amontons_rows, only: contact_row_type
@@ -105,7 +106,7 @@ module amontons_system
     real(DP), allocatable :: internal_force(:, :)  !< (3, n_nodes) [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R [force]
     type(slave_type), allocatable :: slaves(:)
-    type(slip_view_type) :: view
+    type(slip_point_type), allocatable :: view(:)  !< (n_slaves)
     real(DP) :: merit = 0                          !< [force]
   end type place_type
 

@@ -3,6 +3,7 @@
 module amontons_travel
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
+  use amontons_node_overrides, only: gives_way
   use amontons_state, only: slave_type, STATUS_OPEN
   use amontons_rows, only: contact_row_type, facet_row, relative_position
   use amontons_analytic, only: bending_at
@@ -81,7 +82,7 @@ contains
     do found = 1, size(new)
       s = found
       if (contact%is_removed(new(s)%pair)) cycle
-      if (.not. contact%overlaps%is_kept(s)) cycle   ! the other side of a symmetric pair watches
+      if (gives_way(new(s)%overrides)) cycle       ! the other side of a symmetric pair watches
       if (old(s)%facet > 0 .and. new(s)%facet == 0) then
         call facet_row(contact%facets(old(s)%pair), old(s)%facet, old(s)%xi, old(s)%node, row)
         if (dot_product(old(s)%normal, relative_position(row, x_new)) < -OUT_OF_SIGHT * contact%edge(old(s)%pair)) return

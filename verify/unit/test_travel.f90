@@ -7,6 +7,7 @@ program test_travel
     KIND_C3D10, KIND_C3D20
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_facets, only: build_facets
+  use amontons_node_overrides, only: NODE_OVERRIDE_GIVES_WAY
   use amontons_state, only: slave_type
   use amontons_contact, only: contact_type
   use amontons_travel, only: passed_through
@@ -41,7 +42,6 @@ contains
     contact%is_small = [.false.]
     contact%is_removed = [.false.]
     contact%edge = [maxval(contact%facets(1)%edge_length)]
-    allocate (contact%overlaps%is_kept(n), source=.true.)
   end subroutine make_pair
 
 
@@ -132,7 +132,7 @@ contains
     x_new = x_old
     x_new(3, n + 2:n + 3) = -1.0_DP
     call suite%that('the first that passed', passed_through(contact, x_old, x_new, slaves, slaves) == 2)
-    contact%overlaps%is_kept(2) = .false.
+    slaves(2)%overrides%side = NODE_OVERRIDE_GIVES_WAY
     call suite%that('another side watches', passed_through(contact, x_old, x_new, slaves, slaves) == 3)
     contact%is_removed(1) = .true.
     call suite%that('a pair that is out', passed_through(contact, x_old, x_new, slaves, slaves) == 0)
