@@ -109,13 +109,14 @@ contains
   end function law_reach
 
 
-  !> The friction limit of a law at a pressure: the largest shear force that a node carries. TIED never slips but by TAUMAX.
+  !> The friction limit of a law at a pressure: the largest shear force that a node carries. TIED slips at TAUMAX alone; under FRIC
+  !! the law gives the shear of a node that sticks.
   pure real(DP) function shear_most(law, area, pressure) result(most)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< [length^2]
     real(DP), intent(in) :: pressure               !< [stress]
     most = friction_limit(law%friction, max(pressure, 0.0_DP), law%shear_limit) * area
-    if (law%behavior == BEHAVIOR_TIED) most = law%shear_limit * area
+    if (law%behavior == BEHAVIOR_TIED .or. law%is_user_friction) most = law%shear_limit * area
   end function shear_most
 
 end module amontons_compliance

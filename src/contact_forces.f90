@@ -397,7 +397,7 @@ contains
   end subroutine take_meeting
 
 
-  !> FRIC at a slave node of a compliant law: LM = 1 sticks by the stick slope.
+  !> FRIC at a slave node of a compliant law: LM = 1 sticks by the stick slope, as the law has it without a friction limit.
   subroutine rub_softly(contact, model, before, pull, d, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -409,8 +409,13 @@ contains
     type(slave_type) :: stuck
     stuck = fields%slaves(s)
     call rub_by_user(contact, model, before, pull, d, s, fields)
-    if (contact%answers(s)%is_stuck) fields%slaves(s) = stuck
-    if (.not. contact%answers(s)%is_stuck) fields%slaves(s)%elastic = 0.0_DP
+    if (contact%answers(s)%is_stuck) then
+      fields%slaves(s) = stuck
+    else                                           ! no elastic slip, nor its energy
+      fields%slaves(s)%elastic = 0.0_DP
+      fields%slaves(s)%energy = stuck%energy + 0.5_DP * dot_product(stuck%shear, stuck%elastic)
+      contact%met(s)%ahead = 0.0_DP
+    end if
   end subroutine rub_softly
 
 

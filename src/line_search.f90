@@ -255,7 +255,8 @@ contains
 
   !> AUTO: the full step if the merit does not grow, if nothing touches, or if contact has settled ahead and the next correction
   !! is shorter: the imbalance of slender bodies has to rise first, since bending them stretches them. Else (LS) over all unknowns,
-  !! then halves; the best is taken, if it is not far worse than where the search began.
+  !! then halves, down to the least length of the line search; the best is taken, if it is not far worse than where the search
+  !! began.
   subroutine back_track(system, model, step, du, start, state, search, trouble)
     type(system_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -265,7 +266,7 @@ contains
     type(state_type), intent(inout) :: state
     type(search_type), intent(inout) :: search
     integer, intent(out) :: trouble
-    real(DP) :: alpha, best, best_merit
+    real(DP) :: alpha, here, best, best_merit
     integer :: halving
     trouble = TROUBLE_NONE
     if (system%carry > 0.0_DP .and. system%is_settled) return   ! a body on its way to its master: nothing pushes back yet
@@ -276,21 +277,23 @@ contains
     end if
     best = search%step_length
     best_merit = system%merit
+    here = best
     alpha = min(0.5_DP * best, guarded_length(start%pair, residual_pair(system, du) - start%pair, controls_of(system, step)))
     do halving = 1, MOST_HALVINGS
+      if (alpha < step%controls%s_min) exit
       call go(system, model, step, start, start%u + alpha * du, .false., state, trouble)
+      here = alpha
       if (trouble == TROUBLE_NONE .and. system%merit < LESS * best_merit) then
         best = alpha
         best_merit = system%merit
       end if
-      if (best_merit <= MERIT_GROWTH * start%merit) exit
-      alpha = 0.5_DP * alpha
+      if (best_merit <= MERIT_GROWTH * start%merit .or. alpha <= step%controls%s_min) exit
+      alpha = max(0.5_DP * alpha, step%controls%s_min)
     end do
     search%is_refused = system%is_condensed .and. best_merit > REFUSED * start%merit .and. &
       best_merit > max(SIZABLE, step%controls%r_n) * system%largest_force
     if (search%is_refused) best = 0.0_DP
-    if (best /= alpha .or. halving > MOST_HALVINGS) &
-      call go(system, model, step, start, start%u + best * du, best == 1.0_DP, state, trouble)
+    if (best /= here) call go(system, model, step, start, start%u + best * du, best == 1.0_DP, state, trouble)
     search%is_whole_step = best == 1.0_DP
     search%step_length = best
   end subroutine back_track
