@@ -168,8 +168,8 @@ contains
   !!
   !! The length is one secant step on d.e with the vector e = DR t: alpha = - d.e(u) / d.(e(ud) - e(u)). For d along t_u
   !! (I, II) or -t_g (III, IV) it is the formula of the slides' table. In III and IV the step is cut where the
-  !! projection on t_g of the slip comes to zero; then the node becomes stick. Order: formula, guard (a vanishing
-  !! denominator or a negative length means 1), bounds, cut.
+  !! projection on t_g of the slip comes to zero, unless the node is open at ud; then the node becomes stick. Order: formula, guard
+  !! (a vanishing denominator or a negative length means 1), bounds, cut.
   pure subroutine classify_slip_scenarios(at_u, at_ud, d, controls, verdicts)
     type(slip_point_type), intent(in) :: at_u(:)      !< (n) the nodes at the iterate
     type(slip_point_type), intent(in) :: at_ud(:)     !< (n) the nodes after the full search direction
@@ -202,6 +202,7 @@ contains
     if (verdict%status == STATUS_BALANCED) return
     verdict%alpha = guarded_length(verdict%numerator, verdict%denominator, controls)
     if (verdict%scenario == SCENARIO_I .or. verdict%scenario == SCENARIO_II) return
+    if (at_ud%status == STATUS_OPEN) return           ! it has left its master: there is no slip at ud
     call cut_at_zero_slip(at_u%slip, at_ud%slip, verdict%alpha, verdict%becomes_stick)
   end subroutine classify_node
 

@@ -180,6 +180,7 @@ contains
     real(DP), parameter :: STEPS(6) = [0.5_DP, 1.0_DP, 1.5_DP, 2.0_DP, 2.5_DP, 40.0_DP]
     type(slip_verdict_type) :: verdict
     type(slip_controls_type) :: controls
+    type(slip_point_type) :: at_ud
     real(DP) :: t(3), g(3), d(3), alpha
     integer :: i
     t = along(25.0_DP)
@@ -212,6 +213,11 @@ contains
     alpha = verdict%alpha
     call suite%that('a general direction is cut', verdict%becomes_stick)
     call suite%near('where the projection vanishes', dot_product(t, g + alpha * d), 0.0_DP, 1.0e-15_DP)
+    ! A node that is open after the step has no slip there: nothing is cut.
+    at_ud = point(2.9_DP * t, 0 * g)
+    at_ud%status = STATUS_OPEN
+    call classify(point(1 * t, g), at_ud, -1 * g, verdict)
+    call suite%that('a node that opens does not become stick', verdict%scenario == SCENARIO_IV .and. .not. verdict%becomes_stick)
     ! Moving on instead of back is never cut; the bounds hold the cut's place free.
     call classify(point(1 * t, g), point(2.9_DP * t, 2 * g), g, verdict)
     call suite%that('moving on is not cut', (.not. verdict%becomes_stick))
