@@ -156,11 +156,7 @@ contains
       free_normal = matmul(free, slave%normal)
       share = norm2(free_normal)
       if (slave%facet == 0 .or. share < SUPPORTED) then
-        if (before /= STATUS_OPEN) contact%n_left = contact%n_left + 1
-        call lose_master(slave)
-        if (old%status == STATUS_OPEN) slave%origin_facet = 0
-        slave%slip_increment = 0.0_DP
-        contact%view(s) = slip_point_type()
+        call release_slave(contact, old, before, s, slave)
         return
       end if
       free_normal = free_normal / share
@@ -229,11 +225,26 @@ contains
   end subroutine hold_slave
 
 
+  !> A slave node that is not over its master, or whose normal supports hold, is open.
+  subroutine release_slave(contact, old, before, s, slave)
+    type(contact_type), intent(inout) :: contact
+    type(slave_type), intent(in) :: old
+    integer, intent(in) :: before                  !< status before
+    integer, intent(in) :: s                       !< index of the slave
+    type(slave_type), intent(inout) :: slave
+    if (before /= STATUS_OPEN) contact%n_left = contact%n_left + 1
+    call lose_master(slave)
+    if (old%status == STATUS_OPEN) slave%origin_facet = 0
+    slave%slip_increment = 0.0_DP
+    contact%view(s) = slip_point_type()
+  end subroutine release_slave
+
+
   !> The friction limit of a closed node as the slip scenarios take it: by its coefficient, TAUMAX or the user's routine.
   !!
-  !! Exact contact: the coefficient of the node, 0 where its friction is suppressed, with the normal force that acts along the normal
-  !! itself. Compliant law: that of the law. FRIC: the shear that it gave; a node that it holds, a ROUGH one and a TIED one have no
-  !! limit.
+  !! Exact contact: the coefficient of the node, 0 where its friction is suppressed, with the normal force that acts along the
+  !! normal itself. Compliant law: that of the law. FRIC: the shear that it gave. A node that FRIC holds, a ROUGH one and a TIED
+  !! one have no limit.
   pure real(DP) function limit_of(contact, slave, s, N) result(limit)
     type(contact_type), intent(in) :: contact
     type(slave_type), intent(in) :: slave          !< evaluated

@@ -39,7 +39,7 @@ module amontons_slip
   integer, parameter :: SCENARIO_III = 3     !< backed up too far
   integer, parameter :: SCENARIO_IV = 4      !< backing up
 
-  real(DP), parameter :: NO_FRICTION_LIMIT = huge(1.0_DP)   !< friction carries whatever is required (ROUGH, FRIC that sticks) [force]
+  real(DP), parameter :: NO_FRICTION_LIMIT = huge(1.0_DP)   !< friction carries whatever is required (ROUGH, TIED) [force]
 
   !> Result of the trial traction.
   type :: trial_type
@@ -97,10 +97,10 @@ contains
 
   !> The friction limit: the largest tangential force that friction carries at a normal force, min(mu N, most).
   !!
-  !! It is homogeneous: stresses in place of forces give a stress. A negative N continues the straight line, as Newton's method needs
-  !! it on the way; DR takes max(N, 0).
+  !! It is homogeneous: stresses in place of forces give a stress. A negative N continues the straight line, as Newton's method
+  !! needs it on the way; DR takes max(N, 0).
   elemental real(DP) function friction_limit(mu, N, most) result(limit)
-    real(DP), intent(in) :: mu               !< coefficient of friction; over the share of the normal that supports leave free [-]
+    real(DP), intent(in) :: mu               !< coefficient, over the share of the normal that supports leave free [-]
     real(DP), intent(in) :: N                !< normal force, positive in compression [force]
     real(DP), intent(in) :: most             !< largest friction whatever N: TAUMAX times the area [force]
     limit = min(mu * N, most)

@@ -199,7 +199,7 @@ contains
 
   !> Nodes in scenarios I to IV, and one that opens. The compiler sees to it that there are arrays: the second line is C's.
   subroutine tell_scenarios()
-    real(real64) :: Rt(3, 5, 2), N(5, 2), slip(3, 5, 2), d(3, 5)
+    real(real64) :: Rt(3, 5, 2), N(5, 2), slip(3, 5, 2), d(3, 5), alpha(5)
     type(slip_point_type) :: at(5, 2)
     type(slip_verdict_type) :: found(5)
     integer :: i, k
@@ -216,8 +216,9 @@ contains
     at = reshape([((slip_point_type(STATUS_SLIP, N(i, k), Rt(:, i, k), &
       friction_limit(0.3_real64, max(N(i, k), 0.0_real64), NO_FRICTION_LIMIT), slip(:, i, k)), i=1, 5), k=1, 2)], [5, 2])
     call classify_slip_scenarios(at(:, 1), at(:, 2), d, slip_controls_type(), found)
+    alpha = found%alpha
     write (*, '(a,10(1x,i0),1x,z16.16)') 'scenarios: 0', found%scenario, &
-      merge(STATUS_STICK, found%status, found%becomes_stick), mixed(transfer(found%alpha, [0_int64]))
+      merge(STATUS_STICK, found%status, found%becomes_stick), mixed(transfer(alpha, [0_int64]))
     write (*, '(a)') 'no nodes: 2'
   end subroutine tell_scenarios
 
