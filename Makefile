@@ -72,23 +72,33 @@ FFLAGS := -std=f2018 -fimplicit-none $(COMMON) $(CHECK_$(BUILD)) $(FWARN)
 CFLAGS := -std=c11 $(COMMON) $(CWARN)
 export FC CC INCLUDES LDLIBS PYTHON
 
-# --- the rooms ----------------------------------------------------------------------------------------------------
+# --- the modules --------------------------------------------------------------------------------------------------
+# src/depends.mk is generated from the use lines by `make depends`; `make lint` proves that it is not stale.
 include src/depends.mk
-ROOMS := $(patsubst src/%.f90,%,$(wildcard src/*.f90))
-SHIMS := $(patsubst src/%.c,%,$(wildcard src/*.c))
-OBJECTS := $(addprefix $(B)/,$(addsuffix .o,$(filter-out main,$(ROOMS)) $(SHIMS)))
+FOLDERS := src $(patsubst %/,%,$(sort $(wildcard src/*/)))
+MODULE_FILES := $(wildcard $(addsuffix /*.f90,$(FOLDERS)))
+MODULES := $(basename $(notdir $(MODULE_FILES)))
+SHIMS := $(basename $(notdir $(wildcard $(addsuffix /*.c,$(FOLDERS)))))
+OBJECTS := $(addprefix $(B)/,$(addsuffix .o,$(filter-out main,$(MODULES)) $(SHIMS)))
 UNITS := $(patsubst verify/unit/%.f90,$(B)/unit/%,$(wildcard verify/unit/test_*.f90))
-PRODUCTS := $(LIB)/libamontons.a $(LIB)/libamontons.so $(if $(wildcard src/analysis.f90),$(BIN)/amontons)
+PRODUCTS := $(LIB)/libamontons.a $(LIB)/libamontons.so $(BIN)/amontons
+INCLUDES += $(addprefix -I,$(FOLDERS))
+
+# Sources are found in the folders of src; objects and .mod files lie side by side in $(B).
+vpath %.f90 $(FOLDERS)
+vpath %.c $(FOLDERS)
+vpath %.h $(FOLDERS)
+vpath %.inc $(FOLDERS)
 
 # depends.mk says `uses_mesh = kinds topology`; here it becomes build/mesh.o: build/amontons_kinds.mod build/amontons_topology.mod.
-# The compiler leaves a .mod as it is if the interface has not changed: then the rooms that use it need not be compiled again.
-define room_rule
-$(B)/$(1).o: $(foreach used,$(filter $(ROOMS),$(uses_$(1))),$(B)/amontons_$(used).mod)
+# The compiler leaves a .mod as it is if the interface has not changed: then the modules that use it need not be compiled again.
+define module_rule
+$(B)/$(1).o: $(foreach used,$(filter $(MODULES),$(uses_$(1))),$(B)/amontons_$(used).mod)
 $(B)/amontons_$(1).mod: $(B)/$(1).o ;
 endef
-$(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
+$(foreach module,$(MODULES),$(eval $(call module_rule,$(module))))
 
-.PHONY: report bench study all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place hooks clean help
+.PHONY: report bench study all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place hooks clean help depends
 
 all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize|races: into build/debug, ...; WERROR=1)
 	@$(MAKE) build
@@ -108,17 +118,17 @@ $(LIB)/libamontons.so: $(OBJECTS)
 	@echo "linking   $@" && mkdir -p $(@D)
 	$(Q)$(FC) $(FFLAGS) -shared -o $@ $^ $(LDLIBS)
 
-$(B)/%.o: src/%.f90
+$(B)/%.o: %.f90
 	@echo "compiling $<" && mkdir -p $(@D)
 	$(Q)$(FC) $(FFLAGS) $(INCLUDES) -J$(B) -c $< -o $@
 
-$(B)/%.o: src/%.c
+$(B)/%.o: %.c
 	@echo "compiling $<" && mkdir -p $(@D)
-	$(Q)$(CC) $(CFLAGS) $(INCLUDES) -Isrc -c $< -o $@
+	$(Q)$(CC) $(CFLAGS) $(INCLUDES) -c $< -o $@
 
-$(B)/suitesparse_shim.o $(B)/supernodes_shim.o: src/supernodes_shim.h
+$(B)/suitesparse_shim.o $(B)/supernodes_shim.o: supernodes_shim.h
 
-$(B)/dense.o $(B)/sprung.o: src/dense.inc
+$(addprefix $(B)/,$(addsuffix .o,$(filter dense sprung woodbury_interface,$(MODULES)))): dense.inc
 
 unit: $(UNITS) ## Build the unit test programs
 	@:
@@ -207,7 +217,7 @@ study: programs $(VENV)/installed ## Iterations of all line searches by friction
 # --- the documentation --------------------------------------------------------------------------------------------
 doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, and the pages of the source into build/site/api
 	$(BIN)/amontons --cards | $(PYTHON) verify/card_reference.py > doc/manual/cards.md
-	$(PYTHON) verify/rooms.py > doc/developer/rooms.md
+	$(PYTHON) verify/rooms.py > doc/developer/modules.md
 	$(Q)NO_MKDOCS_2_WARNING=1 $(VENV)-doc/bin/mkdocs build
 	@$(MAKE) api
 	@echo "The site is build/site/index.html."
@@ -224,12 +234,15 @@ $(VENV)-doc/installed $(VENV)-api/installed: | ready
 	@touch $@
 
 # --- the look of the source ---------------------------------------------------------------------------------------
-SOURCES = $(wildcard src/*.f90 verify/unit/*.f90)
+SOURCES = $(MODULE_FILES) $(wildcard verify/unit/*.f90)
 
 format: $(VENV)/installed ## Put the white space of the Fortran files in order
 	@$(PY) verify/layout.py $(SOURCES)
 
-lint: $(VENV)/installed ## Prove depends.mk, the limits of the house, the white space, and fortitude's rules
+depends: ## Generate src/depends.mk from the use lines
+	@$(PYTHON) verify/lint.py --write
+
+lint: $(VENV)/installed ## Prove the layers of src, the limits of style.md, the white space, and fortitude's rules
 	@failed=0; \
 	  $(PY) verify/lint.py || failed=1; \
 	  $(PY) verify/layout.py --check $(SOURCES) || failed=1; \
@@ -244,7 +257,7 @@ hooks: ## Let git run `make lint` before each commit
 install: all ## Install program, library, header, modules, man page and completions below PREFIX (default /usr/local)
 	@$(MAKE) place
 
-VERSION = $(shell sed -n "s/.*VERSION = '\(.*\)'.*/\1/p" src/version.f90)
+VERSION = $(shell sed -n "s/.*VERSION = '\(.*\)'.*/\1/p" $(wildcard src/version.f90 src/*/version.f90))
 SHARE = $(DESTDIR)$(PREFIX)/share
 fill = sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' $(1) > $(2)
 
@@ -255,7 +268,7 @@ place:
 	  $(SHARE)/fish/vendor_completions.d
 	install $(BIN)/amontons $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(LIB)/libamontons.a $(LIB)/libamontons.so $(DESTDIR)$(PREFIX)/lib
-	install -m 644 src/amontons.h $(DESTDIR)$(PREFIX)/include
+	install -m 644 $(wildcard src/amontons.h src/*/amontons.h) $(DESTDIR)$(PREFIX)/include
 	install -m 644 $(B)/amontons_*.mod $(DESTDIR)$(PREFIX)/include/amontons
 	$(call fill,share/amontons.pc.in,$(DESTDIR)$(PREFIX)/lib/pkgconfig/amontons.pc)
 	$(call fill,share/amontonsConfig.cmake.in,$(DESTDIR)$(PREFIX)/lib/cmake/amontons/amontonsConfig.cmake)

@@ -28,7 +28,7 @@ LINK = re.compile(r'href="([^":#]*)#([^"]+)"')
 
 
 def for_ford(source: str) -> str:
-    """A room whose docstrings FORD reads: an empty line first, no second mark, set off lines as a block, no line about the licence."""
+    """A module whose docstrings FORD reads: an empty line first, no second mark, set off lines as a block, no line about the licence."""
     lines: list[str] = []
     is_block = False
     for line in source.splitlines():
@@ -75,8 +75,8 @@ def put_in_order(folder: Path, theme: Path) -> None:
 def write_pages(ford: Path, folder: Path, theme: Path) -> None:
     """From src/ and doc/api.md into the folder."""
     with tempfile.TemporaryDirectory() as copy:
-        for room in sorted((ROOT / "src").glob("*.f90")):
-            (Path(copy) / room.name).write_text(for_ford(room.read_text()))
+        for module in sorted((ROOT / "src").rglob("*.f90")):
+            (Path(copy) / module.name).write_text(for_ford(module.read_text()))
         subprocess.run([ford, "-q", ROOT / "doc" / "api.md", "-d", copy, "-o", folder.resolve()], check=True)
     put_in_order(folder, theme)
 

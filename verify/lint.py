@@ -1,7 +1,10 @@
-"""Proves the floors of src/depends.mk against the use lines, and the limits of the house against the source.
+"""Proves the layers of src against the use lines, and the limits of doc/developer/style.md against the source.
 
     lint.py          prints what is wrong, one line each, and exits 1 if there is something
-    lint.py --write  first rewrites the lines of depends.mk from the use lines of the files; their order stays yours
+    lint.py --write  first generates src/depends.mk from the use lines
+
+The layers are the folders of src, bottom-up in the order of the table in src/README.md. A module uses modules of its own folder
+(without a cycle) and of folders that stand above its own in the table.
 """
 
 import re
@@ -17,8 +20,8 @@ MAX_PROCEDURE_LINES = 120
 MAX_ARGUMENTS = 9
 MAX_NESTING = 4
 MAX_FILE_LINES = 900
-ROOMS_THAT_STOP = {"main"}
-ROOMS_THAT_PRINT = {"main", "journal"}
+MODULES_THAT_STOP = {"main"}
+MODULES_THAT_PRINT = {"main", "journal", "logger"}
 
 PREFIX = r"(?:(?:pure|impure|elemental|recursive|non_recursive|module|(?:integer|real|logical|character|type|class)\s*\([^)]*\)|integer|real|logical)\s+)*"
 PROCEDURE = re.compile(rf"^{PREFIX}(?P<kind>subroutine|function)\s+(?P<name>\w+)\s*(?:\((?P<arguments>[^)]*)\))?", re.I)
@@ -32,7 +35,8 @@ STOP = re.compile(r"(?:^|\)\s*)(?:error\s+)?stop(?:\s|$|\()", re.I)
 PRINT = re.compile(r"^print\b|\bwrite\s*\(\s*(?:\*|6|output_unit|error_unit)\s*,", re.I)
 USE = re.compile(r"^use\s+amontons_(\w+)", re.I)
 THEORY_HEADING = re.compile(r"^#+ .*\[([^\]]+)\]$")
-FLOOR_ROW = re.compile(r"^\| \d \w+ \|([^|]*)\|")
+LAYER_ROW = re.compile(r"^\| `(\w+)` \|([^|]*)\|")
+TYPE_NAME = re.compile(r"^type\s*(?:,[^:]*)?(?:::)?\s*(\w+)$", re.I)
 NOT_A_VARIABLE = re.compile(r"^(?:use|public|private|procedure|generic|import|type|interface|end)\b", re.I)
 
 
@@ -55,17 +59,24 @@ class Procedure:
 
 
 @dataclass
-class Room:
+class Module:
     """What one file of src says about itself."""
 
     name: str
     lines: list[str]
+    folder: str = ""
     uses: list[str] = field(default_factory=list)
+    types: list[str] = field(default_factory=list)
     troubles: list[str] = field(default_factory=list)
+
+    @property
+    def path(self) -> str:
+        """The file, from the top of the repository."""
+        return "/".join(["src", *([self.folder] if self.folder else []), f"{self.name}.f90"])
 
     def complain(self, line: int, text: str) -> None:
         """Adds one trouble at a line (counted from 1)."""
-        self.troubles.append(f"src/{self.name}.f90:{line}: {text}")
+        self.troubles.append(f"{self.path}:{line}: {text}")
 
 
 def strip_text(line: str) -> str:
@@ -88,65 +99,65 @@ def statements(lines: list[str]) -> Iterator[Statement]:
             start, text = 0, ""
 
 
-def check_lines(room: Room) -> None:
+def check_lines(module: Module) -> None:
     """Length of the file, its first two lines. (The length of the lines is fortitude's.)"""
-    if len(room.lines) > MAX_FILE_LINES:
-        room.complain(len(room.lines), f"the file has {len(room.lines)} lines, allowed are {MAX_FILE_LINES}")
-    if not room.lines or not room.lines[0].startswith("!> "):
-        room.complain(1, "the first line is not `!> One sentence what this room is.`")
-    if "SPDX-License-Identifier: GPL-3.0-or-later" not in "".join(room.lines[:3]):
-        room.complain(2, "the licence line is missing")
+    if len(module.lines) > MAX_FILE_LINES:
+        module.complain(len(module.lines), f"the file has {len(module.lines)} lines, allowed are {MAX_FILE_LINES}")
+    if not module.lines or not module.lines[0].startswith("!> "):
+        module.complain(1, "the first line is not `!> One sentence what this module is.`")
+    if "SPDX-License-Identifier: GPL-3.0-or-later" not in "".join(module.lines[:3]):
+        module.complain(2, "the licence line is missing")
 
 
-def check_procedure_head(room: Room, statement: Statement, match: re.Match[str]) -> None:
+def check_procedure_head(module: Module, statement: Statement, match: re.Match[str]) -> None:
     """Docstring and number of arguments."""
-    above = room.lines[statement.line - 2].strip() if statement.line > 1 else ""
+    above = module.lines[statement.line - 2].strip() if statement.line > 1 else ""
     if not above.startswith("!"):
-        room.complain(statement.line, f"{match['name']} has no docstring")
+        module.complain(statement.line, f"{match['name']} has no docstring")
     arguments = [name for name in (match["arguments"] or "").split(",") if name.strip()]
     if len(arguments) > MAX_ARGUMENTS:
-        room.complain(statement.line, f"{match['name']} has {len(arguments)} arguments, allowed are {MAX_ARGUMENTS}")
+        module.complain(statement.line, f"{match['name']} has {len(arguments)} arguments, allowed are {MAX_ARGUMENTS}")
 
 
-def check_procedure_end(room: Room, procedure: Procedure, last_line: int) -> None:
+def check_procedure_end(module: Module, procedure: Procedure, last_line: int) -> None:
     """Length and nesting."""
     n_lines = last_line - procedure.line + 1
     if n_lines > MAX_PROCEDURE_LINES:
-        room.complain(procedure.line, f"{procedure.name} has {n_lines} lines, allowed are {MAX_PROCEDURE_LINES}")
+        module.complain(procedure.line, f"{procedure.name} has {n_lines} lines, allowed are {MAX_PROCEDURE_LINES}")
     if procedure.deepest > MAX_NESTING:
-        room.complain(procedure.line, f"{procedure.name} nests {procedure.deepest} deep, allowed are {MAX_NESTING}")
+        module.complain(procedure.line, f"{procedure.name} nests {procedure.deepest} deep, allowed are {MAX_NESTING}")
 
 
-def check_statement(room: Room, statement: Statement) -> None:
-    """What no room may say, whatever surrounds it."""
-    if STOP.search(statement.text) and room.name not in ROOMS_THAT_STOP:
-        room.complain(statement.line, "stop: only main.f90 stops")
-    if PRINT.search(statement.text) and room.name not in ROOMS_THAT_PRINT:
-        room.complain(statement.line, "this writes to the screen: only the journal does")
+def check_statement(module: Module, statement: Statement) -> None:
+    """What no module may say, whatever surrounds it."""
+    if STOP.search(statement.text) and module.name not in MODULES_THAT_STOP:
+        module.complain(statement.line, "stop: only main.f90 stops")
+    if PRINT.search(statement.text) and module.name not in MODULES_THAT_PRINT:
+        module.complain(statement.line, "this writes to the screen: only the logger does")
     if re.match(r"use\b", statement.text, re.I) and not re.search(r",\s*only\s*:", statement.text, re.I):
-        room.complain(statement.line, "use without only")
+        module.complain(statement.line, "use without only")
     if re.search(r"(?:^|,\s*)save\b", statement.text, re.I):
-        room.complain(statement.line, "save: nothing is hidden in this house")
+        module.complain(statement.line, "save: no procedure keeps a hidden state")
 
 
-def check_declaration(room: Room, statement: Statement) -> None:
+def check_declaration(module: Module, statement: Statement) -> None:
     """No variables in the head of a module."""
     attributes, separator, names = statement.text.partition("::")
     if separator and not NOT_A_VARIABLE.match(statement.text) and "parameter" not in attributes.lower():
-        room.complain(statement.line, f"module variable: {names.strip()}")
+        module.complain(statement.line, f"module variable: {names.strip()}")
 
 
-def read_statements(room: Room) -> None:
+def read_statements(module: Module) -> None:
     """Walks through the file once: heads, bodies and ends of modules, types, interfaces and procedures."""
     stack: list[Procedure] = []
     outside = {"type": 0, "interface": 0}
     is_head = False
-    for statement in statements(room.lines):
+    for statement in statements(module.lines):
         text = statement.text
         lower = text.lower()
-        check_statement(room, statement)
+        check_statement(module, statement)
         if use := USE.match(text):
-            room.uses.append(use[1].lower())
+            module.uses.append(use[1].lower())
         if re.match(r"(?:abstract\s+)?interface\b", lower):
             outside["interface"] += 1
         elif re.match(r"end\s+interface\b", lower):
@@ -155,26 +166,28 @@ def read_statements(room: Room) -> None:
             continue
         if match := re.match(r"(?:module|program)\s+(\w+)$", lower):
             is_head = match[0].startswith("module")
-            if is_head and match[1] != f"amontons_{room.name}":
-                room.complain(statement.line, f"the module is {match[1]}, the file wants amontons_{room.name}")
+            if is_head and match[1] != f"amontons_{module.name}":
+                module.complain(statement.line, f"the module is {match[1]}, the file needs amontons_{module.name}")
         elif TYPE.match(text) and not re.match(r"type\s*\(", lower):
             outside["type"] += 1
+            if name := TYPE_NAME.match(lower):
+                module.types.append(name[1])
         elif re.match(r"end\s+type\b", lower):
             outside["type"] -= 1
         elif lower == "contains" and not outside["type"]:
             is_head = False
         elif is_head and not outside["type"]:
-            check_declaration(room, statement)
-        walk_procedures(room, statement, stack)
+            check_declaration(module, statement)
+        walk_procedures(module, statement, stack)
 
 
-def walk_procedures(room: Room, statement: Statement, stack: list[Procedure]) -> None:
+def walk_procedures(module: Module, statement: Statement, stack: list[Procedure]) -> None:
     """Keeps the stack of open procedures and the depth of the blocks in the innermost one."""
     if END_PROCEDURE.match(statement.text):
         if stack:
-            check_procedure_end(room, stack.pop(), statement.line)
+            check_procedure_end(module, stack.pop(), statement.line)
     elif match := PROCEDURE.match(statement.text):
-        check_procedure_head(room, statement, match)
+        check_procedure_head(module, statement, match)
         stack.append(Procedure(match["name"], statement.line))
     elif stack and CLOSES.match(statement.text):
         stack[-1].nesting -= 1
@@ -183,84 +196,110 @@ def walk_procedures(room: Room, statement: Statement, stack: list[Procedure]) ->
         stack[-1].deepest = max(stack[-1].deepest, stack[-1].nesting)
 
 
-def read_room(path: Path) -> Room:
+def read_module(path: Path) -> Module:
     """One file of src with all that is wrong in it."""
-    room = Room(path.stem, path.read_text().splitlines())
-    check_lines(room)
-    read_statements(room)
-    room.uses = list(dict.fromkeys(name for name in room.uses if name != room.name))
-    return room
+    folder = path.parent.name if path.parent.parent == SOURCE else ""
+    module = Module(path.stem, path.read_text().splitlines(), folder)
+    check_lines(module)
+    read_statements(module)
+    module.uses = list(dict.fromkeys(name for name in module.uses if name != module.name))
+    return module
 
 
-def read_floors() -> dict[str, list[str]]:
-    """depends.mk: each room and the rooms it says that it uses, in the order of the file."""
-    text = (SOURCE / "depends.mk").read_text().replace("\\\n", " ")
-    return {match[1]: match[2].split() for match in re.finditer(r"^uses_(\w+)\s*=(.*)$", text, re.M)}
+def read_modules(source: Path = SOURCE) -> list[Module]:
+    """All modules below src."""
+    return [read_module(path) for path in sorted(source.rglob("*.f90"))]
 
 
-def repeated_rooms() -> list[str]:
-    """Rooms that stand twice in depends.mk, where only the last line of a name counts."""
-    names = re.findall(r"^uses_(\w+)", (SOURCE / "depends.mk").read_text(), re.M)
-    return [f"src/depends.mk: {name} stands twice" for name in sorted(set(names)) if names.count(name) > 1]
+def read_layers(source: Path = SOURCE) -> dict[str, str]:
+    """The folders of src bottom-up, each with its sentence: the table in src/README.md."""
+    page = source / "README.md"
+    rows = [LAYER_ROW.match(line) for line in page.read_text().splitlines()] if page.exists() else []
+    return {row[1]: row[2].strip() for row in rows if row}
 
 
-def check_floors(rooms: dict[str, Room], floors: dict[str, list[str]]) -> list[str]:
-    """Upward, stale and missing uses; rooms that are there no more."""
-    order = {name: place for place, name in enumerate(floors)}
-    troubles = [f"src/depends.mk: {name} is not in src" for name in floors if name not in rooms]
-    for name, room in rooms.items():
-        if name not in floors:
-            troubles.append(f"src/depends.mk: {name} is missing")
-            continue
-        said = floors[name]
-        for used in room.uses:
-            if used not in order or order[used] >= order[name]:
-                troubles.append(f"src/depends.mk: {name} uses {used}, which does not stand below it")
-            if used not in said:
-                troubles.append(f"src/depends.mk: {name} uses {used}, and that is missing")
-        troubles += [f"src/depends.mk: {name} does not use {used}: stale" for used in said if used not in room.uses]
-    return troubles
+def in_order(modules: dict[str, Module], layers: list[str]) -> tuple[list[str], list[str]]:
+    """The names of the modules so that each follows those that it uses, folder by folder; and what is wrong with the layers."""
+    rank = {folder: number for number, folder in enumerate(layers)}
+    order: list[str] = []
+    troubles: list[str] = []
+    open_names: list[str] = []
+
+    def place(name: str) -> None:
+        if name in order:
+            return
+        if name in open_names:
+            troubles.append(f"{modules[name].path}: a cycle of modules: {' -> '.join([*open_names[open_names.index(name):], name])}")
+            return
+        open_names.append(name)
+        for used in modules[name].uses:
+            if used not in modules:
+                troubles.append(f"{modules[name].path}: there is no module {used} in src")
+            elif rank.get(modules[used].folder, 0) > rank.get(modules[name].folder, 0):
+                troubles.append(f"{modules[name].path}: uses {used} of the higher folder {modules[used].folder}")
+            elif modules[used].folder == modules[name].folder:
+                place(used)
+        open_names.pop()
+        order.append(name)
+
+    for name in sorted(modules, key=lambda name: (rank.get(modules[name].folder, 0), name)):
+        place(name)
+    return order, troubles
 
 
-def write_uses(rooms: dict[str, Room], floors: dict[str, list[str]]) -> None:
-    """Rewrites the uses of depends.mk for the rooms that exist, each in the order of the floors."""
-    order = {name: place for place, name in enumerate(floors)}
+def depends_text(modules: dict[str, Module], order: list[str]) -> str:
+    """What stands in src/depends.mk."""
+    number = {name: index for index, name in enumerate(order)}
+    lines = ["# Generated from the use lines by `make depends`: each module with the modules that it uses, bottom-up. Do not edit."]
+    folder = None
+    for name in order:
+        if modules[name].folder != folder:
+            folder = modules[name].folder
+            lines += ["", f"# {folder}"]
+        uses = sorted(modules[name].uses, key=lambda used: number.get(used, -1))
+        lines.append(f"uses_{name} = {' '.join(uses)}".rstrip())
+    return "\n".join(lines) + "\n"
 
-    def line_of(match: re.Match[str]) -> str:
-        if match[1] not in rooms:
-            return match[0]
-        uses = sorted(rooms[match[1]].uses, key=lambda used: order.get(used, len(order)))
-        return f"uses_{match[1]} = {' '.join(uses)}".rstrip()
 
-    path = SOURCE / "depends.mk"
-    path.write_text(re.sub(r"^uses_(\w+)\s*=.*$", line_of, path.read_text().replace("\\\n", " "), flags=re.M))
+def check_layers(modules: list[Module], layers: list[str]) -> list[str]:
+    """Folders and table agree, each name of a module or a type stands once, nothing is used upward."""
+    folders = {module.folder for module in modules}
+    troubles = [f"src/README.md: there is no folder {folder} in src" for folder in layers if folder not in folders]
+    troubles += [f"src/README.md: the folder {folder} is missing" for folder in sorted(folders) if layers and folder not in layers]
+    for what, pairs in (("module", [(module.name, module) for module in modules]),
+                        ("type", [(name, module) for module in modules for name in module.types])):
+        first: dict[str, Module] = {}
+        for name, module in pairs:
+            if first.setdefault(name, module) is not module:
+                troubles.append(f"{module.path}: the {what} {name} stands in {first[name].path}, too")
+    return troubles + in_order({module.name: module for module in modules}, layers)[1]
 
 
 def check_documents(names: set[str], root: Path) -> list[str]:
-    """Rooms that the documentation sends a reader to are there: in brackets in headings of the theory, and in the table of floors."""
+    """Modules that a heading of the theory names in brackets exist."""
     troubles = []
-    for page in [*sorted((root / "doc" / "theory").glob("*.md")), root / "doc" / "developer" / "architecture.md"]:
+    for page in sorted((root / "doc" / "theory").glob("*.md")):
         for number, line in enumerate(page.read_text().splitlines(), 1):
             if heading := THEORY_HEADING.match(line):
-                told = [word.partition(":")[0].strip() for word in heading[1].split(",")]
-            elif floor := FLOOR_ROW.match(line):
-                told = re.findall(r"`(\w+)`", floor[1])
-            else:
-                continue
-            troubles += [f"{page.relative_to(root)}:{number}: there is no room {name}" for name in told if name not in names]
+                named = [word.partition(":")[0].strip() for word in heading[1].split(",")]
+                troubles += [f"{page.relative_to(root)}:{number}: there is no module {name}" for name in named if name not in names]
     return troubles
 
 
 def main() -> int:
     """See the top of this file."""
-    rooms = {path.stem: read_room(path) for path in sorted(SOURCE.glob("*.f90"))}
-    floors = read_floors()
+    listed = read_modules()
+    layers = list(read_layers())
+    modules = {module.name: module for module in listed}
+    text = depends_text(modules, in_order(modules, layers)[0])
+    path = SOURCE / "depends.mk"
     if "--write" in sys.argv:
-        write_uses(rooms, floors)
-        floors = read_floors()
-    troubles = check_floors(rooms, floors) + repeated_rooms() + check_documents(set(rooms), ROOT)
-    troubles += [trouble for room in rooms.values() for trouble in room.troubles]
-    print("\n".join(troubles or [f"lint: {len(rooms)} rooms, nothing wrong."]))
+        path.write_text(text)
+    troubles = check_layers(listed, layers) + check_documents(set(modules), ROOT)
+    if path.read_text() != text:
+        troubles.append("src/depends.mk: stale; `make depends` generates it")
+    troubles += [trouble for module in listed for trouble in module.troubles]
+    print("\n".join(troubles or [f"lint: {len(listed)} modules, nothing wrong."]))
     return 1 if troubles else 0
 
 

@@ -1,35 +1,32 @@
-"""Writes the page of all rooms from src/depends.mk and the first line of each file:
+"""Writes the page of all modules from the table of src/README.md and the first line of each file:
 
-    python verify/rooms.py > doc/developer/rooms.md
+    python verify/rooms.py > doc/developer/modules.md
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
 
 from __future__ import annotations
 
-import re
 import sys
-from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parent.parent / "src"
-FLOOR = re.compile(r"^# (\d) (\w+): (.*)$")
-ROOM = re.compile(r"^uses_(\w+)\s*=(.*)$")
+from lint import Module, in_order, read_layers, read_modules
 
 
-def first_sentence(room: str) -> str:
-    """What the room says of itself."""
-    line = (SOURCE / f"{room}.f90").read_text().splitlines()[0]
-    return line.removeprefix("!> ").replace("*", "\\*").replace("|", "\\|")
+def first_sentence(module: Module) -> str:
+    """What the module says of itself."""
+    return module.lines[0].removeprefix("!> ").replace("*", "\\*").replace("|", "\\|")
 
 
 def page() -> str:
-    """A table for each floor, from the ground up."""
-    lines = ["# All rooms", "", "Written by `make doc` from `src/depends.mk` and the first lines of the files, from the ground up."]
-    for line in (SOURCE / "depends.mk").read_text().replace("\\\n", " ").splitlines():
-        if floor := FLOOR.match(line):
-            lines += ["", f"## {floor[1]} {floor[2]}", "", f"{floor[3][0].upper()}{floor[3][1:]}.", "", "| room | what it is | uses |", "|---|---|---|"]
-        elif room := ROOM.match(line):
-            lines.append(f"| `{room[1]}` | {first_sentence(room[1])} | {room[2].strip().replace(' ', ', ')} |")
+    """A table for each folder, bottom-up."""
+    modules = {module.name: module for module in read_modules()}
+    layers = read_layers()
+    order = in_order(modules, list(layers))[0]
+    lines = ["# All modules", "", "Written by `make doc` from `src/README.md`, the `use` lines and the first line of each file, bottom-up."]
+    for folder, sentence in layers.items():
+        lines += ["", f"## {folder}", "", sentence, "", "| module | what it holds | uses |", "|---|---|---|"]
+        lines += [f"| `{name}` | {first_sentence(modules[name])} | {', '.join(modules[name].uses)} |"
+                  for name in order if modules[name].folder == folder]
     return "\n".join(lines) + "\n"
 
 

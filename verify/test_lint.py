@@ -1,4 +1,4 @@
-"""The floors of src/depends.mk hold, and lint.py and layout.py find what they are there to find."""
+"""The layers of src hold, and lint.py and layout.py find what they are there to find."""
 
 import subprocess
 import sys
@@ -7,10 +7,10 @@ from pathlib import Path
 import lint
 import pytest
 
-HEAD = "!> Sample: a room for this test.\n!! SPDX-License-Identifier: GPL-3.0-or-later\n"
+HEAD = "!> Sample: a module for this test.\n!! SPDX-License-Identifier: GPL-3.0-or-later\n"
 
 
-def write_room(path: Path, declarations: str = "", body: str = "") -> Path:
+def write_module(path: Path, declarations: str = "", body: str = "") -> Path:
     """A file sample.f90 with a module of that name."""
     file = path / "sample.f90"
     file.write_text(
@@ -27,27 +27,31 @@ def wrap(body: str, arguments: str = "") -> str:
 NESTED = "\n".join(["    if (.true.) then"] * 5 + ["    end if"] * 5)
 
 
-def test_floors_hold() -> None:
-    """Nothing upward, nothing stale, nothing missing. `python3 verify/lint.py --write` mends the last two."""
-    rooms = {path.stem: lint.read_room(path) for path in sorted(lint.SOURCE.glob("*.f90"))}
-    assert len(rooms) > 20
-    assert lint.check_floors(rooms, lint.read_floors()) == []
+def test_layers_hold() -> None:
+    """Nothing is used upward or in a cycle, and src/depends.mk is what `make depends` generates."""
+    listed = lint.read_modules()
+    layers = list(lint.read_layers())
+    modules = {module.name: module for module in listed}
+    order, _ = lint.in_order(modules, layers)
+    assert len(order) == len(listed) > 100
+    assert lint.check_layers(listed, layers) == []
+    assert (lint.SOURCE / "depends.mk").read_text() == lint.depends_text(modules, order)
 
 
 ROOT = Path(lint.__file__).resolve().parents[1]
 
 
 @pytest.mark.slow
-def test_the_house_is_clean() -> None:
-    """`make lint` finds nothing: the limits of the rooms, and fortitude's rules."""
-    sources = sorted(ROOT.glob("src/*.f90")) + sorted(ROOT.glob("verify/unit/*.f90"))
+def test_the_source_is_clean() -> None:
+    """`make lint` finds nothing: the limits of style.md, and fortitude's rules."""
+    sources = sorted(ROOT.glob("src/**/*.f90")) + sorted(ROOT.glob("verify/unit/*.f90"))
     for command in ([sys.executable, lint.__file__], [Path(sys.executable).with_name("fortitude"), "check", "--output-format", "concise", *sources]):
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_clean_room_has_no_trouble(tmp_path: Path) -> None:
-    """A room as it should be, with the forms that could be taken for something else."""
+def test_clean_module_has_no_trouble(tmp_path: Path) -> None:
+    """A module as it should be, with the forms that could be taken for something else."""
     declarations = """\
   integer, parameter :: N = 1
   type :: thing_type
@@ -66,7 +70,7 @@ def test_clean_room_has_no_trouble(tmp_path: Path) -> None:
       1""",
         ", ".join("abcdefghi"),
     )
-    assert lint.read_room(write_room(tmp_path, declarations, body)).troubles == []
+    assert lint.read_module(write_module(tmp_path, declarations, body)).troubles == []
 
 
 @pytest.mark.parametrize(
@@ -78,9 +82,9 @@ def test_clean_room_has_no_trouble(tmp_path: Path) -> None:
         ("", "  subroutine no_docstring()\n  end subroutine no_docstring", "no_docstring has no docstring"),
         ("", wrap("    stop 1"), "only main.f90 stops"),
         ("", wrap("    if (.true.) error stop 'why'"), "only main.f90 stops"),
-        ("", wrap("    print *, 1"), "only the journal"),
-        ("", wrap("    write (*, *) 1"), "only the journal"),
-        ("", wrap("    write (output_unit, *) 1"), "only the journal"),
+        ("", wrap("    print *, 1"), "only the logger"),
+        ("", wrap("    write (*, *) 1"), "only the logger"),
+        ("", wrap("    write (output_unit, *) 1"), "only the logger"),
         ("", wrap("", ", ".join("abcdefghij")), "10 arguments"),
         ("", wrap("\n".join(["    continue"] * 119)), "121 lines"),
         ("", wrap(NESTED), "nests 5 deep"),
@@ -88,8 +92,8 @@ def test_clean_room_has_no_trouble(tmp_path: Path) -> None:
     ],
 )
 def test_trouble_is_found(tmp_path: Path, declarations: str, body: str, trouble: str) -> None:
-    """Each limit of the house, broken once, is one trouble."""
-    troubles = lint.read_room(write_room(tmp_path, declarations, body)).troubles
+    """Each limit of style.md, broken once, is one trouble."""
+    troubles = lint.read_module(write_module(tmp_path, declarations, body)).troubles
     assert len(troubles) == 1, troubles
     assert trouble in troubles[0]
 
@@ -98,22 +102,35 @@ def test_wrong_name_and_head_are_found(tmp_path: Path) -> None:
     """File = module; the first two lines."""
     file = tmp_path / "other.f90"
     file.write_text("module amontons_sample\nend module amontons_sample\n")
-    troubles = " ".join(lint.read_room(file).troubles)
-    for trouble in ("wants amontons_other", "One sentence", "licence"):
+    troubles = " ".join(lint.read_module(file).troubles)
+    for trouble in ("needs amontons_other", "One sentence", "licence"):
         assert trouble in troubles
 
 
-def test_wrong_floors_are_found() -> None:
-    """Upward, stale, missing, unknown."""
-    rooms = {name: lint.Room(name, [], uses) for name, uses in {"a": ["b"], "b": ["a"], "c": [], "d": []}.items()}
-    troubles = lint.check_floors(rooms, {"a": ["b"], "b": [], "c": ["a"], "e": []})
-    assert troubles == [
-        "src/depends.mk: e is not in src",
-        "src/depends.mk: a uses b, which does not stand below it",
-        "src/depends.mk: b uses a, and that is missing",
-        "src/depends.mk: c does not use a: stale",
-        "src/depends.mk: d is missing",
+def test_wrong_layers_are_found() -> None:
+    """Upward, in a cycle, unknown, twice."""
+    low, high = "low", "high"
+    listed = [
+        lint.Module("a", [], low, ["b"]), lint.Module("b", [], high, ["a"]), lint.Module("c", [], high, ["d"], ["x_type"]),
+        lint.Module("d", [], high, ["c", "e"], ["x_type"]), lint.Module("b", [], "odd"),
+    ]  # fmt: skip
+    assert lint.check_layers(listed[:4], [low, high, "none"]) == [
+        "src/README.md: there is no folder none in src",
+        "src/high/d.f90: the type x_type stands in src/high/c.f90, too",
+        "src/low/a.f90: uses b of the higher folder high",
+        "src/high/c.f90: a cycle of modules: c -> d -> c",
+        "src/high/d.f90: there is no module e in src",
     ]
+    assert "src/README.md: the folder odd is missing" in lint.check_layers(listed, [low, high])
+    assert "src/odd/b.f90: the module b stands in src/high/b.f90, too" in lint.check_layers(listed, [low, high])
+
+
+def test_depends_follow_the_layers() -> None:
+    """A module comes after those that it uses, and folder by folder."""
+    modules = {name: lint.Module(name, [], folder, uses) for name, folder, uses in [("a", "two", ["c"]), ("b", "one", ["d"]), ("c", "one", []), ("d", "one", [])]}
+    order, troubles = lint.in_order(modules, ["one", "two"])
+    assert (order, troubles) == (["d", "b", "c", "a"], [])
+    assert lint.depends_text(modules, order).splitlines()[2:] == ["# one", "uses_d =", "uses_b = d", "uses_c =", "", "# two", "uses_a = c"]
 
 
 def lay_out(*words: str | Path) -> int:
@@ -122,21 +139,18 @@ def lay_out(*words: str | Path) -> int:
     return subprocess.run(command, capture_output=True, timeout=60).returncode
 
 
-def test_rooms_of_the_documents(tmp_path: Path) -> None:
-    """A heading of the theory and the table of floors name rooms that are there."""
-    theory, developer = tmp_path / "doc" / "theory", tmp_path / "doc" / "developer"
+def test_modules_of_the_documents(tmp_path: Path) -> None:
+    """A heading of the theory names modules that exist."""
+    theory = tmp_path / "doc" / "theory"
     theory.mkdir(parents=True)
-    developer.mkdir()
     (theory / "contact.md").write_text("## Slip [slip: classify_slip, gap]\n\ntext [stepper]\n### Lost [crossing]\n")
-    (developer / "architecture.md").write_text("| floor | rooms |\n|---|---|\n| 4 kernels | `slip` `kernel` | pure `procedures` |\n")
-    assert lint.check_documents({"slip", "gap"}, tmp_path) == [
-        "doc/theory/contact.md:4: there is no room crossing", "doc/developer/architecture.md:3: there is no room kernel"]
+    assert lint.check_documents({"slip", "gap"}, tmp_path) == ["doc/theory/contact.md:4: there is no module crossing"]
 
 
 def test_layout(tmp_path: Path) -> None:
     """Blanks around operators, two blank lines between procedures, continuation lines left alone; and then no change."""
     first, second = wrap("    x=2*[1,2]\n    call say('a//b'//text, &\n      y)   ! c//d"), wrap("    y = 1")
-    file = write_room(tmp_path, "", f"{first}\n{second}")
+    file = write_module(tmp_path, "", f"{first}\n{second}")
     assert lay_out("--check", file) == 1
     assert lay_out(file) == 0
     text = file.read_text()

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from card_reference import MANUAL, find_examples, page_of, read_cards
 from conftest import ROOT, Run
-from rooms import page as rooms_page
+from rooms import page as modules_page
 
 PAGES = sorted((ROOT / "doc").rglob("*.md"))
 DECK = re.compile(r"```abaqus\n(.*?)```", re.DOTALL)
@@ -43,7 +43,7 @@ def test_decks_of_the_manual_run(run: Run, tmp_path: Path, page: str, deck: str)
 @pytest.fixture(scope="module")
 def texts(run: Run) -> dict[Path, str]:
     """All pages, those that `make doc` writes among them; pages beside doc/ that are linked come from the disk."""
-    made = {MANUAL / "cards.md": page_of(read_cards(run(["--cards"]).stdout)), ROOT / "doc" / "developer" / "rooms.md": rooms_page()}
+    made = {MANUAL / "cards.md": page_of(read_cards(run(["--cards"]).stdout)), ROOT / "doc" / "developer" / "modules.md": modules_page()}
     return {page.resolve(): page.read_text() for page in PAGES} | made
 
 

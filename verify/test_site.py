@@ -17,7 +17,7 @@ from urllib.parse import unquote
 import pytest
 from card_reference import page_of, read_cards
 from conftest import ROOT, Run
-from rooms import page as rooms_page
+from rooms import page as modules_page
 from test_report import BROWSER, open_in_browser
 
 MKDOCS = Path(os.environ.get("AMONTONS_MKDOCS", ROOT / ".venv-doc" / "bin" / "mkdocs"))
@@ -35,7 +35,7 @@ def site(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(ROOT / "doc", folder / "doc")
     shutil.copy(ROOT / "mkdocs.yml", folder)
     (folder / "doc" / "manual" / "cards.md").write_text(page_of(read_cards(run(["--cards"]).stdout)))
-    (folder / "doc" / "developer" / "rooms.md").write_text(rooms_page())
+    (folder / "doc" / "developer" / "modules.md").write_text(modules_page())
     done = subprocess.run([str(MKDOCS), "build", "--strict", "-d", str(folder / "out")], cwd=folder, capture_output=True, text=True,
                           env=os.environ | {"NO_MKDOCS_2_WARNING": "1"}, check=False)  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
