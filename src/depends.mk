@@ -1,150 +1,184 @@
 # Generated from the use lines by `make depends`: each module with the modules that it uses, bottom-up. Do not edit.
 
-# 
+# base
 uses_kinds =
-uses_errors =
-uses_posix = kinds errors
-uses_version =
 uses_text = kinds
-uses_history = kinds
-uses_journal = kinds errors posix text history
-uses_archive = kinds errors posix text
-uses_topology =
-uses_mesh = kinds topology
-uses_user = kinds errors text
-uses_materials = kinds user
+uses_containers = kinds text
+uses_errors =
+uses_iteration_records = kinds
+uses_posix = kinds errors
+uses_logger = kinds text errors iteration_records posix
 uses_tensor = kinds
-uses_profiles = kinds tensor
-uses_surfaces = kinds profiles
-uses_loads = kinds
-uses_ties = kinds tensor
-uses_steps = kinds surfaces loads
-uses_model = kinds archive mesh user materials surfaces loads ties steps
-uses_lookup = kinds text
-uses_cards = kinds errors text lookup
-uses_card_form = kinds text lookup cards
-uses_card_materials = card_form
-uses_card_table = card_form card_materials
-uses_deck_labels = kinds text topology lookup cards
-uses_deck_reader = kinds text mesh model lookup cards card_form
-uses_deck_mesh = kinds text topology mesh materials model lookup cards card_form deck_labels deck_reader
-uses_deck_conditions = kinds text mesh materials loads model lookup cards card_form deck_reader
-uses_deck_materials = kinds text user materials model cards card_form deck_reader
-uses_deck_profiles = kinds text mesh tensor profiles surfaces ties model cards card_form deck_reader
-uses_deck_faces = topology mesh lookup deck_reader
-uses_deck_model = kinds text topology mesh user surfaces loads model lookup cards card_form deck_reader deck_profiles deck_faces
-uses_deck_contact = kinds text mesh surfaces steps model cards card_form deck_reader deck_model
-uses_deck_mpc = kinds text mesh tensor ties model cards card_form deck_reader
-uses_deck_bonds = kinds text topology mesh tensor ties model cards card_form deck_reader deck_profiles deck_faces deck_model deck_mpc
-uses_deck_parts = kinds text topology tensor cards
-uses_deck_generate = kinds text tensor cards deck_labels
-uses_deck_restart = kinds errors text archive model cards card_form
-uses_explain = kinds text topology materials surfaces loads steps model cards card_form deck_reader
-uses_deck_springs = kinds text topology materials ties model cards card_form deck_reader deck_mesh deck_mpc deck_bonds
-uses_deck_sets = text mesh model lookup cards card_form deck_reader deck_mesh
-uses_deck_output = kinds text topology steps model cards card_form card_table deck_reader
-uses_standing = kinds loads model
-uses_deck_loads = kinds text topology loads model lookup cards card_form deck_reader deck_model standing
-uses_deck_steps = kinds text topology mesh materials ties steps model cards card_form deck_reader deck_conditions deck_materials deck_contact deck_output standing deck_loads
-uses_deck = errors text materials ties model cards card_form card_table deck_reader deck_mesh deck_conditions deck_materials deck_model deck_contact deck_mpc deck_bonds deck_parts deck_generate deck_restart explain deck_springs deck_sets deck_output deck_steps
-uses_log_strain = kinds tensor
-uses_hyperelastic = kinds materials log_strain
-uses_plastic = kinds materials
-uses_stress = kinds materials tensor log_strain
-uses_user_material = kinds errors user materials tensor log_strain
-uses_material_point = kinds materials tensor log_strain hyperelastic plastic stress user_material
-uses_node_overrides = kinds
-uses_shapes = kinds topology
-uses_slip = kinds
-uses_state = kinds topology mesh materials tensor loads steps model log_strain material_point node_overrides shapes slip
-uses_compliance = kinds surfaces slip
-uses_meeting = kinds tensor surfaces slip compliance
-uses_slaves = kinds surfaces state meeting
-uses_changes = mesh model state
-uses_facets = kinds errors topology mesh tensor profiles shapes
-uses_analytic = kinds topology tensor profiles facets
-uses_rows = kinds topology shapes facets analytic
-uses_areas = kinds topology mesh tensor surfaces shapes
-uses_search = kinds facets
-uses_gap = kinds topology tensor shapes facets analytic search
-uses_polygons = kinds topology shapes facets
+uses_version =
+
+# linear_algebra
 uses_blas = kinds
 uses_dense = kinds blas
-uses_dual = kinds topology dense
-uses_segments = kinds topology tensor facets search polygons dual
-uses_mortar = kinds errors topology mesh facets rows areas search gap polygons dual segments
-uses_overlaps = kinds node_overrides state facets
-uses_user_contact = kinds user tensor surfaces model state
 uses_sparse = kinds errors
-uses_constraints = kinds errors sparse
-uses_contact = kinds errors topology tensor profiles surfaces steps model node_overrides slip state meeting slaves facets analytic rows areas search gap mortar overlaps user_contact sparse constraints
-uses_contact_start = kinds errors topology surfaces model node_overrides state slaves rows areas search gap mortar overlaps contact
-uses_points = kinds topology materials tensor user_material material_point
-uses_condition = kinds materials tensor stress material_point points
-uses_discrete = kinds topology materials stress material_point shapes points condition
-uses_hourglass = kinds topology tensor
-uses_plane = kinds topology materials tensor stress material_point shapes points condition hourglass
-uses_enhanced = kinds topology tensor
-uses_solid = kinds topology materials tensor log_strain stress material_point shapes points condition hourglass enhanced
-uses_element = kinds topology materials tensor shapes points discrete plane solid
-uses_user_state = kinds errors topology mesh user materials loads model shapes state points element
-uses_user_job = kinds errors journal user materials surfaces model user_material state user_state
-uses_fasten = kinds errors topology tensor loads ties model shapes facets areas search gap
-uses_damping = kinds mesh steps state sparse
-uses_factor = kinds errors sparse
-uses_partition = errors sparse
-uses_iterative = kinds dense sparse
-uses_reduced = kinds errors posix text mesh steps sparse constraints factor partition iterative
+uses_factorization = kinds errors sparse
 uses_krylov = kinds errors sparse
-uses_sprung = kinds errors blas dense sparse krylov
-uses_condensed = kinds errors dense sparse constraints factor partition sprung
-uses_skew = kinds errors topology tensor shapes sparse
-uses_batch = kinds topology materials stress shapes
-uses_assembly = kinds errors topology mesh materials model state sparse element user_state partition skew batch
-uses_bonds = kinds errors mesh tensor loads ties model state constraints assembly
-uses_supports = kinds errors mesh loads steps model state constraints user_state bonds
-uses_applied = kinds topology mesh materials tensor loads steps model shapes state areas element user_state skew assembly
-uses_symmetry = kinds steps model facets gap
-uses_contact_forces = kinds surfaces model node_overrides slip state compliance meeting slaves facets rows overlaps user_contact sparse contact
-uses_facing = kinds topology tensor shapes facets search polygons
-uses_contact_points = kinds topology model shapes state facets rows search mortar contact facing
-uses_cut_rates = kinds topology tensor shapes facets polygons dense dual segments
-uses_row_rates = kinds topology facets rows segments mortar cut_rates
-uses_contact_tangent = kinds tensor surfaces model slip state rows gap constraints contact contact_forces cut_rates row_rates
-uses_system = kinds errors posix history surfaces steps model slip state slaves changes rows sparse constraints contact contact_start damping reduced condensed assembly bonds supports applied symmetry contact_forces contact_points contact_tangent
-uses_audit_bodies = kinds errors text topology mesh model element
-uses_audit_contact = kinds errors text topology surfaces loads model lookup node_overrides state contact audit_bodies
 uses_null_space = kinds dense
-uses_motions = kinds text tensor audit_bodies
-uses_audit_motion = kinds errors text topology tensor surfaces steps model lookup state rows contact audit_bodies audit_contact null_space motions
-uses_audit = kinds errors text topology loads steps model lookup node_overrides state rows constraints contact element bonds audit_bodies audit_contact audit_motion
-uses_converge = kinds steps
-uses_forensics = kinds state
-uses_cycles = kinds surfaces node_overrides state gap contact forensics
-uses_contact_matrices = kinds errors tensor sparse sprung contact_tangent
-uses_direction = kinds errors history steps model state sparse constraints damping factor reduced krylov sprung condensed skew assembly bonds applied contact_tangent system contact_matrices
-uses_settle = kinds errors steps model state system forensics cycles direction
-uses_carry = kinds errors mesh steps model state rows contact system direction settle
-uses_course = kinds errors steps model state system converge direction settle carry
-uses_travel = kinds topology tensor model node_overrides state facets analytic rows search contact
-uses_line_search = kinds surfaces steps model node_overrides slip state sparse reduced condensed system travel
-uses_newton = kinds errors history mesh steps model state system converge forensics cycles direction course travel line_search
-uses_derived = kinds topology mesh materials tensor surfaces model material_point shapes state dual element
-uses_stepper = kinds steps converge
-uses_failure = kinds text history model node_overrides state system audit_motion converge forensics course newton
-uses_dat_surfaces = kinds text topology tensor steps model state derived
-uses_dat = kinds text topology mesh materials tensor steps model state derived dat_surfaces
-uses_printed = kinds errors posix history steps model state dat
-uses_store = kinds errors posix
-uses_restart = kinds errors posix model state reduced system newton stepper store
-uses_drive = kinds errors text loads steps model
-uses_columns = kinds errors history store
-uses_inventory = kinds errors version history topology mesh materials profiles surfaces steps model analytic store columns
-uses_results = kinds errors history mesh materials tensor steps model state derived store columns inventory
-uses_frd = kinds errors posix version text history topology mesh steps model lookup shapes state dense derived dat_surfaces dat
-uses_job = kinds errors history archive model state system newton derived stepper printed store restart drive results frd
-uses_analysis = kinds errors posix version text history journal archive steps model deck state slaves changes dense contact_start user_state user_job fasten damping factor system audit converge forensics course newton derived stepper failure printed restart drive job
-uses_values = kinds errors text topology mesh materials state constraints derived drive columns results analysis
-uses_library = kinds errors posix text journal model slip state sparse user_job skew system converge direction stepper drive analysis values
-uses_capi = kinds errors posix version text model sparse library
-uses_main = errors posix version journal model card_table deck analysis
+uses_partition = errors sparse
+uses_two_level_preconditioner = kinds dense sparse
+uses_woodbury_interface = kinds errors blas dense sparse krylov
+
+# model
+uses_analytic_profiles = kinds tensor
+uses_loads = kinds
+uses_user_routines = kinds text errors
+uses_materials = kinds user_routines
+uses_topology =
+uses_mesh = kinds topology
+uses_restart_file = kinds text errors posix
+uses_surfaces = kinds analytic_profiles
+uses_mpc_data = kinds tensor
+uses_steps = kinds loads surfaces
+uses_model = kinds loads user_routines materials mesh restart_file surfaces mpc_data steps
+
+# input
+uses_cards = kinds text containers errors
+uses_card_schema = kinds text containers cards
+uses_card_materials = card_schema
+uses_card_table = card_schema card_materials
+uses_deck_labels = kinds text containers topology cards
+uses_deck_reader = kinds text containers mesh model cards card_schema
+uses_deck_mesh = kinds text containers materials topology mesh model cards card_schema deck_labels deck_reader
+uses_deck_initial_conditions = kinds text containers loads materials mesh model cards card_schema deck_reader
+uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader
+uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
+uses_deck_faces = containers topology mesh deck_reader
+uses_deck_surfaces = kinds text containers loads user_routines topology mesh surfaces model cards card_schema deck_reader deck_analytic_surfaces deck_faces
+uses_deck_contact = kinds text mesh surfaces steps model cards card_schema deck_reader deck_surfaces
+uses_deck_mpc = kinds text tensor mesh mpc_data model cards card_schema deck_reader
+uses_deck_couplings = kinds text tensor topology mesh mpc_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_mpc
+uses_deck_parts = kinds text tensor topology cards
+uses_deck_generate = kinds text tensor cards deck_labels
+uses_deck_restart = kinds text errors restart_file model cards card_schema
+uses_explain = kinds text loads materials topology surfaces steps model cards card_schema deck_reader
+uses_deck_springs = kinds text materials topology mpc_data model cards card_schema deck_reader deck_mesh deck_mpc deck_couplings
+uses_deck_sets = text containers mesh model cards card_schema deck_reader deck_mesh
+uses_deck_output = kinds text topology steps model cards card_schema card_table deck_reader
+uses_load_propagation = kinds loads model
+uses_deck_loads = kinds text containers loads topology model cards card_schema deck_reader deck_surfaces load_propagation
+uses_deck_steps = kinds text materials topology mesh mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
+uses_deck = text errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_initial_conditions deck_materials deck_surfaces deck_contact deck_mpc deck_couplings deck_parts deck_generate deck_restart explain deck_springs deck_sets deck_output deck_steps
+
+# materials
+uses_logarithmic_strain = kinds tensor
+uses_elasticity = kinds tensor materials logarithmic_strain
+uses_hyperelasticity = kinds materials logarithmic_strain
+uses_plasticity = kinds materials
+uses_user_material = kinds errors tensor user_routines materials logarithmic_strain
+uses_material_point = kinds tensor materials logarithmic_strain elasticity hyperelasticity plasticity user_material
+uses_integration_points = kinds tensor materials topology user_material material_point
+uses_zero_stress_condition = kinds tensor materials elasticity material_point integration_points
+
+# elements
+uses_shape_functions = kinds topology
+uses_truss_spring_mass = kinds materials topology elasticity material_point integration_points zero_stress_condition shape_functions
+uses_hourglass = kinds tensor topology
+uses_plane_elements = kinds tensor materials topology elasticity material_point integration_points zero_stress_condition shape_functions hourglass
+uses_incompatible_modes = kinds tensor topology
+uses_solid_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass incompatible_modes
+uses_element = kinds tensor materials topology integration_points shape_functions truss_spring_mass plane_elements solid_elements
+uses_hex8_simd = kinds materials topology elasticity shape_functions
+
+# contact_geometry
+uses_facets = kinds errors tensor analytic_profiles topology mesh shape_functions
+uses_analytic_master = kinds tensor analytic_profiles topology facets
+uses_contact_constraint_rows = kinds topology shape_functions facets analytic_master
+uses_facet_search = kinds facets
+uses_surface_projection = kinds tensor topology shape_functions facets analytic_master facet_search
+uses_master_symmetry_planes = kinds steps model facets surface_projection
+uses_tributary_areas = kinds tensor topology mesh surfaces shape_functions
+
+# friction
+uses_slip_scenarios = kinds
+uses_pressure_overclosure = kinds surfaces slip_scenarios
+uses_local_equilibrium = kinds tensor surfaces slip_scenarios pressure_overclosure
+uses_node_overrides = kinds
+
+# mortar
+uses_dual_shape_functions = kinds dense topology
+uses_polygon_clipping = kinds topology shape_functions facets
+uses_face_integration_points = kinds tensor topology shape_functions facets facet_search polygon_clipping
+uses_mortar_segmentation = kinds tensor topology facets facet_search dual_shape_functions polygon_clipping
+uses_mortar = kinds errors topology mesh facets contact_constraint_rows facet_search surface_projection tributary_areas dual_shape_functions polygon_clipping mortar_segmentation
+uses_segment_derivatives = kinds tensor dense topology shape_functions facets dual_shape_functions polygon_clipping mortar_segmentation
+uses_mortar_linearization = kinds topology facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
+
+# state
+uses_state = kinds tensor loads materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios node_overrides
+uses_model_change = mesh model state
+uses_user_state = kinds errors loads user_routines materials topology mesh model integration_points shape_functions element state
+
+# assembly
+uses_unsymmetric_tangent = kinds errors tensor sparse topology shape_functions
+uses_assembly = kinds errors sparse partition materials topology mesh model element hex8_simd state user_state unsymmetric_tangent
+uses_external_loads = kinds tensor loads materials topology mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly
+uses_stabilization = kinds sparse mesh steps state
+
+# constraints
+uses_constraints = kinds errors sparse
+uses_nonlinear_mpc = kinds errors tensor loads mesh mpc_data model state assembly constraints
+uses_boundary_conditions = kinds errors loads mesh steps model state user_state constraints nonlinear_mpc
+uses_tie_generation = kinds errors tensor loads topology mpc_data model shape_functions facets facet_search surface_projection tributary_areas
+
+# contact
+uses_slave_nodes = kinds surfaces local_equilibrium state
+uses_user_contact = kinds tensor user_routines surfaces model state
+uses_shared_slave_nodes = kinds facets node_overrides state
+uses_contact_pairs = kinds errors tensor sparse analytic_profiles topology surfaces steps model facets analytic_master contact_constraint_rows facet_search surface_projection tributary_areas slip_scenarios local_equilibrium node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
+uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows slip_scenarios pressure_overclosure local_equilibrium node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
+uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
+uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_integration_points mortar state contact_pairs
+uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
+uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
+
+# equilibrium
+uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner mesh steps constraints
+uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface constraints
+uses_equilibrium = kinds errors iteration_records posix sparse surfaces steps model contact_constraint_rows master_symmetry_planes slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface
+uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system schur_interface equilibrium
+
+# model_check
+uses_model_check_bodies = kinds text errors topology mesh model element
+uses_model_check_contact = kinds text containers errors loads topology surfaces model node_overrides state contact_pairs model_check_bodies
+uses_rigid_modes = kinds text tensor model_check_bodies
+uses_model_check_motion = kinds text containers errors tensor null_space topology surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
+uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion
+
+# nonlinear
+uses_active_set_history = kinds state
+uses_active_set_cycling = kinds surfaces surface_projection node_overrides state contact_pairs active_set_history
+uses_contact_subproblem = kinds errors steps model state equilibrium newton_step active_set_history active_set_cycling
+uses_convergence = kinds steps
+uses_proximal_step = kinds errors mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
+uses_globalization = kinds errors steps model state equilibrium newton_step contact_subproblem convergence proximal_step
+uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search node_overrides state contact_pairs
+uses_line_search = kinds sparse surfaces steps model slip_scenarios node_overrides state reduced_system schur_interface equilibrium tunnelling_check
+uses_newton = kinds errors iteration_records mesh steps model state equilibrium newton_step active_set_history active_set_cycling convergence globalization tunnelling_check line_search
+uses_failure_report = kinds text iteration_records model node_overrides state equilibrium model_check_motion active_set_history convergence globalization newton
+uses_increment_control = kinds steps convergence
+
+# output
+uses_hdf5_file = kinds errors posix
+uses_checkpoint = kinds errors posix model state reduced_system equilibrium newton increment_control hdf5_file
+uses_postprocess = kinds tensor materials topology mesh surfaces model material_point shape_functions element dual_shape_functions state
+uses_dat_contact_output = kinds text tensor topology steps model state postprocess
+uses_dat_output = kinds text tensor materials topology mesh steps model state postprocess dat_contact_output
+uses_frd_output = kinds text containers errors iteration_records posix version dense topology mesh steps model shape_functions state postprocess dat_contact_output dat_output
+uses_result_schema = kinds errors iteration_records hdf5_file
+uses_result_model = kinds errors iteration_records version analytic_profiles materials topology mesh surfaces steps model analytic_master hdf5_file result_schema
+uses_results = kinds errors iteration_records tensor materials mesh steps model state hdf5_file postprocess result_schema result_model
+uses_text_output = kinds errors iteration_records posix steps model state dat_output
+
+# driver
+uses_user_routine_setup = kinds errors logger user_routines materials surfaces model user_material state user_state
+uses_driven_loads = kinds text errors loads steps model
+uses_job_files = kinds errors iteration_records restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
+uses_analysis = kinds text errors iteration_records posix logger version dense factorization restart_file steps model deck state model_change user_state stabilization tie_generation slave_nodes contact_initialization equilibrium model_check active_set_history convergence globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup driven_loads job_files
+uses_job_query = kinds text errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
+uses_library = kinds text errors posix logger sparse model slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
+uses_c_interface = kinds text errors posix version sparse model library
+uses_main = errors posix logger version model card_table deck analysis

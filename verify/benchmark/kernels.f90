@@ -13,10 +13,10 @@ program kernels
   use amontons_model, only: model_type, job_options_type
   use amontons_deck, only: read_deck
   use amontons_state, only: state_type
-  use amontons_system, only: system_type, create_system
+  use amontons_equilibrium, only: system_type, create_system
   use amontons_assembly, only: assemble_forces, assemble_tangent
   use amontons_partition, only: order_unknowns
-  use amontons_factor, only: factor_type, analyse, factorise, solve, set_blas_threads, choose_blas_kernels
+  use amontons_factorization, only: factor_type, analyse, factorise, solve, set_blas_threads, choose_blas_kernels
   implicit none
 
   integer, parameter :: RUNS = 5

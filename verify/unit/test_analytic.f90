@@ -3,12 +3,12 @@
 program test_analytic
   use amontons_kinds, only: DP
   use amontons_facets, only: facets_type
-  use amontons_gap, only: gap_derivative_type, projection_type, project_point, find_projection, gap_derivative, &
+  use amontons_surface_projection, only: gap_derivative_type, projection_type, project_point, find_projection, gap_derivative, &
     PROJECT_ON, PROJECT_OFF
-  use amontons_search, only: search_type
-  use amontons_profiles, only: profile_type, add_line, add_arc, finish_profile, PROFILE_FLAT, PROFILE_DRAWN, PROFILE_TURNED
-  use amontons_rows, only: contact_row_type, facet_row, relative_position
-  use amontons_analytic, only: build_profile_facets
+  use amontons_facet_search, only: search_type
+  use amontons_analytic_profiles, only: profile_type, add_line, add_arc, finish_profile, PROFILE_FLAT, PROFILE_DRAWN, PROFILE_TURNED
+  use amontons_contact_constraint_rows, only: contact_row_type, facet_row, relative_position
+  use amontons_analytic_master, only: build_profile_facets
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

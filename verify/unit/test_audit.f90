@@ -11,9 +11,9 @@ program test_audit
   use amontons_steps, only: step_type
   use amontons_model, only: model_type
   use amontons_state, only: state_type, slave_type, create_state
-  use amontons_contact, only: contact_type, create_contact
-  use amontons_contact_start, only: begin_contact_increment
-  use amontons_audit, only: audit_model, audit_summary
+  use amontons_contact_pairs, only: contact_type, create_contact
+  use amontons_contact_initialization, only: begin_contact_increment
+  use amontons_model_check, only: audit_model, audit_summary
   use check, only: suite_type
   implicit none
   integer, parameter :: BOTTOM = 1, TOP = 2           ! faces S1 and S2 of C3D8

@@ -4,7 +4,7 @@
 program test_batch
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
-  use amontons_batch, only: batch_type, rule_type, make_rule, is_batched, load_lane, batch_forces, batch_tangent, WIDTH
+  use amontons_hex8_simd, only: batch_type, rule_type, make_rule, is_batched, load_lane, batch_forces, batch_tangent, WIDTH
   use amontons_element, only: element_forces, points_type, ELEMENT_OK
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_topology, only: KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, MAX_NODES

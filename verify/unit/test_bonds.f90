@@ -2,10 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_bonds
   use amontons_kinds, only: DP
-  use amontons_bonds, only: bond_rows, curvature_of, curved_nodes, rotation_matrix
+  use amontons_nonlinear_mpc, only: bond_rows, curvature_of, curved_nodes, rotation_matrix
   use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, &
     finish_constraints, find_multipliers, ROW_ACCEPTED
-  use amontons_ties, only: bond_type, frame_rule_type, frame_at, BOND_BODY, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, &
+  use amontons_mpc_data, only: bond_type, frame_rule_type, frame_at, BOND_BODY, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, &
     BOND_TURN
   use check, only: suite_type
   implicit none

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_cards
   use amontons_kinds, only: DP
-  use amontons_card_form, only: card_table_type, find_entry, match_parameters, has_parameter, parameter_text, &
+  use amontons_card_schema, only: card_table_type, find_entry, match_parameters, has_parameter, parameter_text, &
     parameter_word
   use amontons_card_table, only: make_card_table, list_cards
   use amontons_cards, only: cards_type, parameter_type, row_type, remarks_type, open_cards, open_cards_text, &

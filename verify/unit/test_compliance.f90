@@ -3,8 +3,8 @@
 program test_compliance
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
-  use amontons_compliance, only: law_pressure, law_reach
-  use amontons_areas, only: node_shares
+  use amontons_pressure_overclosure, only: law_pressure, law_reach
+  use amontons_tributary_areas, only: node_shares
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

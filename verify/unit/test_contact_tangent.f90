@@ -11,13 +11,13 @@ program test_contact_tangent
   use amontons_steps, only: step_type, DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
-  use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate, place_type, place_of, &
+  use amontons_equilibrium, only: system_type, create_system, begin_step, begin_increment, evaluate, place_type, place_of, &
     foresee
-  use amontons_direction, only: linearise, change_forces, tangent_matrix, find_direction
-  use amontons_contact_forces, only: is_cornered
-  use amontons_contact_tangent, only: linearise_contact
-  use amontons_contact_matrices, only: contact_matrices, spring_factors
-  use amontons_sprung, only: springs_type
+  use amontons_newton_step, only: linearise, change_forces, tangent_matrix, find_direction
+  use amontons_contact_evaluation, only: is_cornered
+  use amontons_contact_linearization, only: linearise_contact
+  use amontons_contact_operators, only: contact_matrices, spring_factors
+  use amontons_woodbury_interface, only: springs_type
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use check, only: suite_type
   implicit none

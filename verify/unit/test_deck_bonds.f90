@@ -6,7 +6,7 @@ program test_deck_bonds
   use amontons_errors, only: complaints_type, error_type
   use amontons_model, only: model_type, job_options_type, direction_of, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_text, only: NEWLINE
-  use amontons_ties, only: BOND_BODY, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
+  use amontons_mpc_data, only: BOND_BODY, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
   use check, only: suite_type
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE, NSET=ALL;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;' // &

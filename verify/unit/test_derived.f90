@@ -5,8 +5,8 @@ program test_derived
   use amontons_topology, only: element_kind, kind_type, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_C3D8, &
     KIND_C3D8_FULL, MAX_NODES, MAX_POINTS, N_SOLID_KINDS
   use amontons_mesh, only: element_nodes, finish_mesh, mesh_type
-  use amontons_shapes, only: node_coordinates, quadrature, shape_functions
-  use amontons_derived, only: average_at_nodes, point_volumes
+  use amontons_shape_functions, only: node_coordinates, quadrature, shape_functions
+  use amontons_postprocess, only: average_at_nodes, point_volumes
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

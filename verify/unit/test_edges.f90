@@ -6,8 +6,8 @@ program test_edges
   use amontons_topology, only: KIND_CPE4, KIND_CPE8, KIND_T3D2, element_kind, kind_type
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_facets, only: facets_type, build_facets, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
-  use amontons_search, only: search_type, build_search
-  use amontons_gap, only: projection_type, gap_derivative_type, project_point, find_projection, gap_derivative, &
+  use amontons_facet_search, only: search_type, build_search
+  use amontons_surface_projection, only: projection_type, gap_derivative_type, project_point, find_projection, gap_derivative, &
     fixed_point, smooth_normal, excess_over_edges, PROJECT_ON, PROJECT_OFF
   use check, only: suite_type
   implicit none

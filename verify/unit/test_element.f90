@@ -6,8 +6,8 @@ program test_element
     element_body_force, facet_pressure, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
-  use amontons_shapes, only: node_coordinates, shape_functions
-  use amontons_stress, only: stress_small, stress_finite
+  use amontons_shape_functions, only: node_coordinates, shape_functions
+  use amontons_elasticity, only: stress_small, stress_finite
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, determinant
   use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_FACE_NODES, &
     N_SOLID_KINDS, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D15, &

@@ -6,11 +6,11 @@ program test_facing
   use amontons_topology, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, KIND_CAX4, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
     FACET_QUAD8, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, finish_mesh
-  use amontons_shapes, only: facet_shapes
+  use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
-  use amontons_search, only: search_type, build_search
-  use amontons_facing, only: facing_type, find_facing, face_normal
-  use amontons_contact_points, only: nearest_of
+  use amontons_facet_search, only: search_type, build_search
+  use amontons_face_integration_points, only: facing_type, find_facing, face_normal
+  use amontons_contact_integration_points, only: nearest_of
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

@@ -5,7 +5,7 @@ program test_factor
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, from_triplets, full_of, multiply, multiply_symmetric
-  use amontons_factor, only: factor_type, lu_type, analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, &
+  use amontons_factorization, only: factor_type, lu_type, analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, &
     elimination_order, trailing_block, choose_blas_kernels, &
     FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
   use check, only: suite_type

@@ -3,7 +3,7 @@
 program test_forensics
   use amontons_kinds, only: DP
   use amontons_state, only: slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
-  use amontons_forensics, only: forensics_type, note_slaves, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, &
+  use amontons_active_set_history, only: forensics_type, note_slaves, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, &
     story_of
   use check, only: suite_type
   implicit none

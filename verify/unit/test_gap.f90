@@ -7,8 +7,8 @@ program test_gap
     KIND_C3D20
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_facets, only: facets_type, build_facets
-  use amontons_search, only: search_type, build_search
-  use amontons_gap, only: projection_type, gap_derivative_type, project_point, find_projection, gap_derivative, &
+  use amontons_facet_search, only: search_type, build_search
+  use amontons_surface_projection, only: projection_type, gap_derivative_type, project_point, find_projection, gap_derivative, &
     fixed_point, vertex_normal, smooth_normal, excess_over_edges, PROJECT_ON, PROJECT_OFF
   use check, only: suite_type
   implicit none

@@ -5,7 +5,7 @@ module iterative_samples
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, from_triplets
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
-  use amontons_iterative, only: iterative_type, prepare_parts, prepare_iterative, apply_iterative
+  use amontons_two_level_preconditioner, only: iterative_type, prepare_parts, prepare_iterative, apply_iterative
   implicit none
   private
   public :: two_level_type, chain, bar, iterations_of
@@ -133,7 +133,7 @@ end module iterative_samples
 program test_iterative
   use amontons_kinds, only: DP
   use amontons_sparse, only: sparse_type
-  use amontons_iterative, only: prepare_parts, prepare_iterative
+  use amontons_two_level_preconditioner, only: prepare_parts, prepare_iterative
   use iterative_samples, only: two_level_type, chain, bar, iterations_of
   use check, only: suite_type
   implicit none

@@ -5,8 +5,8 @@ program test_journal
   use amontons_kinds, only: DP
   use amontons_errors, only: complaints_type
   use amontons_text, only: NEWLINE
-  use amontons_history, only: increment_record_type, iteration_record_type
-  use amontons_journal, only: journal_type, open_journal, PROGRESS_AUTO, PROGRESS_NONE
+  use amontons_iteration_records, only: increment_record_type, iteration_record_type
+  use amontons_logger, only: journal_type, open_journal, PROGRESS_AUTO, PROGRESS_NONE
   implicit none
   integer, parameter :: WIDTH = 200
   type(suite_type) :: suite

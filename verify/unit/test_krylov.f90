@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module krylov_samples
   use amontons_kinds, only: DP
-  use amontons_factor, only: factor_type, solve
+  use amontons_factorization, only: factor_type, solve
   use amontons_krylov, only: operator_type
   implicit none
   private
@@ -65,7 +65,7 @@ program test_krylov
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, from_triplets
-  use amontons_factor, only: factor_type, analyse, factorise
+  use amontons_factorization, only: factor_type, analyse, factorise
   use amontons_krylov, only: matrix_operator_type, krylov_options_type, krylov_report_type, &
     gmres, conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_TOO_MANY, KRYLOV_STAGNATED, KRYLOV_INDEFINITE, &
     KRYLOV_NOT_FINITE

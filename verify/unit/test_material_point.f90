@@ -7,7 +7,7 @@ program test_material_point
     HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, HISTORY_PEEQ, HISTORY_CEEQ, &
     HISTORY_INELASTIC
   use amontons_material_point, only: point_type, update_point, elastic_strain_of
-  use amontons_stress, only: stress_small, stress_finite, STRESS_OK, STRESS_INVERTED
+  use amontons_elasticity, only: stress_small, stress_finite, STRESS_OK, STRESS_INVERTED
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, pack_voigt, unpack_voigt, von_mises
   use check, only: suite_type
   implicit none

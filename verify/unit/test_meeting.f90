@@ -5,8 +5,8 @@ program test_meeting
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer, IDENTITY
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
-  use amontons_compliance, only: law_pressure, law_reach
-  use amontons_meeting, only: meeting_type, asked_type, meet_law
+  use amontons_pressure_overclosure, only: law_pressure, law_reach
+  use amontons_local_equilibrium, only: meeting_type, asked_type, meet_law
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

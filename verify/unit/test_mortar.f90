@@ -6,14 +6,14 @@ program test_mortar
   use amontons_topology, only: facet_kind, facet_kind_type, KIND_C3D8, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
     FACET_QUAD8, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, finish_mesh
-  use amontons_shapes, only: facet_shapes, facet_node_coordinates, node_coordinates
+  use amontons_shape_functions, only: facet_shapes, facet_node_coordinates, node_coordinates
   use amontons_facets, only: facets_type, build_facets, facet_nodes
-  use amontons_search, only: search_type, build_search
-  use amontons_rows, only: relative_position
+  use amontons_facet_search, only: search_type, build_search
+  use amontons_contact_constraint_rows, only: relative_position
   use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar, search_margin
-  use amontons_gap, only: vertex_normal, vertex_derivative
-  use amontons_polygons, only: clip_polygon, polygon_area, polygon_points, beyond_polygon, MAX_CORNERS, MAX_CUT_POINTS
-  use amontons_dual, only: transform_shapes, transform_nodes, whole_share, dual_functions
+  use amontons_surface_projection, only: vertex_normal, vertex_derivative
+  use amontons_polygon_clipping, only: clip_polygon, polygon_area, polygon_points, beyond_polygon, MAX_CORNERS, MAX_CUT_POINTS
+  use amontons_dual_shape_functions, only: transform_shapes, transform_nodes, whole_share, dual_functions
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

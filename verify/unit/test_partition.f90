@@ -5,7 +5,7 @@ program test_partition
   use amontons_errors, only: error_type, EXIT_INTERNAL
   use amontons_sparse, only: sparse_type, from_triplets
   use amontons_partition, only: partition_mesh, order_nodes, order_unknowns, separator_of
-  use amontons_factor, only: factor_type, analyse
+  use amontons_factorization, only: factor_type, analyse
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

@@ -7,10 +7,10 @@ program test_printed
   use amontons_mesh, only: finish_mesh, mesh_type, set_type
   use amontons_steps, only: print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE
   use amontons_model, only: job_options_type, model_type, DIALECT_CALCULIX
-  use amontons_history, only: increment_record_type, iteration_record_type
+  use amontons_iteration_records, only: increment_record_type, iteration_record_type
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_SLIP, STATUS_STICK
-  use amontons_shapes, only: node_coordinates
-  use amontons_printed, only: close_printed, open_printed, print_fields, print_increment, print_iteration, printed_type
+  use amontons_shape_functions, only: node_coordinates
+  use amontons_text_output, only: close_printed, open_printed, print_fields, print_increment, print_iteration, printed_type
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

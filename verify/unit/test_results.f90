@@ -7,9 +7,9 @@ program test_results
   use amontons_topology, only: element_kind, kind_type, MAX_NODES, N_SOLID_KINDS
   use amontons_mesh, only: finish_mesh, mesh_type, set_type
   use amontons_model, only: job_options_type, model_type
-  use amontons_history, only: increment_record_type, iteration_record_type
+  use amontons_iteration_records, only: increment_record_type, iteration_record_type
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_SLIP, STATUS_STICK
-  use amontons_shapes, only: node_coordinates
+  use amontons_shape_functions, only: node_coordinates
   use amontons_results, only: close_results, open_results, results_type, write_attempt, write_increment, write_iteration
   use check, only: suite_type
   implicit none

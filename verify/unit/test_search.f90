@@ -7,7 +7,7 @@ program test_search
     KIND_C3D20
   use amontons_mesh, only: mesh_type, finish_mesh
   use amontons_facets, only: facets_type, build_facets
-  use amontons_search, only: search_type, build_search, near_facets
+  use amontons_facet_search, only: search_type, build_search, near_facets
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_shapes
   use amontons_kinds, only: DP
-  use amontons_shapes, only: shape_functions, quadrature, node_coordinates, extrapolation_matrix, facet_shapes, &
+  use amontons_shape_functions, only: shape_functions, quadrature, node_coordinates, extrapolation_matrix, facet_shapes, &
     facet_quadrature, facet_node_coordinates, face_rule, MAX_FACET_POINTS
   use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_POINTS, &
     MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, &

@@ -6,8 +6,8 @@ program test_skew
   use amontons_model, only: model_type, job_options_type
   use amontons_deck, only: read_deck_text
   use amontons_state, only: state_type
-  use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate
-  use amontons_direction, only: linearise, change_forces, tangent_matrix
+  use amontons_equilibrium, only: system_type, create_system, begin_step, begin_increment, evaluate
+  use amontons_newton_step, only: linearise, change_forces, tangent_matrix
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use check, only: suite_type
   implicit none

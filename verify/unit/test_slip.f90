@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_slip
   use amontons_kinds, only: DP, PI
-  use amontons_slip, only: trial_type, slip_point_type, slip_controls_type, slip_verdict_type, split_imbalance, &
+  use amontons_slip_scenarios, only: trial_type, slip_point_type, slip_controls_type, slip_verdict_type, split_imbalance, &
     trial_traction, friction_limit, is_friction_capped, classify_slip_scenarios, guarded_length, STATUS_OPEN, STATUS_STICK, &
     STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, &
     SCENARIO_IV, NO_FRICTION_LIMIT

@@ -6,7 +6,7 @@ program test_sprung
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, from_triplets
   use amontons_dense, only: solve_small, DENSE_OK
-  use amontons_sprung, only: sprung_type, springs_type, invert_stiffness, couple_springs, solve_springs
+  use amontons_woodbury_interface, only: sprung_type, springs_type, invert_stiffness, couple_springs, solve_springs
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

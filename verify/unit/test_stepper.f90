@@ -3,8 +3,8 @@
 program test_stepper
   use amontons_kinds, only: DP
   use amontons_steps, only: step_type, controls_type
-  use amontons_converge, only: progress_type, judge, VERDICT_GO_ON, VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
-  use amontons_stepper, only: stepper_type, effort_type, open_step, propose_time, accept_increment, reject_increment, &
+  use amontons_convergence, only: progress_type, judge, VERDICT_GO_ON, VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
+  use amontons_increment_control, only: stepper_type, effort_type, open_step, propose_time, accept_increment, reject_increment, &
     STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
   use check, only: suite_type
   implicit none

@@ -9,9 +9,9 @@ program test_stick_after_search
   use amontons_steps, only: step_type, SEARCH_NODAL
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_node_overrides, only: NODE_OVERRIDE_NONE
-  use amontons_slip, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip_scenarios
-  use amontons_system, only: system_type, create_system, begin_step, begin_increment, evaluate
-  use amontons_direction, only: linearise
+  use amontons_slip_scenarios, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip_scenarios
+  use amontons_equilibrium, only: system_type, create_system, begin_step, begin_increment, evaluate
+  use amontons_newton_step, only: linearise
   use amontons_line_search, only: search_type, search_line
   use check, only: suite_type
   implicit none

@@ -8,7 +8,7 @@ program test_store
     h5tclose_f, h5tget_size_f
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_IO
-  use amontons_store, only: append_rows, close_store, create_group, create_store, create_table, flush_store, &
+  use amontons_hdf5_file, only: append_rows, close_store, create_group, create_store, create_table, flush_store, &
     form_type, store_type, table_type, write_attribute, write_data, STORE_I32, STORE_I64, STORE_TEXT, STORE_U8
   use check, only: suite_type
   implicit none

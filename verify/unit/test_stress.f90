@@ -4,9 +4,9 @@ program test_stress
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
-  use amontons_stress, only: stress_small, stress_finite, kirchhoff_stress, lame_constants, &
+  use amontons_elasticity, only: stress_small, stress_finite, kirchhoff_stress, lame_constants, &
     STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
-  use amontons_log_strain, only: logarithm_1p
+  use amontons_logarithmic_strain, only: logarithm_1p
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, pack_voigt, unpack_voigt, double_dot
   use check, only: suite_type
   implicit none

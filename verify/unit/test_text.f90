@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_text
   use amontons_kinds, only: DP
-  use amontons_lookup, only: name_table_type, label_table_type, integer_list_type, sort_integers
+  use amontons_containers, only: name_table_type, label_table_type, integer_list_type, sort_integers
   use amontons_text, only: upper_case, squeezed, is_one_of, nth_word, count_words, text_of, joined_words, plural, parse_integer, &
     parse_real, rows_as_text, NUMBER_OK, NUMBER_EMPTY, NUMBER_BAD, NUMBER_NOT_FINITE
   use check, only: suite_type

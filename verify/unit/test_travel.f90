@@ -9,8 +9,8 @@ program test_travel
   use amontons_facets, only: build_facets
   use amontons_node_overrides, only: NODE_OVERRIDE_GIVES_WAY
   use amontons_state, only: slave_type
-  use amontons_contact, only: contact_type
-  use amontons_travel, only: passed_through
+  use amontons_contact_pairs, only: contact_type
+  use amontons_tunnelling_check, only: passed_through
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

@@ -1,0 +1,762 @@
+!> Assembly: the element loop: internal forces and the stiffness matrix; threaded, and bitwise the same for any threads.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! METIS cuts the mesh into parts whose number depends on the mesh alone. Elements all of whose nodes belong to one part
+!! are scattered part by part, in parallel, since no two parts share such a node. The elements in between are coloured
+!! so that no two of a colour share a node, and are scattered colour by colour. The order in which the contributions to
+!! one number are added is therefore fixed, whatever the number of threads.
+module amontons_assembly
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_topology, only: KIND_C3D8, KIND_C3D8I, MAX_NODES
+  use amontons_mesh, only: mesh_type, element_nodes, is_out
+  use amontons_materials, only: MAX_HISTORY
+  use amontons_model, only: model_type
+  use amontons_state, only: fields_type, state_type
+  use amontons_sparse, only: sparse_type
+  use amontons_unsymmetric_tangent, only: skew_type, begin_elements, element_skew
+  use amontons_partition, only: partition_mesh
+  use amontons_hex8_simd, only: batch_type, rule_type, make_rule, is_batched, load_lane, batch_forces, batch_tangent, WIDTH, N_PAIRS
+  use amontons_element, only: element_forces, element_tangent, points_type, ELEMENT_OK
+  use amontons_user_state, only: bring_user, keep_user
+  implicit none
+  private
+  public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, add_coupling, add_block, material_of
+
+  integer, parameter :: FEW = 3                       !< elements of which a batch is not worth its empty lanes
+  integer, parameter :: ELEMENTS_PER_PART = 400       !< enough work for a thread, small enough for the cache
+
+  !> The pattern of the stiffness and the order in which elements are added.
+  type :: assembly_type
+    type(sparse_type) :: stiffness                    !< K, upper triangle by rows, all 3 n_nodes unknowns
+    type(skew_type) :: skew                           !< what the tangent has beside K
+    integer, allocatable :: graph_first(:)            !< (n_nodes + 1) neighbours j >= i of each node i, itself first
+    integer, allocatable :: graph_node(:)
+    integer, allocatable :: pair_first(:)             !< (n_elements + 1) start of an element's node pairs
+    integer, allocatable :: pair_offset(:)            !< place of the pair's block in the row of its lower node, from 0
+    integer, allocatable :: group_first(:)            !< (n_groups + 1) start of each group in element_order
+    integer, allocatable :: element_order(:)          !< elements, group by group
+    integer :: n_parts = 0                            !< groups 1 to n_parts run side by side, one thread a group
+    integer :: n_groups = 0                           !< groups after that are colours: their elements run side by side
+    type(rule_type) :: rule                           !< of the batches
+  end type assembly_type
+
+contains
+
+  !> Builds graph, pattern and element order. Cost: linear in the size of the mesh, plus METIS.
+  subroutine create_assembly(assembly, mesh, error, coupled_first, coupled_nodes)
+    type(assembly_type), intent(out) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    type(error_type), allocatable, intent(out) :: error
+    integer, intent(in), optional :: coupled_first(:)   !< (n + 1) start of each group of nodes coupled as by an element
+    integer, intent(in), optional :: coupled_nodes(:)
+    type(mesh_type) :: coupled                        ! with these groups in place of elements, for the graph
+    assembly%rule = make_rule()
+    call order_elements(assembly, mesh, error)
+    if (allocated(error)) return
+    if (present(coupled_first)) then
+      coupled%n_nodes = mesh%n_nodes
+      coupled%n_elements = mesh%n_elements + size(coupled_first) - 1
+      coupled%first = [mesh%first(:mesh%n_elements), coupled_first + mesh%first(mesh%n_elements + 1) - 1]
+      coupled%nodes = [mesh%nodes, coupled_nodes]
+      call build_graph(assembly, coupled)
+    else
+      call build_graph(assembly, mesh)
+    end if
+    call build_pattern(assembly, mesh%n_nodes)
+    call locate_pairs(assembly, mesh)
+  end subroutine create_assembly
+
+
+  !> Parts by METIS, then colours for the elements between parts.
+  subroutine order_elements(assembly, mesh, error)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: part(:), group(:), node_part(:)
+    integer :: e, i
+    logical :: is_inside
+    allocate (part(mesh%n_elements), group(mesh%n_elements), node_part(mesh%n_nodes))
+    assembly%n_parts = max(1, mesh%n_elements / ELEMENTS_PER_PART)
+    part = 1
+    if (assembly%n_parts > 1) then
+      call partition_mesh(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, assembly%n_parts, part, error=error)
+      if (allocated(error)) return
+    end if
+    node_part = 0                                     ! 0 none yet, -1 several
+    do e = 1, mesh%n_elements
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        associate (owner => node_part(mesh%nodes(i)))
+          if (owner == 0) owner = part(e)
+          if (owner /= part(e)) owner = -1
+        end associate
+      end do
+    end do
+    do e = 1, mesh%n_elements
+      is_inside = all(node_part(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) > 0)
+      group(e) = merge(part(e), 0, is_inside)
+    end do
+    call colour_elements(mesh, assembly%n_parts, group, assembly%n_groups)
+    call sort_groups(group, assembly%n_groups, assembly%group_first, assembly%element_order)
+  end subroutine order_elements
+
+
+  !> Gives each element of group 0 the lowest colour that none of its nodes has met: greedy, in the order of the elements.
+  pure subroutine colour_elements(mesh, n_parts, group, n_groups)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: n_parts
+    integer, intent(inout) :: group(:)                !< (n_elements) 0 becomes n_parts + colour
+    integer, intent(out) :: n_groups
+    integer, parameter :: N_WORDS = 8, N_BITS = 60
+    integer(selected_int_kind(18)), allocatable :: met(:, :)   ! (N_WORDS, n_nodes) colours met, as bits
+    integer(selected_int_kind(18)) :: taken(N_WORDS)
+    integer :: e, i, colour
+    allocate (met(N_WORDS, mesh%n_nodes))
+    met = 0
+    n_groups = n_parts
+    do e = 1, mesh%n_elements
+      if (group(e) /= 0) cycle
+      taken = 0
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        taken = ior(taken, met(:, mesh%nodes(i)))
+      end do
+      colour = 0
+      do while (btest(taken(colour / N_BITS + 1), mod(colour, N_BITS)))
+        colour = colour + 1
+      end do
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        associate (word => met(colour / N_BITS + 1, mesh%nodes(i)))
+          word = ibset(word, mod(colour, N_BITS))
+        end associate
+      end do
+      group(e) = n_parts + colour + 1
+      n_groups = max(n_groups, group(e))
+    end do
+  end subroutine colour_elements
+
+
+  !> Counting sort of the elements by group; the order within a group stays.
+  pure subroutine sort_groups(group, n_groups, first, order)
+    integer, intent(in) :: group(:)
+    integer, intent(in) :: n_groups
+    integer, allocatable, intent(out) :: first(:), order(:)
+    integer, allocatable :: next(:)
+    integer :: e, g
+    allocate (first(n_groups + 1), order(size(group)))
+    first = 0
+    do e = 1, size(group)
+      first(group(e) + 1) = first(group(e) + 1) + 1
+    end do
+    first(1) = 1
+    do g = 1, n_groups
+      first(g + 1) = first(g) + first(g + 1)
+    end do
+    next = first
+    do e = 1, size(group)
+      order(next(group(e))) = e
+      next(group(e)) = next(group(e)) + 1
+    end do
+  end subroutine sort_groups
+
+
+  !> Neighbours j >= i of each node, ascending. Cost: linear in the node pairs of all elements.
+  subroutine build_graph(assembly, mesh)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    integer, allocatable :: element_first(:), element_list(:), mark(:)
+    integer :: i, k, n, pass, start
+    call invert_connectivity(mesh, element_first, element_list)
+    allocate (mark(mesh%n_nodes), assembly%graph_first(mesh%n_nodes + 1))
+    do pass = 1, 2
+      mark = 0
+      n = 0
+      do i = 1, mesh%n_nodes
+        assembly%graph_first(i) = n + 1
+        start = n + 1
+        call visit(i, i)                              ! nodes without elements keep their diagonal
+        do k = element_first(i), element_first(i + 1) - 1
+          call visit_element(i, element_list(k))
+        end do
+        if (pass == 2) call sort_ascending(assembly%graph_node(start:n))
+      end do
+      assembly%graph_first(mesh%n_nodes + 1) = n + 1
+      if (pass == 1) allocate (assembly%graph_node(n))
+    end do
+
+  contains
+
+    !> All nodes of an element are neighbours.
+    subroutine visit_element(node, e)
+      integer, intent(in) :: node, e
+      integer :: m
+      do m = mesh%first(e), mesh%first(e + 1) - 1
+        call visit(node, mesh%nodes(m))
+      end do
+    end subroutine visit_element
+
+    !> Notes a neighbour once, if its number is not below.
+    subroutine visit(node, other)
+      integer, intent(in) :: node, other
+      if (other < node .or. mark(other) == node) return
+      mark(other) = node
+      n = n + 1
+      if (pass == 2) assembly%graph_node(n) = other
+    end subroutine visit
+
+  end subroutine build_graph
+
+
+  !> Elements at each node.
+  pure subroutine invert_connectivity(mesh, first, list)
+    type(mesh_type), intent(in) :: mesh
+    integer, allocatable, intent(out) :: first(:), list(:)
+    integer, allocatable :: next(:)
+    integer :: e, i, n
+    allocate (first(mesh%n_nodes + 1), list(size(mesh%nodes)))
+    first = 0
+    do i = 1, size(mesh%nodes)
+      first(mesh%nodes(i) + 1) = first(mesh%nodes(i) + 1) + 1
+    end do
+    first(1) = 1
+    do n = 1, mesh%n_nodes
+      first(n + 1) = first(n) + first(n + 1)
+    end do
+    next = first
+    do e = 1, mesh%n_elements
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        n = mesh%nodes(i)
+        list(next(n)) = e
+        next(n) = next(n) + 1
+      end do
+    end do
+  end subroutine invert_connectivity
+
+
+  !> Insertion sort: the lists are short.
+  pure subroutine sort_ascending(list)
+    integer, intent(inout) :: list(:)
+    integer :: i, k, item
+    do i = 2, size(list)
+      item = list(i)
+      k = i
+      do while (k > 1)
+        if (list(k - 1) <= item) exit
+        list(k) = list(k - 1)
+        k = k - 1
+      end do
+      list(k) = item
+    end do
+  end subroutine sort_ascending
+
+
+  !> Three rows for each node; the row of component r of node i starts with its own unknown.
+  subroutine build_pattern(assembly, n_nodes)
+    type(assembly_type), intent(inout) :: assembly
+    integer, intent(in) :: n_nodes
+    integer :: i, r, k, n, position
+    associate (K_matrix => assembly%stiffness)
+      K_matrix%n_rows = 3 * n_nodes
+      K_matrix%n_columns = 3 * n_nodes
+      allocate (K_matrix%first(3 * n_nodes + 1))
+      n = 9 * size(assembly%graph_node) - 3 * n_nodes
+      allocate (K_matrix%column(n), K_matrix%value(n))
+      position = 1
+      do i = 1, n_nodes
+        do r = 1, 3
+          K_matrix%first(3 * (i - 1) + r) = position
+          do k = assembly%graph_first(i), assembly%graph_first(i + 1) - 1
+            call append_block_row(3 * (assembly%graph_node(k) - 1), merge(r, 1, k == assembly%graph_first(i)))
+          end do
+        end do
+      end do
+      K_matrix%first(3 * n_nodes + 1) = position
+    end associate
+
+  contains
+
+    !> Three columns of a block, or those from the diagonal on.
+    subroutine append_block_row(before, from)
+      integer, intent(in) :: before, from
+      integer :: s
+      do s = from, 3
+        assembly%stiffness%column(position) = before + s
+        position = position + 1
+      end do
+    end subroutine append_block_row
+
+  end subroutine build_pattern
+
+
+  !> For each pair a <= b of an element's nodes the place of its block, so that scattering needs no search.
+  subroutine locate_pairs(assembly, mesh)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    integer :: e, n, a, b, k, nodes(MAX_NODES)
+    allocate (assembly%pair_first(mesh%n_elements + 1))
+    assembly%pair_first(1) = 1
+    do e = 1, mesh%n_elements
+      n = mesh%first(e + 1) - mesh%first(e)
+      assembly%pair_first(e + 1) = assembly%pair_first(e) + n * (n + 1) / 2
+    end do
+    allocate (assembly%pair_offset(assembly%pair_first(mesh%n_elements + 1) - 1))
+    do e = 1, mesh%n_elements
+      call element_nodes(mesh, e, n, nodes)
+      k = assembly%pair_first(e)
+      do b = 1, n
+        do a = 1, b
+          assembly%pair_offset(k) = place_of(assembly, min(nodes(a), nodes(b)), max(nodes(a), nodes(b)))
+          k = k + 1
+        end do
+      end do
+    end do
+
+  end subroutine locate_pairs
+
+
+  !> Place of a node among the neighbours of a lower one, from 0: binary search.
+  pure integer function place_of(assembly, low, high) result(place)
+    type(assembly_type), intent(in) :: assembly
+    integer, intent(in) :: low, high
+    integer :: left, right, middle
+    left = assembly%graph_first(low)
+    right = assembly%graph_first(low + 1) - 1
+    do while (left < right)
+      middle = (left + right) / 2
+      if (assembly%graph_node(middle) < high) then
+        left = middle + 1
+      else
+        right = middle
+      end if
+    end do
+    place = left - assembly%graph_first(low)
+  end function place_of
+
+
+  !> K = K + block between two nodes that the pattern couples.
+  pure subroutine add_coupling(assembly, low, high, block)
+    type(assembly_type), intent(inout) :: assembly
+    integer, intent(in) :: low, high               !< nodes, low <= high
+    real(DP), intent(in) :: block(3, 3)            !< [force/length]
+    call add_block(assembly%stiffness, low, place_of(assembly, low, high), block)
+  end subroutine add_coupling
+
+
+  !> Internal forces F_int and the stresses, strains and energies at u.
+  !! Stress and history are updated from the committed history, never from a trial one.
+  subroutine assemble_forces(assembly, model, is_nlgeom, state, failed_element)
+    type(assembly_type), intent(in) :: assembly
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(inout) :: state       !< in: old history, new u, times and temperature; out: new
+    !< internal_force, stress, strain, energy, volume, history
+    integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
+    integer :: g, i, failed
+    failed = huge(failed)
+    state%new%internal_force = 0.0_DP
+    !$omp parallel private(g, i) reduction(min: failed) if (is_worth_threads(assembly))
+    !$omp do schedule(dynamic)
+    do g = 1, assembly%n_parts
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
+        call add_forces_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
+      end do
+    end do
+    do g = assembly%n_parts + 1, assembly%n_groups
+      !$omp do schedule(static)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
+        call add_forces_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
+      end do
+    end do
+    !$omp end parallel
+    failed_element = merge(0, failed, failed == huge(failed))
+  end subroutine assemble_forces
+
+
+  !> The elements of a group from one of its places on, as many as a batch takes.
+  pure function span(assembly, g, i) result(elements)
+    type(assembly_type), intent(in) :: assembly
+    integer, intent(in) :: g                       !< group
+    integer, intent(in) :: i                       !< place in the order of the elements
+    integer, allocatable :: elements(:)
+    elements = assembly%element_order(i:min(i + WIDTH, assembly%group_first(g + 1)) - 1)
+  end function span
+
+
+  !> Those of some elements that one batch can hold, of the kind of the first of them; the rest go one by one.
+  pure subroutine choose_batch(model, elements, is_nlgeom, chosen)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: elements(:)             !< at most WIDTH
+    logical, intent(in) :: is_nlgeom
+    logical, intent(out) :: chosen(:)              !< of the elements
+    integer :: k, first
+    first = 0
+    chosen = .false.
+    do k = 1, size(elements)
+      associate (e => elements(k))
+        if (is_out(model%mesh, e)) cycle
+        if (.not. is_batched(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), is_nlgeom)) cycle
+        if (first == 0) first = e
+        chosen(k) = model%mesh%kind(e) == model%mesh%kind(first)
+      end associate
+    end do
+    if (count(chosen) < FEW) chosen = .false.
+  end subroutine choose_batch
+
+
+  !> Puts the chosen elements into the lanes of a batch; lanes past them repeat the last one.
+  pure subroutine load_batch(model, list, fields, batch)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: list(:)                 !< elements, at least one
+    type(fields_type), intent(in) :: fields
+    type(batch_type), intent(inout) :: batch
+    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES)
+    integer :: lane
+    do lane = 1, WIDTH
+      associate (e => list(min(lane, size(list))))
+        call place_element(model%mesh, e, fields, X, u)
+        call load_lane(batch, lane, model%materials(material_of(model%mesh, e)), X(:, :8), u(:, :8))
+      end associate
+    end do
+  end subroutine load_batch
+
+
+  !> Forces and point results of some elements: in a batch those that can, one by one the others, and all if one is not sound.
+  subroutine add_forces_of(assembly, model, elements, is_nlgeom, state, failed)
+    type(assembly_type), intent(in) :: assembly
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: elements(:)             !< at most WIDTH, all of one group
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(inout) :: state
+    integer, intent(inout) :: failed
+    type(batch_type) :: batch
+    integer, allocatable :: list(:)
+    logical :: chosen(size(elements))
+    integer :: k, lane, a, p, first
+    call choose_batch(model, elements, is_nlgeom, chosen)
+    list = pack(elements, chosen)
+    if (size(list) > 0) then
+      call load_batch(model, list, state%new, batch)
+      call batch_forces(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+      if (.not. batch%is_sound) chosen = .false.
+    end if
+    do k = 1, size(elements)
+      if (.not. chosen(k)) call add_element_forces(model, elements(k), is_nlgeom, state, failed)
+    end do
+    if (.not. any(chosen)) return
+    associate (mesh => model%mesh, fields => state%new)
+      do lane = 1, size(list)
+        first = mesh%first(list(lane)) - 1
+        do a = 1, 8
+          associate (node => mesh%nodes(first + a))
+            fields%internal_force(:, node) = fields%internal_force(:, node) + batch%force(lane, :, a)
+          end associate
+        end do
+        p = mesh%point_first(list(lane))
+        fields%stress(:, p:p + 7) = batch%stress(lane, :, :)
+        fields%strain(:, p:p + 7) = batch%strain(lane, :, :)
+        fields%energy(p:p + 7) = batch%energy(lane, :)
+        fields%volume(p:p + 7) = batch%volume(lane, :)
+      end do
+    end associate
+  end subroutine add_forces_of
+
+
+  !> The stiffness of some elements into the matrix, likewise.
+  subroutine add_tangent_of(assembly, model, elements, is_nlgeom, state, failed)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: elements(:)             !< at most WIDTH, all of one group
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(in) :: state
+    integer, intent(inout) :: failed
+    type(batch_type) :: batch
+    integer, allocatable :: list(:)
+    logical :: chosen(size(elements))
+    integer :: k, lane
+    call choose_batch(model, elements, is_nlgeom, chosen)
+    list = pack(elements, chosen)
+    if (size(list) > 0) then
+      call load_batch(model, list, state%new, batch)
+      call batch_tangent(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+      if (.not. batch%is_sound) chosen = .false.
+    end if
+    do k = 1, size(elements)
+      if (.not. chosen(k)) call add_element_tangent(assembly, model, elements(k), is_nlgeom, state, failed)
+    end do
+    if (.not. any(chosen)) return
+    do lane = 1, size(list)
+      call scatter_lane(assembly, model%mesh, list(lane), batch%stiffness, lane)
+    end do
+  end subroutine add_tangent_of
+
+
+  !> The blocks of one lane into the matrix.
+  pure subroutine scatter_lane(assembly, mesh, e, stiffness, lane)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    real(DP), intent(in) :: stiffness(WIDTH, 3, 3, N_PAIRS)
+    integer, intent(in) :: lane
+    integer :: nodes(8), a, b, k, pair
+    nodes = mesh%nodes(mesh%first(e):mesh%first(e) + 7)
+    pair = 0
+    k = assembly%pair_first(e)
+    do b = 1, 8
+      do a = 1, b
+        pair = pair + 1
+        if (nodes(a) <= nodes(b)) then
+          call add_block(assembly%stiffness, nodes(a), assembly%pair_offset(k), stiffness(lane, :, :, pair))
+        else
+          call add_block(assembly%stiffness, nodes(b), assembly%pair_offset(k), transpose(stiffness(lane, :, :, pair)))
+        end if
+        k = k + 1
+      end do
+    end do
+  end subroutine scatter_lane
+
+
+  !> Starting threads for a handful of elements costs more than it saves.
+  pure logical function is_worth_threads(assembly)
+    type(assembly_type), intent(in) :: assembly
+    is_worth_threads = size(assembly%element_order) > 64
+  end function is_worth_threads
+
+
+  !> Forces and point results of one element into the fields.
+  subroutine add_element_forces(model, e, is_nlgeom, state, failed)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(inout) :: state
+    integer, intent(inout) :: failed
+    type(points_type) :: points
+    real(DP) :: force(3, MAX_NODES), X(3, MAX_NODES), u(3, MAX_NODES)
+    integer :: n, status, a, nodes(MAX_NODES)
+    call element_nodes(model%mesh, e, n, nodes)
+    if (is_out(model%mesh, e)) then
+      call empty_points(model%mesh, e, state%new)
+      return
+    end if
+    associate (material => model%materials(material_of(model%mesh, e)), fields => state%new)
+      call bring_along(model, state, e, points)
+      if (material%is_user) call bring_user(model, state, e, is_nlgeom, points)
+      call place_element(model%mesh, e, fields, X, u)
+      call element_forces(model%mesh%kind(e), material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
+      if (status /= ELEMENT_OK) then
+        failed = min(failed, e)
+        return
+      end if
+      call keep_points(model%mesh, e, merge(0, material%n_history, material%is_user), points, fields)
+      if (material%is_user) call keep_user(model, e, points, fields)
+      do a = 1, n
+        fields%internal_force(:, nodes(a)) = fields%internal_force(:, nodes(a)) + force(:, a)
+      end do
+    end associate
+  end subroutine add_element_forces
+
+
+  !> An element that is taken out has no stress.
+  pure subroutine empty_points(mesh, e, fields)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    type(fields_type), intent(inout) :: fields
+    associate (first => mesh%point_first(e), last => mesh%point_first(e + 1) - 1)
+      fields%stress(:, first:last) = 0
+      fields%strain(:, first:last) = 0
+      fields%energy(first:last) = 0
+      fields%volume(first:last) = 0
+    end associate
+  end subroutine empty_points
+
+
+  !> Where an element starts from and how it has moved since: from the mesh, or from where it was put back.
+  pure subroutine place_element(mesh, e, fields, X, u)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(out) :: X(3, MAX_NODES), u(3, MAX_NODES)   !< [length]
+    integer :: n, nodes(MAX_NODES)
+    call element_nodes(mesh, e, n, nodes)
+    X(:, :n) = mesh%coordinates(:, nodes(:n))
+    u(:, :n) = fields%u(:, nodes(:n))
+    if (.not. allocated(fields%birth)) return
+    associate (birth => fields%birth(:, mesh%first(e):mesh%first(e + 1) - 1))
+      X(:, :n) = X(:, :n) + birth
+      u(:, :n) = u(:, :n) - birth
+    end associate
+  end subroutine place_element
+
+
+  !> The material of an element. Springs and masses have none: the first stands in, which they do not look at.
+  pure integer function material_of(mesh, e)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    material_of = max(1, mesh%material(e))
+  end function material_of
+
+
+  !> What an element brings along: its section; if its material is not plain, committed history, temperatures, time.
+  pure subroutine bring_along(model, state, e, points)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    integer, intent(in) :: e
+    type(points_type), intent(inout) :: points
+    integer :: n, m, p, k, nodes(MAX_NODES)
+    points%section = model%mesh%section(e)
+    points%directions = model%mesh%directions(:, e)
+    if (allocated(model%mesh%spring)) call bring_spring(model, state, e, points)
+    if (model%materials(material_of(model%mesh, e))%is_plain) return
+    call element_nodes(model%mesh, e, n, nodes)
+    p = model%mesh%point_first(e)
+    m = model%mesh%point_first(e + 1) - p
+    k = min(MAX_HISTORY, model%materials(material_of(model%mesh, e))%n_history)
+    points%past = 0.0_DP
+    points%past(:k, :m) = state%old%history(:k, p:p + m - 1)
+    points%temperature(:n) = state%new%temperature(nodes(:n))
+    points%initial_temperature(:n) = 0.0_DP
+    if (allocated(model%initial_temperature)) points%initial_temperature(:n) = model%initial_temperature(nodes(:n))
+    points%time = state%new%total_time
+    points%time_increment = state%new%creep_time - state%old%creep_time
+    points%has_frame = allocated(state%new%frame)
+    if (points%has_frame) points%frame(:, :, :m) = state%new%frame(:, :, p:p + m - 1)
+  end subroutine bring_along
+
+
+  !> The law of a spring, and the temperatures of its nodes.
+  pure subroutine bring_spring(model, state, e, points)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    integer, intent(in) :: e
+    type(points_type), intent(inout) :: points
+    integer :: n, nodes(MAX_NODES)
+    if (allocated(points%spring)) deallocate (points%spring)
+    if (model%mesh%spring(e) == 0) return
+    points%spring = model%springs(model%mesh%spring(e))
+    call element_nodes(model%mesh, e, n, nodes)
+    points%temperature(:n) = state%new%temperature(nodes(:n))
+  end subroutine bring_spring
+
+
+  !> The point values of an element into the fields.
+  pure subroutine keep_points(mesh, e, n_history, points, fields)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    integer, intent(in) :: n_history               !< of its material
+    type(points_type), intent(in) :: points
+    type(fields_type), intent(inout) :: fields
+    integer :: m, p
+    p = mesh%point_first(e)
+    m = mesh%point_first(e + 1) - p
+    fields%stress(:, p:p + m - 1) = points%stress(:, :m)
+    fields%strain(:, p:p + m - 1) = points%strain(:, :m)
+    fields%energy(p:p + m - 1) = points%energy(:m)
+    fields%volume(p:p + m - 1) = points%volume(:m)
+    if (n_history > 0) fields%history(:n_history, p:p + m - 1) = points%history(:n_history, :m)
+  end subroutine keep_points
+
+
+  !> The stiffness K = d F_int / d u of the elements.
+  subroutine assemble_tangent(assembly, model, is_nlgeom, state, failed_element)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(in) :: state          !< old history; new u, times, temperature
+    integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
+    integer :: g, i, failed
+    failed = huge(failed)
+    assembly%stiffness%value = 0.0_DP
+    call begin_elements(assembly%skew, assembly%stiffness, any(model%materials%is_user))
+    !$omp parallel private(g, i) reduction(min: failed) if (is_worth_threads(assembly))
+    !$omp do schedule(dynamic)
+    do g = 1, assembly%n_parts
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
+        call add_tangent_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
+      end do
+    end do
+    do g = assembly%n_parts + 1, assembly%n_groups
+      !$omp do schedule(static)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
+        call add_tangent_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
+      end do
+    end do
+    !$omp end parallel
+    failed_element = merge(0, failed, failed == huge(failed))
+  end subroutine assemble_tangent
+
+
+  !> The stiffness of one element into the matrix, block by block.
+  subroutine add_element_tangent(assembly, model, e, is_nlgeom, state, failed)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(in) :: state
+    integer, intent(inout) :: failed
+    type(points_type) :: points
+    real(DP) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES), skew(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES)
+    integer :: n, status
+    if (is_out(model%mesh, e)) return
+    n = model%mesh%first(e + 1) - model%mesh%first(e)
+    call bring_along(model, state, e, points)
+    if (model%materials(material_of(model%mesh, e))%is_user) call bring_user(model, state, e, is_nlgeom, points)
+    call place_element(model%mesh, e, state%new, X, u)
+    call element_tangent(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), &
+      X(:, :n), u(:, :n), is_nlgeom, stiffness, points, status)
+    if (status /= ELEMENT_OK) then
+      failed = min(failed, e)
+      return
+    end if
+    associate (offset => assembly%pair_offset(assembly%pair_first(e):assembly%pair_first(e + 1) - 1))
+      if (.not. allocated(points%skew)) then
+        call scatter(model%mesh, e, offset, stiffness, assembly%stiffness)
+        return
+      end if
+      skew(:3 * n, :3 * n) = 0.5_DP * (stiffness(:3 * n, :3 * n) - transpose(stiffness(:3 * n, :3 * n)))   ! of C3D8I
+      stiffness(:3 * n, :3 * n) = stiffness(:3 * n, :3 * n) - skew(:3 * n, :3 * n)
+      call scatter(model%mesh, e, offset, stiffness, assembly%stiffness)
+      if (model%mesh%kind(e) /= KIND_C3D8I) call element_skew(model%mesh%kind(e), X(:, :n), u(:, :n), is_nlgeom, &
+        points%section, points%skew, skew)
+      call scatter(model%mesh, e, offset, skew, assembly%skew%elements)
+    end associate
+  end subroutine add_element_tangent
+
+
+  !> The blocks of an element into the upper triangle of a matrix with the pattern of K.
+  pure subroutine scatter(mesh, e, offset, stiffness, matrix)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    integer, intent(in) :: offset(:)               !< places of the blocks of its pairs of nodes
+    real(DP), intent(in) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< set up to 3 * nodes [force/length]
+    type(sparse_type), intent(inout) :: matrix
+    integer :: n, a, b, k, nodes(MAX_NODES)
+    call element_nodes(mesh, e, n, nodes)
+    k = 1
+    do b = 1, n
+      do a = 1, b
+        if (nodes(a) <= nodes(b)) then
+          call add_block(matrix, nodes(a), offset(k), stiffness(3 * a - 2:3 * a, 3 * b - 2:3 * b))
+        else
+          call add_block(matrix, nodes(b), offset(k), stiffness(3 * b - 2:3 * b, 3 * a - 2:3 * a))
+        end if
+        k = k + 1
+      end do
+    end do
+  end subroutine scatter
+
+
+  !> Adds a 3 x 3 block to the three rows of a node; of a diagonal block (place 0) the upper triangle.
+  pure subroutine add_block(matrix, node, place, block)
+    type(sparse_type), intent(inout) :: matrix
+    integer, intent(in) :: node
+    integer, intent(in) :: place                   !< of the block in the rows, from 0
+    real(DP), intent(in) :: block(3, 3)            !< [force/length]
+    integer :: r, s, start
+    do r = 1, 3
+      start = matrix%first(3 * node - 3 + r) + 3 * place - r
+      do s = merge(r, 1, place == 0), 3
+        matrix%value(start + s) = matrix%value(start + s) + block(r, s)
+      end do
+    end do
+  end subroutine add_block
+
+end module amontons_assembly

@@ -1,0 +1,294 @@
+!> Skew: what the tangent has beside the symmetric matrix K: of pressures that follow their faces, and of unsymmetric laws.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! The load stiffness k = dF_ext/du of a face is not symmetric. Its symmetric part goes into K; W = (k - k')/2, summed over
+!! the faces, stays here, a sparse matrix that only the operator of GMRES sees. Inside a pressurised surface the faces
+!! cancel each other, so W lives on its rim; where the rim is held nothing is left of it. A material whose tangent is not
+!! symmetric gives its elements such a part too, with the other sign, since it belongs to F_int; it has the pattern of K.
+!! Reference: J. Bonet, R. D. Wood, Nonlinear Continuum Mechanics for Finite Element Analysis (2008), section 8.5.
+!!
+!! Materials: the kernels of the elements take the symmetric part of the tangent c of a point. The rest, w = (c - c')/2, is linear
+!! in the stiffness: W = sum of V B' w B over the points, B the strains of the displacements, with the mean dilatation and the mean
+!! gradients of the kinds that have them; c is that of the Kirchhoff stress, so V are the volumes at rest and B has the current
+!! gradients. W' = -W. C3D8I condenses its modes with W itself (room enhanced); of trusses w is zero.
+!! Theory: doc/theory/elements.md for B, doc/theory/solver.md for what is done with W.
+module amontons_unsymmetric_tangent
+  use amontons_kinds, only: DP, PI
+  use amontons_errors, only: error_type
+  use amontons_sparse, only: sparse_type, from_triplets, multiply, sum_of, transpose_of
+  use amontons_shape_functions, only: shape_functions, quadrature
+  use amontons_tensor, only: IDENTITY, invert
+  use amontons_topology, only: element_kind, kind_type, KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS4R, KIND_CPE4R, &
+    KIND_CAX4R, KIND_CPE4_FULL, FAMILY_SOLID, FAMILY_AXISYMMETRIC, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, MAX_NODES, &
+    MAX_POINTS
+  implicit none
+  private
+  public :: skew_type, begin_elements, begin_skew, add_skew_face, finish_skew, subtract_skew, with_skew
+  public :: element_skew
+
+  real(DP), parameter :: CANCELLED = 1.0e-12_DP    !< of the largest entry of a face: rounding of what cancels [-]
+
+  !> W, and its entries while the faces are visited.
+  type :: skew_type
+    integer :: n = 0                               !< entries collected
+    integer, allocatable :: row(:), column(:)      !< (>= n)
+    real(DP), allocatable :: value(:)              !< (>= n) [force/length]
+    type(sparse_type) :: elements                  !< U: elements add U - U' [force/length]; not made if not wanted
+    type(sparse_type) :: matrix                    !< W over all unknowns, elements included [force/length]; not made if it is zero
+  end type skew_type
+
+  !> The points of an element at rest.
+  type :: rest_type
+    integer :: n = 0                               !< nodes
+    integer :: m = 0                               !< points
+    real(DP) :: gradient(3, MAX_NODES, MAX_POINTS) = 0   !< dN_a/dX [1/length]
+    real(DP) :: hoop(MAX_NODES, MAX_POINTS) = 0    !< N_a/X; 0 but around an axis [1/length]
+    real(DP) :: volume(MAX_POINTS) = 0             !< [length^3]
+  end type rest_type
+
+contains
+
+  !> Nothing is collected from faces yet, and W is zero.
+  pure subroutine begin_skew(skew)
+    type(skew_type), intent(inout) :: skew
+    skew%n = 0
+    skew%matrix = sparse_type()
+    if (allocated(skew%row)) return
+    allocate (skew%row(1024), skew%column(1024), skew%value(1024))
+  end subroutine begin_skew
+
+
+  !> Adds (k - k')/2 of a face.
+  pure subroutine add_skew_face(skew, nodes, stiffness)
+    type(skew_type), intent(inout) :: skew
+    integer, intent(in) :: nodes(:)                !< of the face
+    real(DP), intent(in) :: stiffness(:, :)        !< k, three rows and columns a node [force/length]
+    integer :: i, j, m
+    m = 3 * size(nodes)
+    do while (skew%n + m * m > size(skew%value))
+      skew%row = [skew%row, skew%row]
+      skew%column = [skew%column, skew%column]
+      skew%value = [skew%value, skew%value]
+    end do
+    do j = 1, m
+      do i = 1, m
+        skew%n = skew%n + 1
+        skew%row(skew%n) = 3 * nodes((i + 2) / 3) - 2 + mod(i - 1, 3)
+        skew%column(skew%n) = 3 * nodes((j + 2) / 3) - 2 + mod(j - 1, 3)
+        skew%value(skew%n) = 0.5_DP * (stiffness(i, j) - stiffness(j, i))
+      end do
+    end do
+  end subroutine add_skew_face
+
+
+  !> The elements are about to be assembled: the upper triangle of what they bring, with the pattern of K, is zero.
+  pure subroutine begin_elements(skew, K, is_wanted)
+    type(skew_type), intent(inout) :: skew
+    type(sparse_type), intent(in) :: K             !< upper triangle
+    logical, intent(in) :: is_wanted               !< a material may be unsymmetric
+    if (.not. is_wanted) return
+    if (.not. allocated(skew%elements%value)) skew%elements = K
+    skew%elements%value = 0
+  end subroutine begin_elements
+
+
+  !> Sums up what was collected. Errors: out of memory.
+  subroutine finish_skew(skew, n_unknowns, error)
+    type(skew_type), intent(inout) :: skew
+    integer, intent(in) :: n_unknowns
+    type(error_type), allocatable, intent(out) :: error
+    call sum_faces(skew, n_unknowns, error)
+    if (allocated(error) .or. .not. allocated(skew%elements%value)) return
+    if (all(skew%elements%value == 0.0_DP)) return
+    if (allocated(skew%matrix%first)) then
+      skew%matrix = sum_of(skew%matrix, 1.0_DP, transpose_of(skew%elements))
+    else
+      skew%matrix = transpose_of(skew%elements)
+    end if
+    skew%matrix = sum_of(skew%matrix, -1.0_DP, skew%elements)
+  end subroutine finish_skew
+
+
+  !> W of the faces; what they cancel is left out. Errors: out of memory.
+  subroutine sum_faces(skew, n_unknowns, error)
+    type(skew_type), intent(inout) :: skew
+    integer, intent(in) :: n_unknowns
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: whole
+    integer, allocatable :: row(:)
+    logical, allocatable :: is_left(:)
+    integer :: i
+    if (skew%n == 0) return
+    associate (n => skew%n)
+      call from_triplets(n_unknowns, n_unknowns, skew%row(:n), skew%column(:n), skew%value(:n), whole, error)
+      if (allocated(error)) return
+      is_left = abs(whole%value) > CANCELLED * maxval(abs(skew%value(:n)))
+    end associate
+    if (.not. any(is_left)) return
+    allocate (row(size(whole%value)))
+    do i = 1, n_unknowns
+      row(whole%first(i):whole%first(i + 1) - 1) = i
+    end do
+    call from_triplets(n_unknowns, n_unknowns, pack(row, is_left), pack(whole%column, is_left), pack(whole%value, is_left), &
+      skew%matrix, error)
+  end subroutine sum_faces
+
+
+  !> w = w - W du.
+  subroutine subtract_skew(skew, du, w)
+    type(skew_type), intent(in) :: skew
+    real(DP), intent(in) :: du(:)                  !< (n_unknowns) [length]
+    real(DP), intent(inout) :: w(:)                !< (n_unknowns) [force]
+    real(DP), allocatable :: change(:)
+    if (.not. allocated(skew%matrix%first)) return
+    allocate (change, mold=w)
+    call multiply(skew%matrix, du, change)
+    w = w - change
+  end subroutine subtract_skew
+
+
+  !> K - W.
+  function with_skew(K, skew) result(whole)
+    type(sparse_type), intent(in) :: K             !< all entries, not a triangle
+    type(skew_type), intent(in) :: skew
+    type(sparse_type) :: whole
+    if (allocated(skew%matrix%first)) then
+      whole = sum_of(K, -1.0_DP, skew%matrix)
+    else
+      whole = K
+    end if
+  end function with_skew
+
+
+  !> W of an element.
+  pure subroutine element_skew(kind, X, u, is_nlgeom, section, w, stiffness)
+    integer, intent(in) :: kind                    !< KIND_...
+    real(DP), intent(in) :: X(:, :), u(:, :)       !< (3, nodes) [length]
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(in) :: section                !< thickness [length]
+    real(DP), intent(in) :: w(:, :, :)             !< (6, 6, points), engineering shears [stress]
+    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< set up to 3 * nodes [force/length]
+    type(kind_type) :: entry
+    type(rest_type) :: rest
+    real(DP) :: B(6, 3 * MAX_NODES, MAX_POINTS), current(MAX_POINTS)
+    integer :: p, k
+    entry = element_kind(kind)
+    k = 3 * entry%n_nodes
+    stiffness(:k, :k) = 0
+    if (.not. any(entry%family == [FAMILY_SOLID, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, &
+      FAMILY_AXISYMMETRIC])) return
+    call find_rest(kind, entry, X, section, rest)
+    do p = 1, rest%m
+      call strains_of(entry, rest, p, u, is_nlgeom, B(:, :, p), current(p))
+    end do
+    if (entry%is_mean_dilatation) call take_mean_dilatation(rest, current, B)
+    do p = 1, rest%m
+      stiffness(:k, :k) = stiffness(:k, :k) + rest%volume(p) * matmul(transpose(B(:, :k, p)), matmul(w(:, :, p), B(:, :k, p)))
+    end do
+  end subroutine element_skew
+
+
+  !> Gradients and volumes at rest; kinds of one point take their mean over the element.
+  pure subroutine find_rest(kind, entry, X, section, rest)
+    integer, intent(in) :: kind
+    type(kind_type), intent(in) :: entry
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) [length]
+    real(DP), intent(in) :: section                !< [length]
+    type(rest_type), intent(out) :: rest
+    real(DP) :: xi(3, MAX_POINTS), weight(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), J(3, 3), inverse(3, 3), det, radius
+    integer :: rule, p, d
+    d = merge(3, 2, entry%family == FAMILY_SOLID)
+    rule = kind
+    if (kind == KIND_C3D8R) rule = KIND_C3D8_FULL
+    if (any(kind == [KIND_CPS4R, KIND_CPE4R, KIND_CAX4R])) rule = KIND_CPE4_FULL
+    rest%n = entry%n_nodes
+    call quadrature(rule, rest%m, xi, weight)
+    do p = 1, rest%m
+      call shape_functions(rule, xi(:, p), N, dN)
+      J = IDENTITY
+      J(:d, :d) = matmul(X(:d, :rest%n), transpose(dN(:d, :rest%n)))
+      call invert(J, inverse, det)
+      rest%gradient(:d, :rest%n, p) = matmul(transpose(inverse(:d, :d)), dN(:d, :rest%n))
+      rest%volume(p) = weight(p) * det
+      if (entry%family == FAMILY_AXISYMMETRIC) then
+        radius = dot_product(N(:rest%n), X(1, :rest%n))
+        rest%volume(p) = rest%volume(p) * 2 * PI * radius
+        rest%hoop(:rest%n, p) = N(:rest%n) / radius
+      else if (d == 2) then
+        rest%volume(p) = rest%volume(p) * section
+      end if
+    end do
+    if (rule /= kind) call take_mean(rest)
+  end subroutine find_rest
+
+
+  !> Puts the mean over all points into the first and only one.
+  pure subroutine take_mean(rest)
+    type(rest_type), intent(inout) :: rest
+    real(DP) :: share(rest%m), gradient(3, MAX_NODES), hoop(MAX_NODES)
+    integer :: p
+    share = rest%volume(:rest%m) / sum(rest%volume(:rest%m))
+    gradient = 0
+    hoop = 0
+    do p = 1, rest%m
+      gradient = gradient + share(p) * rest%gradient(:, :, p)
+      hoop = hoop + share(p) * rest%hoop(:, p)
+    end do
+    rest%volume(1) = sum(rest%volume(:rest%m))
+    rest%gradient(:, :, 1) = gradient
+    rest%hoop(:, 1) = hoop
+    rest%m = 1
+  end subroutine take_mean
+
+
+  !> B of a point, rows xx yy zz xy yz xz with engineering shears, by the current gradients under NLGEOM; its current volume.
+  pure subroutine strains_of(entry, rest, p, u, is_nlgeom, B, current)
+    type(kind_type), intent(in) :: entry
+    type(rest_type), intent(in) :: rest
+    integer, intent(in) :: p                       !< point
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes) [length]
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: B(6, 3 * MAX_NODES)   !< [1/length]
+    real(DP), intent(out) :: current               !< [length^3]
+    real(DP) :: F(3, 3), inverse(3, 3), det, g(3), hoop
+    integer :: a
+    inverse = IDENTITY
+    current = rest%volume(p)
+    hoop = 1
+    if (is_nlgeom) then
+      F = IDENTITY + matmul(u(:, :rest%n), transpose(rest%gradient(:, :rest%n, p)))
+      if (entry%family == FAMILY_AXISYMMETRIC) F(3, 3) = 1 + dot_product(u(1, :rest%n), rest%hoop(:rest%n, p))
+      hoop = F(3, 3)
+      call invert(F, inverse, det)
+      current = det * current
+    end if
+    B = 0
+    do a = 1, rest%n
+      g = matmul(rest%gradient(:, a, p), inverse)
+      B(:, 3 * a - 2) = [g(1), 0.0_DP, rest%hoop(a, p) / hoop, g(2), 0.0_DP, g(3)]
+      B(:, 3 * a - 1) = [0.0_DP, g(2), 0.0_DP, g(1), g(3), 0.0_DP]
+      B(:, 3 * a) = [0.0_DP, 0.0_DP, g(3), 0.0_DP, g(2), g(1)]
+    end do
+  end subroutine strains_of
+
+
+  !> Replaces the change of volume of each point by its mean over the current volume.
+  pure subroutine take_mean_dilatation(rest, current, B)
+    type(rest_type), intent(in) :: rest
+    real(DP), intent(in) :: current(:)             !< (points) [length^3]
+    real(DP), intent(inout) :: B(:, :, :)          !< (6, 3 nodes, points) [1/length]
+    real(DP) :: mean(size(B, 2)), change(size(B, 2))
+    integer :: p, i
+    mean = 0
+    do p = 1, rest%m
+      mean = mean + current(p) / sum(current(:rest%m)) * (B(1, :, p) + B(2, :, p) + B(3, :, p))
+    end do
+    do p = 1, rest%m
+      change = (mean - (B(1, :, p) + B(2, :, p) + B(3, :, p))) / 3
+      do i = 1, 3
+        B(i, :, p) = B(i, :, p) + change
+      end do
+    end do
+  end subroutine take_mean_dilatation
+
+end module amontons_unsymmetric_tangent

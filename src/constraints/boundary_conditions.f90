@@ -1,0 +1,178 @@
+!> Supports: the base constraints of a step: boundary conditions, equations, bonds, and what nothing else holds.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_boundary_conditions
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, set_error, EXIT_SETUP
+  use amontons_loads, only: load_value
+  use amontons_steps, only: step_type
+  use amontons_mesh, only: mesh_extent
+  use amontons_model, only: model_type, direction_of
+  use amontons_state, only: fields_type
+  use amontons_user_state, only: ask_displacement
+  use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, &
+    finish_constraints, ROW_CONFLICT
+  use amontons_nonlinear_mpc, only: add_bonds, hold_lone, TAG_SUPPORT
+  implicit none
+  private
+  public :: support_model
+
+  real(DP), parameter :: ROUNDING = 1.0e-9_DP      !< of displacements, by which rows may miss each other [-]
+  real(DP), parameter :: SMALL = 0.1_DP            !< displacements are taken for no less than this part of the model [-]
+
+contains
+
+  !> The base constraints for what is still missing to the prescribed displacements at the time of `fields`.
+  subroutine support_model(base, model, step, fields, u_start, follower, is_lone, violation, error)
+    type(constraints_type), intent(inout) :: base
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields        !< displacements and times
+    real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
+    integer, intent(in) :: follower(:, :)          !< (3, n) mid-side slave nodes and their corners
+    logical, intent(in) :: is_lone(:)              !< (3 n_nodes) of a node without elements
+    real(DP), intent(out) :: violation             !< largest of the bonds, over their size [-]
+    type(error_type), allocatable, intent(out) :: error
+    violation = 0.0_DP
+    call start_constraints(base, 3 * model%mesh%n_nodes)
+    call hold_idle(base, model, fields%u)
+    call add_supports(base, model, step, fields, u_start, error)
+    if (allocated(error)) return
+    call add_equations(base, model, fields%u, error)
+    if (allocated(error)) return
+    call add_bonds(base, model, fields%u, step%is_nlgeom, violation, error)
+    if (allocated(error)) return
+    call add_followers(base, follower, fields%u)
+    call hold_lone(base, is_lone, fields%u, u_start)
+    call finish_constraints(base)
+  end subroutine support_model
+
+
+  !> The prescribed displacements; those of a transformed node are rows in its own directions.
+  subroutine add_supports(base, model, step, fields, u_start, error)
+    type(constraints_type), intent(inout) :: base
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(in) :: u_start(:, :)
+    type(error_type), allocatable, intent(out) :: error
+    type(row_type) :: row
+    real(DP) :: direction(3), lack
+    integer :: i, pass, verdict
+    logical :: is_global
+    do pass = 1, 2                                 ! what is fixed comes before all rows
+      do i = 1, size(step%prescribed)
+        associate (load => step%prescribed(i))
+          direction = direction_of(model, load%node, load%dof)
+          is_global = direction(load%dof) >= 1.0_DP
+          if (is_global .neqv. pass == 1) cycle
+          lack = prescribed_value(model, step, i, fields, dot_product(direction, u_start(:, load%node))) &
+            - dot_product(direction, fields%u(:, load%node))
+          if (is_global) then
+            call fix_unknown(base, 3 * (load%node - 1) + load%dof, lack)
+            cycle
+          end if
+          row%unknown = 3 * (load%node - 1) + [1, 2, 3]
+          row%coefficient = direction
+          row%rhs = lack
+          row%tag = TAG_SUPPORT
+          call add_row(base, row, 3, rounding_of(model, fields%u), verdict)
+          if (verdict == ROW_CONFLICT) call set_error(error, EXIT_SETUP, &
+            'Boundary conditions of one node in different directions contradict each other.')
+        end associate
+        if (allocated(error)) return
+      end do
+    end do
+  end subroutine add_supports
+
+
+  !> What rows may miss each other by without a contradiction.
+  pure real(DP) function rounding_of(model, u) result(length)
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    length = ROUNDING * (SMALL * mesh_extent(model%mesh) + maxval(abs(u)))
+  end function rounding_of
+
+
+  !> Displacements that no element resists (the third of plane models) stay at zero, unless a support moves them.
+  subroutine hold_idle(base, model, u)
+    type(constraints_type), intent(inout) :: base
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)
+    integer :: i, k
+    if (.not. allocated(model%mesh%is_idle)) return
+    if (.not. any(model%mesh%is_idle)) return
+    do i = 1, model%mesh%n_nodes
+      do k = 1, 3
+        if (model%mesh%is_idle(k, i)) call fix_unknown(base, 3 * (i - 1) + k, -u(k, i))
+      end do
+    end do
+  end subroutine hold_idle
+
+
+  !> The displacement of a support now. One new in this step runs straight from where it was at the start of the step.
+  pure real(DP) function prescribed_value(model, step, i, fields, u_start) result(value)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    integer, intent(in) :: i                       !< index into step%prescribed
+    type(fields_type), intent(in) :: fields        !< times
+    real(DP), intent(in) :: u_start                !< [length]
+    associate (load => step%prescribed(i))
+      if (load%is_held) then
+        value = u_start
+      else if (load%amplitude == 0 .and. load%is_from_current) then
+        value = u_start + (load%end - u_start) * (fields%step_time / step%period)
+      else
+        value = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
+      end if
+      if (load%is_user) call ask_displacement(model, load, fields, value)
+    end associate
+  end function prescribed_value
+
+
+  !> The rows of *EQUATION, corrected by what is violated at u.
+  subroutine add_equations(base, model, u, error)
+    type(constraints_type), intent(inout) :: base
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)
+    type(error_type), allocatable, intent(out) :: error
+    type(row_type) :: row
+    integer :: i, k, verdict
+    character(12) :: line
+    do i = 1, size(model%equations)
+      associate (equation => model%equations(i))
+        if (equation%is_removed) cycle
+        row%unknown = 3 * (equation%node - 1) + equation%dof
+        row%coefficient = equation%coefficient
+        row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])
+        call add_row(base, row, equation%n_candidates, rounding_of(model, u), verdict)
+        if (verdict == ROW_CONFLICT) then
+          write (line, '(i0)') equation%line
+          call set_error(error, EXIT_SETUP, 'The *' // trim(equation%card) // ' of line ' // trim(line) // &
+            ' contradicts the boundary ' // &
+            'conditions of its nodes or the equations before it. Release one of them.')
+          return
+        end if
+      end associate
+    end do
+  end subroutine add_equations
+
+
+  !> A mid-side node of a slave face stays in the middle of its corners: u_m = (u_a + u_b)/2 (doc/theory/contact.md).
+  subroutine add_followers(base, follower, u)
+    type(constraints_type), intent(inout) :: base
+    integer, intent(in) :: follower(:, :)          !< (3, n) the node and its two corners
+    real(DP), intent(in) :: u(:, :)
+    type(row_type) :: row
+    integer :: i, k, verdict
+    do i = 1, size(follower, 2)
+      do k = 1, 3
+        row%unknown = 3 * (follower(:, i) - 1) + k
+        if (base%owner(row%unknown(1)) /= 0) cycle
+        row%coefficient = [1.0_DP, -0.5_DP, -0.5_DP]
+        row%rhs = -dot_product(row%coefficient, u(k, follower(:, i)))
+        call add_row(base, row, 1, huge(1.0_DP), verdict)
+      end do
+    end do
+  end subroutine add_followers
+
+end module amontons_boundary_conditions

@@ -1,0 +1,91 @@
+!> Slaves: what is done to the memory of slave nodes alone: let go, loaded by their status, looked at, committed.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_slave_nodes
+  use amontons_kinds, only: DP
+  use amontons_surfaces, only: interaction_type, is_compliant, ROUGH_FRICTION
+  use amontons_local_equilibrium, only: meeting_type
+  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  implicit none
+  private
+  public :: lose_master, never_slips, set_force, rounding_force, commit_slip
+
+contains
+
+  !> The node has left its master: open, without force.
+  subroutine lose_master(slave)
+    type(slave_type), intent(inout) :: slave
+    slave%facet = 0
+    slave%status = STATUS_OPEN
+    slave%gap = 0.0_DP
+    slave%force = 0.0_DP
+    slave%shear = 0.0_DP
+    slave%energy = 0.0_DP
+  end subroutine lose_master
+
+
+  !> Whether the surfaces of a law never slip.
+  elemental logical function never_slips(law)
+    type(interaction_type), intent(in) :: law
+    never_slips = law%friction >= ROUGH_FRICTION .and. .not. law%is_user_friction
+  end function never_slips
+
+
+  !> Normal and tangential contact force on the slave by its status.
+  pure subroutine set_force(slave, imbalance, normal_force, friction)
+    type(slave_type), intent(inout) :: slave
+    real(DP), intent(in) :: imbalance(3)           !< Rhat [force]
+    real(DP), intent(in) :: normal_force           !< N [force]
+    real(DP), intent(in) :: friction(3)            !< mu N along the direction of friction [force]
+    select case (slave%status)
+    case (STATUS_OPEN)
+      slave%force = 0.0_DP
+      slave%shear = 0.0_DP
+    case (STATUS_STICK)
+      slave%force = normal_force * slave%normal
+      slave%shear = -imbalance - slave%force
+    case (STATUS_SLIP)
+      slave%force = normal_force * slave%normal
+      slave%shear = friction
+    end select
+  end subroutine set_force
+
+
+  !> The largest force that the rounding of coordinates makes at a closed node, of a gap of one unit in their last place: by
+  !! the law of its pair, or, where contact is exact, by the stiffness of the body.
+  pure real(DP) function rounding_force(laws, met, slaves, coordinates) result(force)
+    type(interaction_type), intent(in) :: laws(:)      !< (n_pairs)
+    type(meeting_type), intent(in) :: met(:)           !< (n_slaves)
+    type(slave_type), intent(in) :: slaves(:)          !< (n_slaves)
+    real(DP), intent(in) :: coordinates(:, :)          !< (3, n_nodes) [length]
+    integer :: s
+    force = 0.0_DP
+    do s = 1, size(slaves)
+      if (slaves(s)%status == STATUS_OPEN) cycle
+      if (is_compliant(laws(slaves(s)%pair))) then
+        force = max(force, met(s)%slope * slaves(s)%area)
+      else
+        force = max(force, slaves(s)%stiffness)
+      end if
+    end do
+    force = force * epsilon(1.0_DP) * maxval(abs(coordinates))
+  end function rounding_force
+
+
+  !> At the end of a converged increment: gather the slip, and the work that friction took.
+  subroutine commit_slip(old, fields)
+    type(fields_type), intent(in) :: old           !< committed before
+    type(fields_type), intent(inout) :: fields
+    real(DP) :: work
+    integer :: s
+    work = 0.0_DP
+    do s = 1, size(fields%slaves)
+      associate (slave => fields%slaves(s))
+        if (slave%status /= STATUS_SLIP) slave%slip_increment = 0.0_DP
+        slave%slip = old%slaves(s)%slip + slave%slip_increment
+        work = work - dot_product(slave%shear, slave%slip_increment)
+      end associate
+    end do
+    fields%friction_work = old%friction_work + work
+  end subroutine commit_slip
+
+end module amontons_slave_nodes

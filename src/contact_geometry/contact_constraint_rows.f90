@@ -1,0 +1,106 @@
+!> Rows: a slave's place against its master as a list of nodes with weights; all that contact has to know of a formulation.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! A row is a relative position d and the force that goes with it:
+!!
+!!     d = sum w_k x_k,    F_k = w_k lambda,    Rhat_row = sum b_k Rhat_k
+!!
+!! with weights that are positive at the slave and negative at the master, sum w_k = 0. Node-to-surface contact fills it from one
+!! facet (1 at the slave node, -N_i at the facet), mortar contact from inv(D) M (doc/theory/contact.md, "Mortar"). The force
+!! lambda that contact gives is minus the imbalance of the row, Rhat_row, as far as its laws allow.
+module amontons_contact_constraint_rows
+  use amontons_kinds, only: DP
+  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_shape_functions, only: facet_shapes
+  use amontons_facets, only: facets_type
+  use amontons_analytic_master, only: profile_weights
+  implicit none
+  private
+  public :: contact_row_type, facet_row, facet_weights, relative_position, imbalance_of, spread_force
+
+  !> One row; the slave node itself comes first.
+  type :: contact_row_type
+    integer, allocatable :: nodes(:)               !< (n) mesh nodes, each once
+    real(DP), allocatable :: weights(:)            !< (n) w_k [-]
+    integer, allocatable :: own(:)                 !< (m) slave nodes whose imbalance is the row's
+    real(DP), allocatable :: shares(:)             !< (m) b_k [-]
+  end type contact_row_type
+
+contains
+
+  !> The row of a node against a point of one facet: 1 at the node, -N_i at the facet's nodes.
+  pure subroutine facet_row(facets, f, xi, node, row)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f                       !< facet
+    real(DP), intent(in) :: xi(2)                  !< natural coordinates [-]
+    integer, intent(in) :: node                    !< slave node
+    type(contact_row_type), intent(inout) :: row
+    real(DP) :: weights(MAX_FACE_NODES), d_weights(2, MAX_FACE_NODES)
+    integer :: n, nodes(MAX_FACE_NODES)
+    call facet_weights(facets, f, xi, n, nodes, weights, d_weights)
+    row%nodes = [node, nodes(:n)]
+    row%weights = [1.0_DP, -weights(:n)]
+    row%own = [node]
+    row%shares = [1.0_DP]
+  end subroutine facet_row
+
+
+  !> Nodes of a facet and their weights N_i at a point of it.
+  pure subroutine facet_weights(facets, f, xi, n, nodes, weights, d_weights)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f                       !< facet
+    real(DP), intent(in) :: xi(2)                  !< natural coordinates [-]
+    integer, intent(out) :: n                      !< number of its nodes
+    integer, intent(out) :: nodes(MAX_FACE_NODES)
+    real(DP), intent(out) :: weights(MAX_FACE_NODES)        !< N_i [-]
+    real(DP), intent(out) :: d_weights(2, MAX_FACE_NODES)   !< dN_i/dxi [-]
+    real(DP) :: ddN(3, MAX_FACE_NODES)
+    if (allocated(facets%profile)) then            ! its derivatives come from `gap`
+      d_weights = 0.0_DP
+      call profile_weights(facets, f, xi, n, nodes, weights)
+      return
+    end if
+    n = facets%first(f + 1) - facets%first(f)
+    nodes(:n) = facets%nodes(facets%first(f):facets%first(f + 1) - 1)
+    call facet_shapes(facets%kind(f), xi, weights, d_weights, ddN)
+  end subroutine facet_weights
+
+
+  !> d = sum w_k x_k, or the same of any other field of vectors at the nodes.
+  pure function relative_position(row, x) result(d)
+    type(contact_row_type), intent(in) :: row
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    real(DP) :: d(3)
+    integer :: i
+    d = 0.0_DP
+    do i = 1, size(row%nodes)
+      d = d + row%weights(i) * x(:, row%nodes(i))
+    end do
+  end function relative_position
+
+
+  !> Rhat_row = sum b_k Rhat_k.
+  pure function imbalance_of(row, imbalance) result(sum_of)
+    type(contact_row_type), intent(in) :: row
+    real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat, condensed [force]
+    real(DP) :: sum_of(3)
+    integer :: i
+    sum_of = 0.0_DP
+    do i = 1, size(row%own)
+      sum_of = sum_of + row%shares(i) * imbalance(:, row%own(i))
+    end do
+  end function imbalance_of
+
+
+  !> Adds w_k lambda to the forces of the nodes.
+  pure subroutine spread_force(row, lambda, force)
+    type(contact_row_type), intent(in) :: row
+    real(DP), intent(in) :: lambda(3)              !< [force]
+    real(DP), intent(inout) :: force(:, :)         !< (3, n_nodes) [force]
+    integer :: i
+    do i = 1, size(row%nodes)
+      force(:, row%nodes(i)) = force(:, row%nodes(i)) + row%weights(i) * lambda
+    end do
+  end subroutine spread_force
+
+end module amontons_contact_constraint_rows

@@ -1,0 +1,125 @@
+!> Symmetry: where a master surface ends on a plane of symmetry, its normals lie in that plane.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! A vertex normal at the border of a surface is made from one side only and leans by half a facet. On a plane of symmetry the
+!! other half of the body is there too, mirrored: the sum of a normal and its mirror image is twice its part in the plane.
+!! Without that a slave node that slides in the plane could never close its gap (doc/theory/contact.md, "The normal").
+module amontons_master_symmetry_planes
+  use amontons_kinds, only: DP
+  use amontons_model, only: model_type, direction_of
+  use amontons_steps, only: step_type
+  use amontons_facets, only: facets_type, corners_of, is_line, EDGE_FREE
+  use amontons_surface_projection, only: vertex_normal
+  implicit none
+  private
+  public :: find_symmetry, find_held
+
+  real(DP), parameter :: LEANING = 0.5_DP          !< a larger part of the normal out of the plane is no lean [-]
+  real(DP), parameter :: PARALLEL = 1.0_DP - 1.0e-9_DP   !< cosine of directions that are one [-]
+
+contains
+
+  !> Finds the vertices on planes of symmetry and the directions that their normals lose: facets%in_plane.
+  !!
+  !! A free edge of the surface lies on a plane of symmetry if supports hold the same direction at all its nodes, that
+  !! direction is nearly perpendicular to the normal, and the direction nearest to the normal is not held. The directions are
+  !! those of the node's own frame (*TRANSFORM), or the global axes.
+  subroutine find_symmetry(facets, model, is_held)
+    type(facets_type), intent(inout) :: facets
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_held(:, :)           !< (3, n_nodes) by supports, as find_held says
+    logical :: on_edge(3)
+    integer :: f, k, d
+    integer, allocatable :: entries(:)
+    if (allocated(facets%profile)) return
+    if (facets%is_faceted) return                  ! the normals of its faces are as they are
+    if (.not. allocated(facets%in_plane)) allocate (facets%in_plane(3, 3, facets%n_vertices))
+    facets%in_plane = 0.0_DP
+    do d = 1, 3
+      facets%in_plane(d, d, :) = 1.0_DP
+    end do
+    do f = 1, facets%n
+      do k = 1, corners_of(facets%kind(f))
+        if (facets%edge(k, f) /= EDGE_FREE) cycle
+        entries = edge_entries(facets, f, k)
+        on_edge = [(is_common(d, facets%nodes(entries)), d=1, 3)]
+        if (any(on_edge)) call keep_in_plane(entries, on_edge)
+      end do
+    end do
+
+  contains
+
+    !> Whether direction d of the first node is held at all of them.
+    pure logical function is_common(d, nodes)
+      integer, intent(in) :: d, nodes(:)
+      real(DP) :: a(3)
+      integer :: i, e
+      a = direction_of(model, nodes(1), d)
+      is_common = .true.
+      do i = 1, size(nodes)
+        is_common = is_common .and. any([(is_held(e, nodes(i)) .and. &
+          abs(dot_product(a, direction_of(model, nodes(i), e))) > PARALLEL, e=1, 3)])
+      end do
+    end function is_common
+
+    !> The vertices of an edge lose the directions in which they only lean.
+    subroutine keep_in_plane(entries, on_edge)
+      integer, intent(in) :: entries(:)
+      logical, intent(in) :: on_edge(3)
+      real(DP) :: m(3), axes(3, 3), a(3)
+      integer :: i, d
+      do i = 1, size(entries)
+        m = vertex_normal(facets, model%mesh%coordinates, facets%vertex(entries(i)), is_whole=.true.)
+        axes = reshape([(direction_of(model, facets%nodes(entries(i)), d), d=1, 3)], [3, 3])
+        if (is_held(maxloc(abs(matmul(m, axes)), dim=1), facets%nodes(entries(i)))) cycle
+        do d = 1, 3
+          a = direction_of(model, facets%nodes(entries(1)), d)
+          if (.not. on_edge(d) .or. abs(dot_product(a, m)) > LEANING * norm2(m)) cycle
+          associate (part => facets%in_plane(:, :, facets%vertex(entries(i))))
+            part = part - spread(a, 2, 3) * spread(matmul(a, part), 1, 3)
+          end associate
+        end do
+      end do
+    end subroutine keep_in_plane
+
+  end subroutine find_symmetry
+
+
+  !> Which directions of each node its supports hold: of its own frame (*TRANSFORM), or the global axes.
+  pure subroutine find_held(model, step, owner, is_held)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    integer, intent(in) :: owner(:)                !< (3 n_nodes) < 0: held by a support in a global direction
+    logical, intent(out) :: is_held(:, :)          !< (3, n_nodes)
+    integer :: i, d
+    is_held = reshape(owner < 0, shape(is_held))
+    if (.not. allocated(model%frame_of)) return
+    do i = 1, model%mesh%n_nodes
+      if (model%frame_of(i) == 0) cycle
+      associate (is_axis_held => owner(3 * i - 2:3 * i) < 0)   ! an axis of the frame may be a global one, as across a plane
+        is_held(:, i) = [(any(is_axis_held .and. abs(direction_of(model, i, d)) > PARALLEL), d=1, 3)]
+      end associate
+    end do
+    do i = 1, size(step%prescribed)
+      associate (load => step%prescribed(i))
+        if (load%dof <= 3) is_held(load%dof, load%node) = .true.
+      end associate
+    end do
+  end subroutine find_held
+
+
+  !> The entries of facets%nodes on one edge: its corners, and the node between them; of a line its end.
+  pure function edge_entries(facets, f, k) result(entries)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f, k                    !< facet and edge
+    integer, allocatable :: entries(:)
+    integer :: start, n
+    start = facets%first(f) - 1
+    n = corners_of(facets%kind(f))
+    entries = [start + k]
+    if (is_line(facets%kind(f))) return
+    entries = [start + k, start + modulo(k, n) + 1]
+    if (facets%first(f + 1) - facets%first(f) > n) entries = [entries, start + n + k]
+  end function edge_entries
+
+end module amontons_master_symmetry_planes

@@ -1,0 +1,578 @@
+!> Values: what a calling program asks of a job, and sets in it, by name. Manual: doc/manual/library.md.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Names are those of the result file; case and blanks in them do not count. Nodes are named by a node set, a surface or
+!! a label, elements by an element set or a label, all of them by ''. What is set is handed to `drive`.
+module amontons_job_query
+  use amontons_kinds, only: DP, NAME_LENGTH
+  use amontons_errors, only: error_type, set_error, EXIT_USAGE
+  use amontons_text, only: squeezed, text_of, parse_integer, NUMBER_OK
+  use amontons_topology, only: kind_type, facet_kind_type, element_kind, facet_kind
+  use amontons_mesh, only: mesh_extent
+  use amontons_materials, only: HISTORY_PEEQ, USER_STATE
+  use amontons_state, only: history_row
+  use amontons_constraints, only: condense_forces
+  use amontons_result_schema, only: column_type, rows_of, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
+  use amontons_postprocess, only: nodal_slaves
+  use amontons_results, only: point_fields
+  use amontons_analysis, only: analysis_type, is_at_end
+  use amontons_driven_loads, only: set_driven, set_friction, loads_now, DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, &
+    DRIVE_TEMPERATURE
+  implicit none
+  private
+  public :: values_of, drive_values, names_of, step_of, time_in_step, step_left
+
+  !> What values_of knows besides the columns of the result file at nodes, for names_of.
+  character(16), parameter :: NUMBERS(*) = [character(16) :: 'TIME', 'STEP TIME', 'TIME LEFT', 'STEP', 'INCREMENTS', 'ITERATIONS', &
+    'IMBALANCE', 'EXTERNAL WORK', 'FRICTION WORK', 'DAMPED WORK', 'STRAIN ENERGY', 'FRICTION']
+  character(16), parameter :: FIELDS(*) = [character(16) :: 'NODES', 'X', 'INTERNAL FORCE', 'APPLIED FORCE', &
+    'CONTACT FORCE', 'RESIDUAL', 'CF', 'CF1', 'CF2', 'CF3', 'P', 'FACE CENTRES']
+  character(16), parameter :: POINTS(*) = [character(16) :: 'ELEMENT LABEL', 'POINT LABEL', 'POINT VOLUME', 'POINT S', &
+    'POINT E', 'POINT ENERGY', 'POINT PEEQ', 'POINT SDV', 'ELEMENT VOLUME', 'ELEMENT S', 'ELEMENT E', 'ELEMENT ENERGY', &
+    'ELEMENT PEEQ', 'ELEMENT SDV']
+
+contains
+
+  !> A quantity by name, one column per row of the set. The names are in doc/manual/library.md.
+  !!
+  !! Before: the job has begun. Errors: EXIT_USAGE.
+  subroutine values_of(analysis, quantity, set, values, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: quantity           !< e.g. 'U', 'CPRESS', 'POINT S', 'TIME'
+    character(*), intent(in) :: set                !< node set, surface, element set, label; '' means all
+    real(DP), allocatable, intent(out) :: values(:, :)   !< (components, rows)
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: nodes(:)
+    logical :: is_known
+    call get_number(analysis, squeezed(quantity), set, values, is_known, error)
+    if (.not. (is_known .or. allocated(error))) call get_of_elements(analysis, squeezed(quantity), set, values, is_known, error)
+    if (is_known .or. allocated(error)) return
+    select case (squeezed(quantity))
+    case ('FACECENTRES')
+      call get_face_centres(analysis, set, values, error)
+      return
+    case ('CF', 'CF1', 'CF2', 'CF3', 'P')
+      call get_loads(analysis, squeezed(quantity), set, values, error)
+      return
+    end select
+    call find_nodes(analysis, set, nodes, error)
+    if (allocated(error)) return
+    call get_vector(analysis, squeezed(quantity), nodes, values, is_known)
+    if (.not. is_known) call get_column(analysis, squeezed(quantity), nodes, values, is_known)
+    if (.not. is_known) call set_error(error, EXIT_USAGE, 'There is no quantity named ' // quantity // '.')
+  end subroutine values_of
+
+
+  !> The names that a job knows, of a kind: NODE SETS, ELEMENT SETS, SURFACES, INTERACTIONS, MATERIALS, and the QUANTITIES
+  !! that values_of gives. Errors: EXIT_USAGE.
+  subroutine names_of(analysis, kind, names, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: kind
+    character(:), allocatable, intent(out) :: names(:)
+    type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: LENGTH = 2 * NAME_LENGTH + 1   ! the name of an instance, a point, the name of a set
+    integer :: i
+    associate (model => analysis%model, mesh => analysis%model%mesh)
+      select case (squeezed(kind))
+      case ('NODESETS')
+        allocate (character(LENGTH) :: names(size(mesh%node_sets)))
+        do i = 1, size(names)
+          names(i) = mesh%node_sets(i)%name
+        end do
+      case ('ELEMENTSETS')
+        allocate (character(LENGTH) :: names(size(mesh%element_sets)))
+        do i = 1, size(names)
+          names(i) = mesh%element_sets(i)%name
+        end do
+      case ('SURFACES')
+        allocate (character(LENGTH) :: names(size(model%surfaces)))
+        do i = 1, size(names)
+          names(i) = model%surfaces(i)%name
+        end do
+      case ('INTERACTIONS')
+        allocate (character(LENGTH) :: names(size(model%interactions)))
+        do i = 1, size(names)
+          names(i) = model%interactions(i)%name
+        end do
+      case ('MATERIALS')
+        allocate (character(LENGTH) :: names(size(model%materials)))
+        do i = 1, size(names)
+          names(i) = model%materials(i)%name
+        end do
+      case ('QUANTITIES')
+        names = [character(LENGTH) :: NUMBERS, FIELDS, POINT_COLUMNS%name, POINTS]
+      case default
+        call set_error(error, EXIT_USAGE, 'There are no names of ' // kind // '; NODE SETS, ELEMENT SETS, SURFACES, ' // &
+          'INTERACTIONS, MATERIALS and QUANTITIES have some.')
+      end select
+    end associate
+  end subroutine names_of
+
+
+  !> A single number.
+  subroutine get_number(analysis, quantity, set, values, is_known, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: quantity           !< squeezed
+    character(*), intent(in) :: set
+    real(DP), allocatable, intent(out) :: values(:, :)
+    logical, intent(out) :: is_known
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: value
+    integer :: i
+    is_known = .true.
+    associate (new => analysis%state%new)
+      select case (quantity)
+      case ('TIME')
+        value = new%total_time
+      case ('STEPTIME')
+        value = new%step_time
+      case ('TIMELEFT')
+        value = merge(0.0_DP, step_left(analysis), is_at_end(analysis))
+      case ('STEP')
+        value = real(analysis%stepper%step, DP)
+      case ('INCREMENTS')
+        value = real(count(analysis%records(:analysis%n_records)%is_converged), DP)
+      case ('ITERATIONS')
+        value = real(sum(analysis%records(:analysis%n_records)%n_iterations), DP)
+      case ('IMBALANCE')
+        value = max(analysis%newton%progress%residual(0), analysis%newton%progress%law)
+      case ('EXTERNALWORK')
+        value = new%external_work
+      case ('FRICTIONWORK')
+        value = new%friction_work
+      case ('DAMPEDWORK')
+        value = new%damped_work
+      case ('STRAINENERGY')
+        value = 0.0_DP
+        if (allocated(new%energy)) value = sum(new%energy * new%volume)
+      case ('FRICTION')
+        call find_interaction(analysis, set, i, error)
+        if (allocated(error)) return
+        value = analysis%model%interactions(i)%friction
+      case default
+        is_known = .false.
+        return
+      end select
+    end associate
+    values = reshape([value], [1, 1])
+  end subroutine get_number
+
+
+  !> The middles of the faces of a surface, in the order in which P is set: means of their corners.
+  subroutine get_face_centres(analysis, set, values, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: set                !< surface
+    real(DP), allocatable, intent(out) :: values(:, :)   !< (3, faces) [length]
+    type(error_type), allocatable, intent(out) :: error
+    type(kind_type) :: entry
+    type(facet_kind_type) :: facet
+    integer :: i, k, e, surface, corners(4)
+    surface = surface_of(analysis, set)
+    if (surface == 0) then
+      call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // '.')
+      return
+    end if
+    associate (faces => analysis%model%surfaces(surface), mesh => analysis%model%mesh)
+      allocate (values(3, size(faces%element)))
+      do i = 1, size(faces%element)
+        e = faces%element(i)
+        entry = element_kind(mesh%kind(e))
+        facet = facet_kind(entry%face_kind(faces%face(i)))
+        k = facet%n_corners
+        corners(:k) = mesh%nodes(mesh%first(e) - 1 + entry%face_nodes(:k, faces%face(i)))
+        values(:, i) = sum(mesh%coordinates(:, corners(:k)), dim=2) / real(k, DP)
+      end do
+    end associate
+  end subroutine get_face_centres
+
+
+  !> A vector at nodes, or their labels.
+  subroutine get_vector(analysis, quantity, nodes, values, is_known)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: quantity           !< squeezed
+    integer, intent(in) :: nodes(:)
+    real(DP), allocatable, intent(out) :: values(:, :)
+    logical, intent(out) :: is_known
+    real(DP), allocatable :: whole(:, :)
+    is_known = .true.
+    associate (mesh => analysis%model%mesh, new => analysis%state%new)
+      select case (quantity)
+      case ('NODES')
+        values = reshape(real(mesh%node_label(nodes), DP), [1, size(nodes)])
+      case ('X')
+        values = mesh%coordinates(:, nodes)
+      case ('NT', 'TEMPERATURE')
+        values = reshape(new%temperature(nodes), [1, size(nodes)])
+      case ('INTERNALFORCE')
+        values = new%internal_force(:, nodes)
+      case ('APPLIEDFORCE')
+        values = new%applied_force(:, nodes)
+      case ('CONTACTFORCE')
+        values = new%contact_force(:, nodes)
+      case ('RESIDUAL')
+        whole = new%internal_force
+        call condense_forces(analysis%system%base, new%applied_force + new%contact_force - new%internal_force, whole)
+        values = whole(:, nodes)
+      case default
+        is_known = .false.
+      end select
+    end associate
+  end subroutine get_vector
+
+
+  !> A column of the point data of the result file.
+  subroutine get_column(analysis, quantity, nodes, values, is_known)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: quantity           !< squeezed
+    integer, intent(in) :: nodes(:)
+    real(DP), allocatable, intent(out) :: values(:, :)
+    logical, intent(out) :: is_known
+    real(DP), allocatable :: reals(:, :)
+    integer, allocatable :: integers(:, :)
+    integer :: i, rows(2)
+    is_known = .false.
+    do i = 1, size(POINT_COLUMNS)
+      is_known = squeezed(POINT_COLUMNS(i)%name) == quantity .or. (i == STRAIN_COLUMN .and. quantity == 'LE')
+      if (is_known) exit
+    end do
+    if (.not. is_known) return
+    rows = rows_of(POINT_COLUMNS(i)%name)
+    associate (model => analysis%model)
+      allocate (reals(N_POINT_REALS, model%mesh%n_nodes), integers(N_POINT_INTEGERS, model%mesh%n_nodes))
+      call point_fields(model, analysis%state%new, nodal_slaves(model, analysis%state%new%slaves), &
+        mesh_extent(model%mesh), reals, integers)
+    end associate
+    if (POINT_COLUMNS(i)%is_integer) then
+      values = real(integers(rows(1):rows(2), nodes), DP)
+    else
+      values = reals(rows(1):rows(2), nodes)
+    end if
+  end subroutine get_column
+
+
+  !> Forces on nodes or pressures on faces, as deck and caller say them at the time of what is solved now.
+  subroutine get_loads(analysis, quantity, set, values, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: quantity           !< squeezed: P, CF, CF1, CF2, CF3
+    character(*), intent(in) :: set
+    real(DP), allocatable, intent(out) :: values(:, :)   !< (components, rows) [force] or [stress]
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: items(:)
+    integer :: kind, width
+    call find_items(analysis, quantity, set, kind, items, error)
+    if (allocated(error)) return
+    width = merge(3, 1, quantity == 'CF')
+    associate (model => analysis%model, new => analysis%state%new)
+      values = reshape(loads_now(model, model%steps(max(1, analysis%stepper%step)), kind, items, &
+        [new%total_time, new%step_time]), [width, size(items) / width])
+    end associate
+  end subroutine get_loads
+
+
+  !> What integration points have (POINT ...), its mean over the reference volume of each element (ELEMENT ...); LABEL
+  !! is that of the element.
+  subroutine get_of_elements(analysis, quantity, set, values, is_known, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: quantity           !< squeezed
+    character(*), intent(in) :: set                !< element set, label of an element; '' means all
+    real(DP), allocatable, intent(out) :: values(:, :)   !< (components, points or elements)
+    logical, intent(out) :: is_known
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: table(:, :)
+    integer, allocatable :: elements(:)
+    integer :: i, p
+    logical :: is_mean
+    is_mean = index(quantity, 'ELEMENT') == 1
+    is_known = is_mean .or. index(quantity, 'POINT') == 1
+    if (is_known) call get_of_points(analysis, quantity(merge(8, 6, is_mean):), table, is_known)
+    if (.not. is_known) return
+    call find_elements(analysis, set, elements, error)
+    if (allocated(error)) return
+    associate (mesh => analysis%model%mesh, first => analysis%model%mesh%point_first)
+      if (quantity == 'ELEMENTLABEL') then
+        values = reshape(real(mesh%element_label(elements), DP), [1, size(elements)])
+      else if (is_mean) then
+        allocate (values(size(table, 1), size(elements)))
+        do i = 1, size(elements)
+          associate (rows => table(:, first(elements(i)):first(elements(i) + 1) - 1), &
+            volume => analysis%state%new%volume(first(elements(i)):first(elements(i) + 1) - 1))
+            values(:, i) = merge(sum(rows, dim=2), mean_of(rows, volume), quantity == 'ELEMENTVOLUME')
+          end associate
+        end do
+      else
+        values = table(:, [((p, p=first(elements(i)), first(elements(i) + 1) - 1), i=1, size(elements))])
+      end if
+    end associate
+  end subroutine get_of_elements
+
+
+  !> The mean of the columns of a table, weighted; if no weight is positive, plain.
+  pure function mean_of(rows, weight) result(mean)
+    real(DP), intent(in) :: rows(:, :)             !< (components, n)
+    real(DP), intent(in) :: weight(:)              !< (n)
+    real(DP) :: mean(size(rows, 1))
+    mean = 0
+    if (size(weight) == 0) return
+    mean = sum(rows, dim=2) / real(size(weight), DP)
+    if (sum(weight) > 0.0_DP) mean = matmul(rows, weight) / sum(weight)
+  end function mean_of
+
+
+  !> A quantity at all integration points.
+  subroutine get_of_points(analysis, quantity, table, is_known)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: quantity           !< squeezed, without POINT or ELEMENT
+    real(DP), allocatable, intent(out) :: table(:, :)   !< (components, n_points)
+    logical, intent(out) :: is_known
+    integer :: e
+    is_known = .true.
+    associate (new => analysis%state%new, mesh => analysis%model%mesh)
+      select case (quantity)
+      case ('LABEL')
+        allocate (table(1, mesh%n_points))
+        do e = 1, mesh%n_elements
+          table(1, mesh%point_first(e):mesh%point_first(e + 1) - 1) = real(mesh%element_label(e), DP)
+        end do
+      case ('S')
+        table = new%stress
+      case ('E', 'LE')
+        table = new%strain
+      case ('ENERGY')
+        table = reshape(new%energy, [1, mesh%n_points])
+      case ('VOLUME')
+        table = reshape(new%volume, [1, mesh%n_points])
+      case ('PEEQ')
+        table = reshape(history_row(new, HISTORY_PEEQ), [1, mesh%n_points])
+      case ('SDV')
+        is_known = size(new%history, 1) >= USER_STATE .and. any(analysis%model%materials%n_statev > 0)
+        if (is_known) table = new%history(USER_STATE:, :)
+      case default
+        is_known = .false.
+      end select
+    end associate
+  end subroutine get_of_points
+
+
+  !> The elements of an element set or of a label; '' means all.
+  subroutine find_elements(analysis, set, elements, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: set
+    integer, allocatable, intent(out) :: elements(:)
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i, label, status
+    associate (mesh => analysis%model%mesh)
+      if (len_trim(set) == 0) then
+        elements = [(i, i=1, mesh%n_elements)]
+        return
+      end if
+      do i = 1, size(mesh%element_sets)
+        if (squeezed(mesh%element_sets(i)%name) /= squeezed(set)) cycle
+        elements = mesh%element_sets(i)%members
+        return
+      end do
+      call parse_integer(set, label, status)
+      i = 0
+      if (status == NUMBER_OK) i = findloc(mesh%element_label, label, dim=1)
+      if (i > 0) elements = [i]
+      if (i == 0) call set_error(error, EXIT_USAGE, 'There is no element set or element named ' // set // '.')
+    end associate
+  end subroutine find_elements
+
+
+  !> Sets a quantity: FRICTION of an interaction; P of a surface; NT, CF, CF1 to CF3, U, U1 to U3 of a node set. One value
+  !! per component, for all, or one per component and row. The manual says when it is reached: at the end of the
+  !! increments solved next.
+  subroutine drive_values(analysis, quantity, set, values, error)
+    type(analysis_type), intent(inout) :: analysis
+    character(*), intent(in) :: quantity
+    character(*), intent(in) :: set                !< node set, surface, label of a node, or interaction
+    real(DP), intent(in) :: values(:)              !< component by component of each row
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: items(:)
+    integer :: kind
+    if (.not. all(abs(values) <= huge(1.0_DP))) then
+      call set_error(error, EXIT_USAGE, 'A value of ' // quantity // ' is not a finite number.')
+      return
+    end if
+    if (squeezed(quantity) == 'FRICTION') then
+      call drive_friction(analysis, set, values, error)
+      return
+    end if
+    call find_items(analysis, squeezed(quantity), set, kind, items, error)
+    if (allocated(error)) return
+    if (size(items) == 0) return
+    call drive_items(analysis, kind, items, quantity, values, error)
+  end subroutine drive_values
+
+
+  !> Sets the coefficient of friction of an interaction.
+  subroutine drive_friction(analysis, set, values, error)
+    type(analysis_type), intent(inout) :: analysis
+    character(*), intent(in) :: set                !< interaction
+    real(DP), intent(in) :: values(:)              !< one [-]
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    call find_interaction(analysis, set, i, error)
+    if (allocated(error)) return
+    if (size(values) /= 1) then
+      call set_error(error, EXIT_USAGE, text_of(size(values)) // ' values of FRICTION were given; it takes 1.')
+    else if (values(1) < 0.0_DP) then
+      call set_error(error, EXIT_USAGE, 'A coefficient of friction must not be negative.')
+    else
+      call set_friction(analysis%drive, analysis%model, i, values(1))
+    end if
+  end subroutine drive_friction
+
+
+  !> Gives the values to the items: all the same, or as many as there are items, or one per component.
+  subroutine drive_items(analysis, kind, items, quantity, values, error)
+    type(analysis_type), intent(inout) :: analysis
+    integer, intent(in) :: kind                    !< DRIVE_...
+    integer, intent(in) :: items(:)
+    character(*), intent(in) :: quantity
+    real(DP), intent(in) :: values(:)
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: now(:)
+    integer :: width, i
+    width = 1
+    if (kind /= DRIVE_PRESSURE .and. kind /= DRIVE_TEMPERATURE .and. &
+      len(squeezed(quantity)) == merge(2, 1, kind == DRIVE_FORCE)) width = 3
+    if (size(values) /= width .and. size(values) /= size(items)) then
+      call set_error(error, EXIT_USAGE, text_of(size(values)) // ' values of ' // quantity // ' were given; it takes ' // &
+        text_of(width) // ' or ' // text_of(size(items)) // '.')
+      return
+    end if
+    now = [analysis%stepper%total_time, time_in_step(analysis)]
+    if (kind == DRIVE_TEMPERATURE) now = [now, analysis%snapshot%fields%temperature(items)]
+    if (kind == DRIVE_DISPLACEMENT) now = [now, [(analysis%snapshot%fields%u(mod(items(i) - 1, 3) + 1, &
+      (items(i) + 2) / 3), i=1, size(items))]]
+    call set_driven(analysis%drive, analysis%model, step_of(analysis), kind, items, &
+      [(values(mod(i - 1, size(values)) + 1), i=1, size(items))], now, error)
+  end subroutine drive_items
+
+
+  !> What a quantity and a set mean for drive.f90.
+  subroutine find_items(analysis, quantity, set, kind, items, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: quantity           !< squeezed
+    character(*), intent(in) :: set
+    integer, intent(out) :: kind                   !< DRIVE_...
+    integer, allocatable, intent(out) :: items(:)
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: nodes(:)
+    integer :: i, dof, surface
+    kind = DRIVE_FORCE
+    if (quantity == 'P') then
+      kind = DRIVE_PRESSURE
+      surface = surface_of(analysis, set)
+      if (surface == 0) then
+        call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // '.')
+      else
+        items = 6 * (analysis%model%surfaces(surface)%element - 1) + analysis%model%surfaces(surface)%face
+      end if
+      return
+    end if
+    if (quantity == 'NT' .or. quantity == 'TEMPERATURE') then
+      kind = DRIVE_TEMPERATURE
+      call find_nodes(analysis, set, items, error)
+      return
+    end if
+    dof = findloc(['CF ', 'CF1', 'CF2', 'CF3'] == quantity, .true., dim=1) - 1
+    if (dof < 0) then
+      kind = DRIVE_DISPLACEMENT
+      dof = findloc(['U ', 'U1', 'U2', 'U3'] == quantity, .true., dim=1) - 1
+    end if
+    if (dof < 0) then
+      call set_error(error, EXIT_USAGE, 'The quantity ' // quantity // ' cannot be set; FRICTION, NT, P, CF, CF1 to CF3, ' // &
+        'U, U1 to U3 can.')
+      return
+    end if
+    call find_nodes(analysis, set, nodes, error)
+    if (allocated(error)) return
+    if (dof > 0) items = 3 * (nodes - 1) + dof
+    if (dof == 0) items = [([3 * nodes(i) - 2, 3 * nodes(i) - 1, 3 * nodes(i)], i=1, size(nodes))]
+  end subroutine find_items
+
+
+  !> The nodes of a node set, of a surface, or of a label; '' means all.
+  subroutine find_nodes(analysis, set, nodes, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: set
+    integer, allocatable, intent(out) :: nodes(:)
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i, label, status
+    associate (model => analysis%model, mesh => analysis%model%mesh)
+      if (len_trim(set) == 0) then
+        nodes = [(i, i=1, mesh%n_nodes)]
+        return
+      end if
+      do i = 1, size(mesh%node_sets)
+        if (squeezed(mesh%node_sets(i)%name) /= squeezed(set)) cycle
+        nodes = mesh%node_sets(i)%members
+        return
+      end do
+      i = surface_of(analysis, set)
+      if (i > 0) then
+        nodes = model%surfaces(i)%nodes
+        return
+      end if
+      call parse_integer(set, label, status)
+      i = 0
+      if (status == NUMBER_OK) i = findloc(mesh%node_label, label, dim=1)
+      if (i > 0) nodes = [i]
+      if (i == 0) call set_error(error, EXIT_USAGE, 'There is no node set, surface or node named ' // set // '.')
+    end associate
+  end subroutine find_nodes
+
+
+  !> Index of a surface; 0: there is none.
+  pure integer function surface_of(analysis, name) result(i)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: name
+    do i = 1, size(analysis%model%surfaces)
+      if (squeezed(analysis%model%surfaces(i)%name) == squeezed(name)) return
+    end do
+    i = 0
+  end function surface_of
+
+
+  !> Index of an interaction; '' is the only one there is.
+  subroutine find_interaction(analysis, name, i, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: name
+    integer, intent(out) :: i
+    type(error_type), allocatable, intent(out) :: error
+    associate (interactions => analysis%model%interactions)
+      i = 1
+      if (len_trim(name) == 0 .and. size(interactions) == 1) return
+      do i = 1, size(interactions)
+        if (squeezed(interactions(i)%name) == squeezed(name)) return
+      end do
+    end associate
+    call set_error(error, EXIT_USAGE, 'There is no interaction named ' // name // '.')
+  end subroutine find_interaction
+
+
+  !> Index of the step in which the next increment runs.
+  pure integer function step_of(analysis) result(i_step)
+    type(analysis_type), intent(in) :: analysis
+    i_step = max(1, analysis%stepper%step)
+    if (.not. analysis%is_step_start .or. analysis%stepper%step_time == 0.0_DP) return
+    i_step = min(i_step + 1, size(analysis%model%steps))
+  end function step_of
+
+
+  !> Time within that step.
+  pure real(DP) function time_in_step(analysis) result(time)
+    type(analysis_type), intent(in) :: analysis
+    time = merge(0.0_DP, analysis%stepper%step_time, analysis%is_step_start)
+  end function time_in_step
+
+
+  !> Time left in that step.
+  pure real(DP) function step_left(analysis) result(time)
+    type(analysis_type), intent(in) :: analysis
+    time = analysis%model%steps(step_of(analysis))%period - time_in_step(analysis)
+  end function step_left
+
+end module amontons_job_query

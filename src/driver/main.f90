@@ -1,0 +1,371 @@
+!> Main: the command line, the three verbs of a job, and the exit code; the only room that stops.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program amontons
+  use omp_lib, only: omp_get_max_threads
+  use amontons_errors, only: error_type, set_error, EXIT_DONE, EXIT_USAGE, EXIT_IO
+  use amontons_posix, only: begin_again, watch_end, watch_signals
+  use amontons_version, only: VERSION, DESCRIPTION
+  use amontons_logger, only: journal_type, open_journal, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
+  use amontons_model, only: job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_card_table, only: list_cards
+  use amontons_deck, only: explain_deck
+  use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis
+  implicit none
+
+  character(*), parameter :: USAGE = 'usage: amontons [options] job[.inp]    (amontons --help tells the options)'
+
+  integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4
+
+  !> What the command line asks for.
+  type :: command_type
+    integer :: action = ACTION_RUN
+    integer :: progress = PROGRESS_AUTO
+    logical :: is_quiet = .false.
+    type(job_options_type) :: job
+  end type command_type
+
+  call run_command()
+
+contains
+
+  !> From the command line to the exit code.
+  subroutine run_command()
+    type(command_type) :: command
+    type(journal_type) :: journal
+    type(error_type), allocatable :: error
+    character(:), allocatable :: cards
+    call watch_end(.true.)
+    call open_journal(journal, .false., PROGRESS_NONE)
+    call read_command(command, error)
+    if (.not. allocated(error)) then
+      if (command%action == ACTION_RUN) call share_wisely(command%job)
+      select case (command%action)
+      case (ACTION_HELP)
+        call print_help(journal)
+      case (ACTION_VERSION)
+        call journal%say('Amontons ' // VERSION)
+      case (ACTION_CARDS)
+        call list_cards(cards)
+        call journal%say(cards)
+      case (ACTION_EXPLAIN)
+        call explain_deck(command%job, cards, error)
+        call journal%say(cards)
+      case default
+        call open_journal(journal, command%is_quiet, command%progress)
+        call run_job(command%job, journal, error)
+      end select
+    end if
+    call watch_end(.false.)
+    if (.not. allocated(error)) stop EXIT_DONE, quiet=.true.
+    call journal%fail(error%message)
+    stop error%code, quiet=.true.
+  end subroutine run_command
+
+
+  !> The three verbs. A job that fails on the way is finished all the same: what has converged stays on disk.
+  subroutine run_job(options, journal, error)
+    type(job_options_type), intent(in) :: options
+    type(journal_type), intent(inout) :: journal
+    type(error_type), allocatable, intent(out) :: error
+    type(analysis_type) :: analysis
+    type(error_type), allocatable :: last_error
+    logical :: is_done
+    call watch_signals()
+    call start_analysis(analysis, options, journal, error)
+    if (allocated(error) .or. .not. analysis%is_open) return   ! --check, NO ANALYSIS
+    is_done = .false.
+    do while (.not. (is_done .or. allocated(error)))
+      call advance_analysis(analysis, journal, is_done, error)
+    end do
+    call finish_analysis(analysis, journal, last_error)
+    if (.not. allocated(error)) call move_alloc(last_error, error)
+  end subroutine run_job
+
+
+  !> Reads the command line from left to right; --help, --version and --cards end it.
+  subroutine read_command(command, error)
+    type(command_type), intent(out) :: command
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    command%job%n_threads = 0
+    command%job%is_guarded = .true.
+    command%job%heeds_signals = .true.
+    i = 1
+    do while (i <= command_argument_count() .and. any(command%action == [ACTION_RUN, ACTION_EXPLAIN]))
+      call read_option(command, i, error)
+      if (allocated(error)) return
+    end do
+    if (any(command%action == [ACTION_RUN, ACTION_EXPLAIN])) call find_deck(command%job, error)
+  end subroutine read_command
+
+
+  !> One option with its value, or the name of the job. Values stand behind = or in the next word.
+  subroutine read_option(command, i, error)
+    type(command_type), intent(inout) :: command
+    integer, intent(inout) :: i                !< number of the word; on return that of the next one
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: word, name, value
+    integer :: equals
+    word = argument(i)
+    i = i + 1
+    name = word
+    value = ''
+    equals = index(word, '=')
+    if (equals > 0 .and. any(word(:max(1, equals - 1)) == ['user  ', 'job   ', 'oldjob'])) then
+      name = '--' // word(:equals - 1)
+      value = word(equals + 1:)
+    else if (index(word, '--') == 1 .and. equals > 0) then
+      name = word(:equals - 1)
+      value = word(equals + 1:)
+    else if (is_with_value(word)) then
+      value = argument(i)
+      i = i + 1
+    end if
+    if (is_with_value(name) .eqv. len(value) == 0) then
+      if (len(value) == 0) call wrong_usage(error, 'The option ' // name // ' needs a value.')
+      if (equals > 0) call wrong_usage(error, 'The option ' // name // ' takes no value.')
+      if (allocated(error)) return
+    end if
+    call take_option(command, name, value, error)
+  end subroutine read_option
+
+
+  !> Whether an option is followed by a value.
+  pure function is_with_value(name) result(is_true)
+    character(*), intent(in) :: name
+    logical :: is_true
+    is_true = any(name == [character(10) :: '-i', '--job', '--threads', '--progress', '--dialect', '--outdir', '--user', &
+      '--oldjob'])
+  end function is_with_value
+
+
+  !> What each option does.
+  subroutine take_option(command, name, value, error)
+    type(command_type), intent(inout) :: command
+    character(*), intent(in) :: name, value
+    type(error_type), allocatable, intent(out) :: error
+    select case (name)
+    case ('--help', '-h')
+      command%action = ACTION_HELP
+    case ('--version', '-v')
+      command%action = ACTION_VERSION
+    case ('--cards')
+      command%action = ACTION_CARDS
+    case ('--explain')
+      command%action = ACTION_EXPLAIN
+    case ('--check')
+      command%job%is_check = .true.
+    case ('--resume')
+      command%job%is_resumed = .true.
+    case ('--no-checkpoint')
+      command%job%is_guarded = .false.
+    case ('--frd')
+      command%job%has_frd = .true.
+    case ('--quiet')
+      command%is_quiet = .true.
+    case ('--threads')
+      call take_threads(command%job, value, error)
+    case ('--progress')
+      call take_progress(command, value, error)
+    case ('--dialect')
+      call take_dialect(command%job, value, error)
+    case ('--outdir')
+      command%job%outdir = value
+    case ('--user')
+      command%job%user = value
+    case ('--oldjob')
+      command%job%old_job = value
+    case ('-i', '--job')
+      call take_job(command%job, value, error)
+    case default
+      if (index(name, '-') == 1) then
+        call wrong_usage(error, 'There is no option ' // name // '.')
+      else
+        call take_job(command%job, name, error)
+      end if
+    end select
+  end subroutine take_option
+
+
+  !> Where a job may have several threads, the program starts again with threads that do not wait for long.
+  subroutine share_wisely(options)
+    type(job_options_type), intent(in) :: options
+    integer :: n
+    n = options%n_threads
+    if (n == 0) n = omp_get_max_threads()
+    if (n > 1) call begin_again()
+  end subroutine share_wisely
+
+
+  !> --threads N
+  subroutine take_threads(options, value, error)
+    type(job_options_type), intent(inout) :: options
+    character(*), intent(in) :: value
+    type(error_type), allocatable, intent(out) :: error
+    integer :: status
+    status = verify(value, '0123456789')
+    if (status == 0) read (value, *, iostat=status) options%n_threads
+    if (status /= 0 .or. options%n_threads < 1) then
+      call wrong_usage(error, 'The number of threads is "' // value // '"; it must be 1 or more.')
+    end if
+  end subroutine take_threads
+
+
+  !> --progress=auto|plain|none
+  subroutine take_progress(command, value, error)
+    type(command_type), intent(inout) :: command
+    character(*), intent(in) :: value
+    type(error_type), allocatable, intent(out) :: error
+    select case (value)
+    case ('auto')
+      command%progress = PROGRESS_AUTO
+    case ('plain')
+      command%progress = PROGRESS_PLAIN
+    case ('none')
+      command%progress = PROGRESS_NONE
+    case default
+      call wrong_usage(error, 'The progress is "' // value // '"; it can be auto, plain or none.')
+    end select
+  end subroutine take_progress
+
+
+  !> --dialect=abaqus|calculix
+  subroutine take_dialect(options, value, error)
+    type(job_options_type), intent(inout) :: options
+    character(*), intent(in) :: value
+    type(error_type), allocatable, intent(out) :: error
+    select case (value)
+    case ('abaqus')
+      options%dialect = DIALECT_ABAQUS
+    case ('calculix')
+      options%dialect = DIALECT_CALCULIX
+    case default
+      call wrong_usage(error, 'The dialect is "' // value // '"; it can be abaqus or calculix.')
+    end select
+  end subroutine take_dialect
+
+
+  !> The one word that is no option: the job.
+  subroutine take_job(options, value, error)
+    type(job_options_type), intent(inout) :: options
+    character(*), intent(in) :: value
+    type(error_type), allocatable, intent(out) :: error
+    if (allocated(options%deck)) then
+      call wrong_usage(error, 'Two jobs are named, ' // options%deck // ' and ' // value // '; one at a time can run.')
+    else
+      options%deck = value
+    end if
+  end subroutine take_job
+
+
+  !> From the word of the user to the deck, the name of the job and the folder of the results (default: the deck's own).
+  subroutine find_deck(options, error)
+    type(job_options_type), intent(inout) :: options
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: folder
+    logical :: is_there
+    if (.not. allocated(options%deck)) then
+      call wrong_usage(error, 'No job is named.')
+      return
+    end if
+    if (.not. is_inp(options%deck)) options%deck = options%deck // '.inp'
+    inquire (file=options%deck, exist=is_there)
+    if (.not. is_there) then
+      call set_error(error, EXIT_IO, 'There is no file ' // options%deck // '.')
+      return
+    end if
+    call split_path(options%deck, folder, options%job)
+    if (.not. allocated(options%outdir)) options%outdir = folder
+    inquire (file=options%outdir // '/.', exist=is_there)
+    if (.not. is_there) call set_error(error, EXIT_IO, 'There is no folder ' // options%outdir // ' for the results.')
+  end subroutine find_deck
+
+
+  !> Folder and name of a deck, without .inp.
+  pure subroutine split_path(deck, folder, job)
+    character(*), intent(in) :: deck
+    character(:), allocatable, intent(out) :: folder, job
+    integer :: slash
+    slash = index(deck, '/', back=.true.)
+    job = deck(slash + 1:len(deck) - len('.inp'))
+    folder = '.'
+    if (slash == 1) folder = '/'
+    if (slash > 1) folder = deck(:slash - 1)
+  end subroutine split_path
+
+
+  !> Whether a name ends with .inp, in any case.
+  pure function is_inp(name) result(is_true)
+    character(*), intent(in) :: name
+    logical :: is_true
+    is_true = .false.
+    if (len(name) > 4) is_true = any(name(len(name) - 3:) == ['.inp', '.INP', '.Inp'])
+  end function is_inp
+
+
+  !> A sentence and the line that tells the usage.
+  subroutine wrong_usage(error, sentence)
+    type(error_type), allocatable, intent(out) :: error
+    character(*), intent(in) :: sentence
+    call set_error(error, EXIT_USAGE, sentence // new_line('a') // USAGE)
+  end subroutine wrong_usage
+
+
+  !> The i-th word of the command line; empty if there is none.
+  function argument(i) result(word)
+    integer, intent(in) :: i
+    character(:), allocatable :: word
+    integer :: length
+    call get_command_argument(i, length=length)
+    allocate (character(length) :: word)
+    if (length > 0) call get_command_argument(i, value=word)
+  end function argument
+
+
+  !> What --help prints.
+  subroutine print_help(journal)
+    type(journal_type), intent(inout) :: journal
+    character(*), parameter :: TEXT(*) = [character(112) :: &
+      'Amontons ' // VERSION // ': ' // DESCRIPTION // '.', &
+      '', &
+      USAGE, &
+      '       amontons [options] -i job    (or --job=job)', &
+      '', &
+      'The deck job.inp is written with the cards of Abaqus or CalculiX; amontons --cards lists those known.', &
+      '', &
+      '  --explain                    tell card by card what is used, has no effect or is refused, with the numbers', &
+      '                               taken, then stop', &
+      '  --check                      read the deck, check and audit the model, then stop', &
+      '  --resume                     go on with a job that was stopped, from its checkpoint job.restart', &
+      '  --no-checkpoint              write no checkpoint', &
+      '  --threads N                  work with N threads (default: OMP_NUM_THREADS, else all processors;', &
+      '                               one for a small model)', &
+      '  --outdir DIR                 folder of the result files (default: the folder of the deck)', &
+      '  --dialect=abaqus|calculix    what a card means where the two differ (default: abaqus, or what a line', &
+      '                               "** dialect: calculix" in the first comments of the deck says)', &
+      '  --frd                        write all fields to job.frd too, for CGX, PrePoMax and the like (under the', &
+      '                               calculix dialect the FILE cards of the deck ask for it)', &
+      '  --user FILE, user=FILE       routines of the user (UMAT, ...): a Fortran file, which gfortran compiles, or a', &
+      '                               shared library', &
+      '  --oldjob NAME, oldjob=NAME   the job whose restart file NAME.res a deck with *RESTART, READ goes on from', &
+      '  --progress=auto|plain|none   a line per increment; auto adds a live line on a terminal', &
+      '  --quiet                      write nothing but failures', &
+      '  --cards                      list the cards', &
+      '  --version                    print the version', &
+      '  --help                       print this text', &
+      '', &
+      'Results: job.vtkhdf (for ParaView), job.dat (PRINT cards), job.frd (if asked for), job.sta and job.cvg (what', &
+      'each increment and iteration cost), and until the job is done job.restart, the checkpoint of the last converged', &
+      'increment.', &
+      'SIGINT and SIGTERM end a job after the iteration that runs (exit code 5); SIGUSR1 asks for a line of status.', &
+      '', &
+      'Exit codes: 0 done, 2 wrong usage, 3 errors in the deck, 4 the model cannot stand, 5 not converged (all', &
+      'converged increments are on disk), 6 linear solver or memory, 7 reading or writing a file, 8 a mistake of', &
+      'Amontons itself.']
+    integer :: i
+    do i = 1, size(TEXT)
+      call journal%say(trim(TEXT(i)))
+    end do
+  end subroutine print_help
+
+end program amontons

@@ -1,0 +1,283 @@
+!> User job: which routines of the user a model needs; they are opened before the start and handed to those that call them.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_user_routine_setup
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, set_error, EXIT_SETUP, EXIT_USAGE, EXIT_NOT_CONVERGED
+  use amontons_logger, only: journal_type
+  use amontons_model, only: model_type, job_options_type
+  use amontons_user_routines, only: routines_type, open_routines, close_routines, has_routine, hear_routines, name_job_to, &
+    uamp_type, call_uamp, CALL_NAME, ROUTINE_NAMES, USER_UMAT, USER_UAMP, USER_DLOAD, USER_DISP, USER_FRIC, USER_UINTER, &
+    USER_SDVINI
+  use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
+  use amontons_materials, only: material_type
+  use amontons_user_state, only: most_components
+  use amontons_state, only: state_type, fields_type
+  use amontons_user_material, only: find_rest_tangent
+  implicit none
+  private
+  public :: start_routines, end_routines, heed_routines, ask_amplitudes, recall_amplitudes
+
+contains
+
+  !> Opens the routines that the job names, and proves that those which the deck needs are there.
+  !!
+  !! Errors: EXIT_IO (not there, does not compile, cannot be loaded), EXIT_SETUP (a routine is missing), EXIT_USAGE (the
+  !! deck needs some, and none were named).
+  subroutine start_routines(model, options, error)
+    type(model_type), intent(inout) :: model
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: text
+    real(DP) :: pnewdt
+    logical :: is_stopped
+    integer :: m
+    if (allocated(options%user)) call open_named(options%user, options, model%routines, error)
+    if (allocated(error)) return
+    do m = 1, size(model%materials)
+      associate (material => model%materials(m))
+        if (.not. material%is_user) cycle
+        material%routines = model%routines
+        if (allocated(material%library)) call open_own(model, options, m, error)
+        if (allocated(error)) return
+        call need_routine(material%routines, file_of(material, options), USER_UMAT, 'The material ''' // material%name // &
+          '''', error)
+        if (allocated(error)) return
+        if (model%has_sdvini .and. material%n_statev > 0) call need_routine(material%routines, file_of(material, options), &
+          USER_SDVINI, '*INITIAL CONDITIONS, TYPE=SOLUTION, USER', error)
+        if (allocated(error)) return
+        call find_rest_tangent(material, most_components(model, m), first_increment(model), error)
+        if (allocated(error)) return
+        call hear_routines(material%routines, pnewdt, text, is_stopped)   ! at rest PNEWDT means nothing
+      end associate
+    end do
+    call need_loads(model, options, error)
+    if (.not. allocated(error)) call need_contact(model, options, error)
+  end subroutine start_routines
+
+
+  !> Opens a file and tells it the job.
+  subroutine open_named(path, options, routines, error)
+    character(*), intent(in) :: path
+    type(job_options_type), intent(in) :: options
+    type(routines_type), intent(out) :: routines
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: folder
+    folder = '.'
+    if (allocated(options%outdir)) folder = options%outdir
+    call open_routines(path, routines, error)
+    if (.not. allocated(error)) call name_job_to(routines, folder, options%job)
+  end subroutine open_named
+
+
+  !> Opens the file that LIBRARY names, once for all materials that name it; it is looked for beside the deck, then as it stands.
+  subroutine open_own(model, options, m, error)
+    type(model_type), intent(inout) :: model
+    type(job_options_type), intent(in) :: options
+    integer, intent(in) :: m                       !< material
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: path
+    integer :: k
+    logical :: is_there
+    associate (material => model%materials(m))
+      do k = 1, m - 1
+        if (.not. allocated(model%materials(k)%library)) cycle
+        if (model%materials(k)%library /= material%library) cycle
+        material%routines = model%materials(k)%routines
+        return
+      end do
+      path = material%library
+      if (allocated(options%deck)) path = beside(options%deck, path)
+      inquire (file=path, exist=is_there)
+      if (.not. is_there) path = material%library
+      call open_named(path, options, material%routines, error)
+    end associate
+  end subroutine open_own
+
+
+  !> A file in the folder of another one, unless its path is absolute.
+  pure function beside(place, path) result(joined)
+    character(*), intent(in) :: place, path
+    character(:), allocatable :: joined
+    joined = path
+    if (index(path, '/') /= 1) joined = place(:index(place, '/', back=.true.)) // path
+  end function beside
+
+
+  !> The file that should hold a material's routine; empty if none is named.
+  pure function file_of(material, options) result(path)
+    type(material_type), intent(in) :: material
+    type(job_options_type), intent(in) :: options
+    character(:), allocatable :: path
+    path = ''
+    if (allocated(options%user)) path = options%user
+    if (allocated(material%library)) path = material%library
+  end function file_of
+
+
+  !> Closes all libraries; no call may follow.
+  subroutine end_routines(model)
+    type(model_type), intent(inout) :: model
+    integer :: m
+    if (allocated(model%materials)) then
+      do m = 1, size(model%materials)
+        if (is_first_of_library(model, m)) call close_routines(model%materials(m)%routines)
+      end do
+    end if
+    call close_routines(model%routines)
+  end subroutine end_routines
+
+
+  !> Whether a material has a library of its own that none before it has.
+  pure logical function is_first_of_library(model, m)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: m                       !< material
+    integer :: k
+    is_first_of_library = allocated(model%materials(m)%library)
+    do k = 1, merge(m - 1, 0, is_first_of_library)
+      if (.not. allocated(model%materials(k)%library)) cycle
+      if (model%materials(k)%library == model%materials(m)%library) is_first_of_library = .false.
+    end do
+  end function is_first_of_library
+
+
+  !> The routines that loads need.
+  subroutine need_loads(model, options, error)
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: path
+    integer :: i
+    path = ''
+    if (allocated(options%user)) path = options%user
+    if (any(model%amplitudes%is_user)) call need_routine(model%routines, path, USER_UAMP, '*AMPLITUDE, DEFINITION=USER', error)
+    do i = 1, size(model%steps)
+      if (allocated(error)) return
+      if (any(model%steps(i)%distributed%is_user)) call need_routine(model%routines, path, USER_DLOAD, 'A load of the user', error)
+      if (allocated(error)) return
+      if (any(model%steps(i)%prescribed%is_user)) call need_routine(model%routines, path, USER_DISP, '*BOUNDARY, USER', error)
+    end do
+  end subroutine need_loads
+
+
+  !> The routines that interactions need.
+  subroutine need_contact(model, options, error)
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    type(interaction_type), allocatable :: laws(:)
+    character(:), allocatable :: path
+    integer :: i
+    path = ''
+    if (allocated(options%user)) path = options%user
+    laws = model%interactions
+    do i = 1, size(model%steps)
+      if (allocated(model%steps(i)%interactions)) laws = [laws, model%steps(i)%interactions]
+    end do
+    if (any(laws%is_user_friction)) call need_routine(model%routines, path, USER_FRIC, '*FRICTION, USER', error)
+    if (allocated(error)) return
+    if (any(laws%behavior == BEHAVIOR_USER)) call need_routine(model%routines, path, USER_UINTER, &
+      '*SURFACE INTERACTION, USER', error)
+  end subroutine need_contact
+
+
+  !> Before an attempt: UAMP gives the factors at its end. What it keeps starts from what the last increment left.
+  subroutine ask_amplitudes(model, state)
+    type(model_type), intent(inout) :: model       !< in: amplitudes; out: their factors
+    type(state_type), intent(inout) :: state       !< old memory; new times, numbers; out: new memory
+    type(uamp_type) :: values
+    character(CALL_NAME) :: name
+    integer :: i, first
+    first = 1
+    do i = 1, size(model%amplitudes)
+      associate (amplitude => model%amplitudes(i), old => state%old, new => state%new)
+        if (.not. amplitude%is_user) cycle
+        name = amplitude%name
+        associate (svars => new%user_memory(first + 1:first + amplitude%n_svars))
+          values = uamp_type(step=new%step, increment=new%increment, old=old%user_memory(first))
+          values%value = values%old
+          if (old%increment == 0) then             ! nothing has been solved yet
+            values%is_first = 1
+            call call_uamp(model%routines, name, amplitude%props, svars, values)
+            values%old = values%value
+          end if
+          values%is_first = 0
+          values%time = [new%step_time, new%total_time]
+          values%dt = new%time_increment
+          call call_uamp(model%routines, name, amplitude%props, svars, values)
+        end associate
+        new%user_memory(first) = values%value
+        first = first + 1 + amplitude%n_svars
+      end associate
+    end do
+    call recall_amplitudes(model, state%new)
+  end subroutine ask_amplitudes
+
+
+  !> The factors that stand in the memory of some fields.
+  subroutine recall_amplitudes(model, fields)
+    type(model_type), intent(inout) :: model
+    type(fields_type), intent(in) :: fields
+    integer :: i, first
+    first = 1
+    do i = 1, size(model%amplitudes)
+      if (.not. model%amplitudes(i)%is_user) cycle
+      model%amplitudes(i)%time = [fields%total_time]
+      model%amplitudes(i)%factor = [fields%user_memory(first)]
+      first = first + 1 + model%amplitudes(i)%n_svars
+    end do
+  end subroutine recall_amplitudes
+
+
+  !> The length of the first increment.
+  pure real(DP) function first_increment(model)
+    type(model_type), intent(in) :: model
+    first_increment = 1
+    if (size(model%steps) > 0) first_increment = model%steps(1)%dt_initial
+  end function first_increment
+
+
+  !> An error if a routine is not there.
+  subroutine need_routine(routines, path, which, who, error)
+    type(routines_type), intent(in) :: routines
+    character(*), intent(in) :: path               !< file that should hold it; empty: none was named
+    integer, intent(in) :: which                   !< USER_...
+    character(*), intent(in) :: who                !< what needs it
+    type(error_type), allocatable, intent(out) :: error
+    if (has_routine(routines, which)) return
+    if (path /= '') then
+      call set_error(error, EXIT_SETUP, who // ' needs the user routine ' // trim(ROUTINE_NAMES(which)) // ', which is not in ' // &
+        path // '.')
+    else
+      call set_error(error, EXIT_USAGE, who // ' needs the user routine ' // trim(ROUTINE_NAMES(which)) // '; name the file ' // &
+        'that holds it: amontons job user=file.f (or .f90, .for, .so).')
+    end if
+  end subroutine need_routine
+
+
+  !> Tells what the routines have said since the last call, takes the smallest PNEWDT, and ends the job after XIT.
+  subroutine heed_routines(model, journal, pnewdt, error)
+    type(model_type), intent(in) :: model
+    type(journal_type), intent(inout) :: journal
+    real(DP), intent(inout) :: pnewdt              !< smallest of this attempt [-]
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: text
+    real(DP) :: smallest
+    logical :: is_stopped, has_stopped
+    integer :: m
+    has_stopped = .false.
+    do m = 0, size(model%materials)
+      if (m == 0) then
+        call hear_routines(model%routines, smallest, text, is_stopped)
+      else
+        if (.not. is_first_of_library(model, m)) cycle
+        call hear_routines(model%materials(m)%routines, smallest, text, is_stopped)
+      end if
+      pnewdt = min(pnewdt, smallest)
+      if (len(text) > 0) call journal%say('User routines: ' // text(:len(text) - 1))
+      has_stopped = has_stopped .or. is_stopped
+    end do
+    if (has_stopped) call set_error(error, EXIT_NOT_CONVERGED, 'A user routine has ended the job (XIT or STDB_ABQERR). ' // &
+      'All converged increments are on disk.')
+  end subroutine heed_routines
+
+end module amontons_user_routine_setup

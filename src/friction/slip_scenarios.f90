@@ -1,0 +1,319 @@
+!> Slip scenarios: one decision per slave node: status by trial traction, friction limit, excess, slip scenario, step length.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! `trial_traction` decides the status of a node in one configuration; `classify_slip_scenarios` decides, node by node, the slip
+!! scenario and the step length between two configurations. Both use the limit of `friction_limit`: what friction carries at most.
+!!
+!! The scenarios and step lengths are those of J. Mitchell, "A simple one step line search for use in quasi-static solid
+!! mechanics contact calculations", 7th US National Congress on Computational Mechanics, 2003. The symbols are those of
+!! doc/theory/contact.md:
+!!
+!!     Rhat   imbalance of the slave node less its contact force [force]
+!!     N      -n.Rhat, the normal force, positive in compression [force]
+!!     Rt     Rhat + N n, the tangential imbalance: what drives the node to slip [force]
+!!     g      slip vector since the start of the increment [length]
+!!     L      friction limit min(mu max(N, 0), TAUMAX A): what friction carries at most [force]
+!!     DR     |Rt| - L, signed excess over the friction limit [force]
+!!     u, ud  the configuration of the iterate, and that after the full search direction d
+module amontons_slip_scenarios
+  use amontons_kinds, only: DP
+  implicit none
+  private
+  public :: trial_type, slip_point_type, slip_controls_type, slip_verdict_type
+  public :: split_imbalance, trial_traction, friction_limit, is_friction_capped, classify_slip_scenarios, guarded_length
+  public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES
+  public :: SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, NO_FRICTION_LIMIT
+
+  ! Status of a slave node. The trial traction gives the first three, which the results show; the classification of slip scenarios
+  ! divides them further. The library gives the same numbers (AMONTONS_NODE_... of amontons.h).
+  integer, parameter :: STATUS_OPEN = 0      !< open
+  integer, parameter :: STATUS_STICK = 1     !< friction holds it; in the classification: and there is no slip to take back
+  integer, parameter :: STATUS_SLIP = 2      !< it slides; in the classification: in one of the four scenarios
+  integer, parameter :: STATUS_BALANCED = 3  !< slip in equilibrium: DR = 0 within the tolerance
+  integer, parameter :: STATUS_OPENS = 4     !< closed at the iterate with N < 0
+  integer, parameter :: STATUS_CLOSES = 5    !< open at the iterate, closed after the full search direction
+
+  integer, parameter :: SCENARIO_NONE = 0    !< no slip search: open, stick, or slip in equilibrium
+  integer, parameter :: SCENARIO_I = 1       !< slipped too far
+  integer, parameter :: SCENARIO_II = 2      !< not enough slip
+  integer, parameter :: SCENARIO_III = 3     !< backed up too far
+  integer, parameter :: SCENARIO_IV = 4      !< backing up
+
+  real(DP), parameter :: NO_FRICTION_LIMIT = huge(1.0_DP)   !< friction carries whatever is required (ROUGH, TIED) [force]
+
+  !> Result of the trial traction.
+  type :: trial_type
+    integer :: status = STATUS_OPEN          !< STATUS_...
+    real(DP) :: sigma = 0                    !< trial normal force, positive in compression [force]
+    real(DP) :: tau(3) = 0                   !< trial friction on the slave [force]
+    real(DP) :: direction(3) = 0             !< tau/|tau|, of friction on the slave; it slides the other way [-]
+    real(DP) :: N = 0                        !< normal force that the imbalance asks for [force]
+    real(DP) :: Rt(3) = 0                    !< tangential imbalance [force]
+  end type trial_type
+
+  !> The decision on one slave node in one configuration.
+  type :: slip_point_type
+    integer :: status = STATUS_OPEN          !< STATUS_OPEN, STATUS_STICK or STATUS_SLIP: by the trial traction
+    real(DP) :: N = 0                        !< normal force, positive in compression [force]
+    real(DP) :: Rt(3) = 0                    !< tangential imbalance [force]
+    real(DP) :: limit = 0                    !< L; NO_FRICTION_LIMIT: none [force]
+    real(DP) :: slip(3) = 0                  !< g [length]
+    real(DP) :: slip_zero = 0                !< a slip up to this is zero [length]
+  end type slip_point_type
+
+  !> Tolerances and bounds. The defaults only exclude rounding: the steps of a job give their own.
+  type :: slip_controls_type
+    real(DP) :: balance = 1.0e-12_DP         !< slip is in equilibrium when |DR| <= balance L [-]
+    real(DP) :: force_zero = 0               !< or when |DR| is at most this [force]
+    real(DP) :: alpha_min = 0                !< least step length (the cut at zero slip may be less) [-]
+    real(DP) :: alpha_max = huge(1.0_DP)     !< largest step length [-]
+  end type slip_controls_type
+
+  !> The classification of one node between two configurations.
+  type :: slip_verdict_type
+    integer :: status = STATUS_OPEN          !< STATUS_...
+    integer :: scenario = SCENARIO_NONE      !< SCENARIO_...
+    real(DP) :: alpha = 1                    !< step length [-]
+    logical :: becomes_stick = .false.       !< the step ends at zero slip: the node is to be set to stick
+    real(DP) :: DR_u = 0, DR_ud = 0          !< signed excess in both configurations [force]
+    real(DP) :: numerator = 0                !< d.e(u), e = DR t: a global length sums these over the nodes [energy]
+    real(DP) :: denominator = 0              !< d.(e(ud) - e(u)) [energy]
+  end type slip_verdict_type
+
+  real(DP), parameter :: NEARLY = 1.0e-12_DP   !< relative rounding of a sum of a few products
+
+contains
+
+  !> Normal force and tangential imbalance of an imbalance: N = -n.Rhat, Rt = Rhat + N n.
+  pure subroutine split_imbalance(imbalance, normal, N, Rt)
+    real(DP), intent(in) :: imbalance(3)     !< Rhat [force]
+    real(DP), intent(in) :: normal(3)        !< unit normal out of the master [-]
+    real(DP), intent(out) :: N               !< positive in compression [force]
+    real(DP), intent(out) :: Rt(3)           !< [force]
+    N = -dot_product(normal, imbalance)
+    Rt = imbalance + N * normal
+  end subroutine split_imbalance
+
+
+  !> The friction limit: the largest tangential force that friction carries at a normal force, min(mu N, most).
+  !!
+  !! It is homogeneous: stresses in place of forces give a stress. A negative N continues the straight line, as Newton's method
+  !! needs it on the way; DR takes max(N, 0).
+  elemental real(DP) function friction_limit(mu, N, most) result(limit)
+    real(DP), intent(in) :: mu               !< coefficient, over the share of the normal that supports leave free [-]
+    real(DP), intent(in) :: N                !< normal force, positive in compression [force]
+    real(DP), intent(in) :: most             !< largest friction whatever N: TAUMAX times the area [force]
+    limit = min(mu * N, most)
+  end function friction_limit
+
+
+  !> Whether the friction limit is TAUMAX, and thus does not change with the normal force.
+  elemental logical function is_friction_capped(mu, N, most)
+    real(DP), intent(in) :: mu, N, most      !< as of friction_limit
+    is_friction_capped = mu * N > most
+  end function is_friction_capped
+
+
+  !> Status of a slave node by trial traction: the primal-dual active set in the form of an augmented Lagrangian.
+  !!
+  !!     sigma = N - c gap           closed if sigma > 0
+  !!     tau   = -Rt - c P slip      P = 1 - n n';  stick if |tau| <= friction_limit(mu, sigma, most), else slip
+  !!                                 with friction along tau/|tau|
+  !!
+  !! A node that was open has no contact force yet: its imbalance is not what contact carries, and N = 0, Rt = 0 are
+  !! taken; its slip counts from the point of first touch, so it starts as stick where it came straight down and as slip
+  !! where it came along. Without friction (mu = 0) a closed node always slips. At a solution both lines say what the laws of
+  !! Signorini and Coulomb say, for any c > 0.
+  !!
+  !! Reference: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution
+  !! methods, Comput. Methods Appl. Mech. Engrg. 92 (1991) 353-375.
+  pure subroutine trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, most, trial)
+    real(DP), intent(in) :: imbalance(3)     !< Rhat of the slave node [force]
+    real(DP), intent(in) :: gap              !< signed distance, negative is penetration [length]
+    real(DP), intent(in) :: slip(3)          !< x_s - x_m(origin), g before its projection [length]
+    real(DP), intent(in) :: normal(3)        !< unit normal out of the master [-]
+    real(DP), intent(in) :: mu               !< coefficient of friction [-]
+    real(DP), intent(in) :: stiffness        !< c, the node's own stiffness, > 0 [force/length]
+    logical, intent(in) :: was_closed        !< it was held by contact in the last iteration
+    real(DP), intent(in) :: most             !< largest friction, whatever the normal force [force]
+    type(trial_type), intent(out) :: trial
+    real(DP) :: size_tau
+    if (was_closed) call split_imbalance(imbalance, normal, trial%N, trial%Rt)
+    trial%sigma = trial%N - stiffness * gap
+    trial%tau = -trial%Rt - stiffness * (slip - dot_product(normal, slip) * normal)
+    size_tau = norm2(trial%tau)
+    if (size_tau > 0) trial%direction = trial%tau / size_tau
+    if (trial%sigma <= 0) then
+      trial%status = STATUS_OPEN
+    else if (mu > 0 .and. size_tau <= friction_limit(mu, trial%sigma, most)) then
+      trial%status = STATUS_STICK
+    else
+      trial%status = STATUS_SLIP
+    end if
+  end subroutine trial_traction
+
+
+  !> Slip scenarios node by node: status, scenario and step length of each slave node from two configurations.
+  !!
+  !! | DR at u | slip at u | DR at ud | result |
+  !! |---|---|---|---|
+  !! | > 0 | any | <= 0 | I, slipped too far |
+  !! | > 0 | any | > 0 | II, not enough slip |
+  !! | < 0 | some | > 0 | III, backed up too far |
+  !! | < 0 | some | <= 0 | IV, backing up |
+  !! | <= 0 | none | any | stick |
+  !! | 0 within the tolerance | some | any | slip in equilibrium |
+  !!
+  !! A node without a friction limit sticks. One that is open at u is open, or closes; one that is closed with N < 0 opens.
+  !!
+  !! The length is one secant step on d.e with the vector e = DR t: alpha = - d.e(u) / d.(e(ud) - e(u)). For d along t_u
+  !! (I, II) or -t_g (III, IV) it is the formula of the slides' table. In III and IV the step is cut where the
+  !! projection on t_g of the slip comes to zero, unless the node is open at ud; then the node becomes stick. Order: formula, guard
+  !! (a vanishing denominator or a negative length means 1), bounds, cut.
+  pure subroutine classify_slip_scenarios(at_u, at_ud, d, controls, verdicts)
+    type(slip_point_type), intent(in) :: at_u(:)      !< (n) the nodes at the iterate
+    type(slip_point_type), intent(in) :: at_ud(:)     !< (n) the nodes after the full search direction
+    real(DP), intent(in) :: d(:, :)                   !< (3, n) their tangential increments relative to the master [length]
+    type(slip_controls_type), intent(in) :: controls
+    type(slip_verdict_type), intent(out) :: verdicts(:)   !< (n)
+    integer :: s
+    do s = 1, size(verdicts)
+      call classify_node(at_u(s), at_ud(s), d(:, s), controls, verdicts(s))
+    end do
+  end subroutine classify_slip_scenarios
+
+
+  !> The same for one node.
+  pure subroutine classify_node(at_u, at_ud, d, controls, verdict)
+    type(slip_point_type), intent(in) :: at_u, at_ud
+    real(DP), intent(in) :: d(3)                      !< [length]
+    type(slip_controls_type), intent(in) :: controls
+    type(slip_verdict_type), intent(inout) :: verdict !< in: its defaults
+    real(DP) :: e_u(3), e_ud(3), rounding
+    verdict%DR_u = excess(at_u)
+    verdict%DR_ud = excess(at_ud)
+    verdict%status = refined_status(at_u, at_ud%status, verdict%DR_u, controls)
+    if (verdict%status /= STATUS_SLIP .and. verdict%status /= STATUS_BALANCED) return
+    if (verdict%status == STATUS_SLIP) verdict%scenario = scenario_of(verdict%DR_u, verdict%DR_ud)
+    call excess_vectors(at_u, at_ud, verdict, e_u, e_ud)
+    rounding = NEARLY * norm2(d) * (abs(verdict%DR_u) + abs(verdict%DR_ud))
+    verdict%numerator = without_noise(dot_product(d, e_u), rounding)
+    verdict%denominator = without_noise(dot_product(d, e_ud) - verdict%numerator, rounding)
+    if (verdict%status == STATUS_BALANCED) return
+    verdict%alpha = guarded_length(verdict%numerator, verdict%denominator, controls)
+    if (verdict%scenario == SCENARIO_I .or. verdict%scenario == SCENARIO_II) return
+    if (at_ud%status == STATUS_OPEN) return           ! it has left its master: there is no slip at ud
+    call cut_at_zero_slip(at_u%slip, at_ud%slip, verdict%alpha, verdict%becomes_stick)
+  end subroutine classify_node
+
+
+  !> - numerator / denominator, made safe: 1 if one of them vanishes or the length is negative; then bounded.
+  !! With sums over all slave nodes it is the global step length of the slides' code.
+  pure function guarded_length(numerator, denominator, controls) result(alpha)
+    real(DP), intent(in) :: numerator                 !< d.e(u) [energy]
+    real(DP), intent(in) :: denominator               !< d.(e(ud) - e(u)) [energy]
+    type(slip_controls_type), intent(in) :: controls
+    real(DP) :: alpha
+    alpha = 1
+    if (abs(denominator) > NEARLY * (abs(numerator) + abs(numerator + denominator))) alpha = -numerator / denominator
+    if (alpha < 0 .or. numerator == 0) alpha = 1
+    alpha = min(max(alpha, controls%alpha_min), controls%alpha_max)
+  end function guarded_length
+
+
+  !> A value, or zero where it is only rounding.
+  pure function without_noise(value, rounding) result(clean)
+    real(DP), intent(in) :: value, rounding
+    real(DP) :: clean
+    clean = merge(value, 0.0_DP, abs(value) > rounding)
+  end function without_noise
+
+
+  !> DR = |Rt| - L; none where friction has no limit.
+  pure function excess(point) result(DR)
+    type(slip_point_type), intent(in) :: point
+    real(DP) :: DR
+    DR = 0.0_DP
+    if (point%limit < NO_FRICTION_LIMIT) DR = norm2(point%Rt) - point%limit
+  end function excess
+
+
+  !> The status at the iterate, divided by what the excess and the slip say there.
+  pure function refined_status(point, status_ud, DR, controls) result(status)
+    type(slip_point_type), intent(in) :: point
+    integer, intent(in) :: status_ud                  !< status after the full search direction
+    real(DP), intent(in) :: DR                        !< at the iterate [force]
+    type(slip_controls_type), intent(in) :: controls
+    integer :: status
+    logical :: has_slip, is_balanced
+    has_slip = norm2(point%slip) > point%slip_zero
+    is_balanced = abs(DR) <= max(controls%balance * point%limit, controls%force_zero)
+    if (point%status == STATUS_OPEN) then
+      status = merge(STATUS_OPEN, STATUS_CLOSES, status_ud == STATUS_OPEN)
+    else if (point%N < 0) then
+      status = STATUS_OPENS
+    else if (.not. point%limit < NO_FRICTION_LIMIT) then
+      status = STATUS_STICK
+    else if (.not. has_slip .and. (DR <= 0 .or. is_balanced)) then
+      status = STATUS_STICK
+    else if (is_balanced) then
+      status = STATUS_BALANCED
+    else
+      status = STATUS_SLIP
+    end if
+  end function refined_status
+
+
+  !> The scenario by the signs of DR.
+  pure function scenario_of(DR_u, DR_ud) result(scenario)
+    real(DP), intent(in) :: DR_u, DR_ud               !< [force]
+    integer :: scenario
+    if (DR_u > 0) then
+      scenario = merge(SCENARIO_II, SCENARIO_I, DR_ud > 0)
+    else
+      scenario = merge(SCENARIO_III, SCENARIO_IV, DR_ud > 0)
+    end if
+  end function scenario_of
+
+
+  !> The vectors e = DR t of both configurations. Without an Rt its direction is that of the slip; in I t_d is t_u.
+  pure subroutine excess_vectors(at_u, at_ud, verdict, e_u, e_ud)
+    type(slip_point_type), intent(in) :: at_u, at_ud
+    type(slip_verdict_type), intent(in) :: verdict    !< with scenario and DR
+    real(DP), intent(out) :: e_u(3), e_ud(3)          !< [force]
+    real(DP) :: t_g(3), t_u(3), t_d(3)
+    t_g = direction_of(at_u%slip, [0.0_DP, 0.0_DP, 0.0_DP])
+    t_u = direction_of(at_u%Rt, t_g)
+    t_d = direction_of(at_ud%Rt, t_g)
+    if (verdict%scenario == SCENARIO_I) t_d = t_u
+    e_u = verdict%DR_u * t_u
+    e_ud = verdict%DR_ud * t_d
+  end subroutine excess_vectors
+
+
+  !> v/|v|, or the given other direction if v vanishes.
+  pure function direction_of(v, otherwise) result(t)
+    real(DP), intent(in) :: v(3), otherwise(3)
+    real(DP) :: t(3)
+    t = otherwise
+    if (norm2(v) > 0) t = v / norm2(v)
+  end function direction_of
+
+
+  !> Cuts a step that would back up past zero slip: |g| / (|g| - t_g.g_d) brings the slip's projection on t_g to zero.
+  !! (The slides print |g| / (|g| - |g_d|), which is the same as long as the full step does not pass zero slip.)
+  pure subroutine cut_at_zero_slip(slip_u, slip_ud, alpha, becomes_stick)
+    real(DP), intent(in) :: slip_u(3), slip_ud(3)     !< g and g_d [length]
+    real(DP), intent(inout) :: alpha                  !< step length [-]
+    logical, intent(out) :: becomes_stick             !< the step ends there
+    real(DP) :: length, way
+    length = norm2(slip_u)
+    becomes_stick = .false.
+    if (length <= 0) return
+    way = length - dot_product(slip_u, slip_ud) / length
+    if (way <= 0) return
+    becomes_stick = alpha * way >= length * (1 - NEARLY)
+    if (becomes_stick) alpha = length / way
+  end subroutine cut_at_zero_slip
+
+end module amontons_slip_scenarios

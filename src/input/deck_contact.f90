@@ -1,0 +1,688 @@
+!> Deck contact: the cards of interactions and contact pairs to the model, and what steps change of them.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_contact
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, is_card, &
+    check_name
+  use amontons_deck_surfaces, only: find_slave_surface
+  use amontons_mesh, only: mesh_type
+  use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_steps, only: step_type
+  use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, is_compliant, BEHAVIOR_HARD, BEHAVIOR_LINEAR, &
+    BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
+  use amontons_text, only: text_of, parse_real, NUMBER_OK
+  implicit none
+  private
+  public :: read_interactions, read_pairs, read_clearances, read_contact_change
+
+  ! CalculiX's defaults, in terms of Young's modulus E of the first material
+  real(DP), parameter :: HARD_STIFFNESS = 50.0_DP        !< K/E [1/length]
+  real(DP), parameter :: TENSION = 1.0_DP / 70000.0_DP   !< sigma_inf/E [-]
+  real(DP), parameter :: SIZABLE = 1.0e-3_DP             !< a strain that is seen [-]
+  real(DP), parameter :: REACH = 1.0e-3_DP               !< c0 over the root of the area [-]
+  real(DP), parameter :: STICK_SLOPE = 0.5_DP            !< lambda/E [1/length]
+  ! The ratio of two of them, which has no unit
+  real(DP), parameter :: STICK_SHARE = STICK_SLOPE / HARD_STIFFNESS   !< lambda/K [-]
+
+contains
+
+  !> SURFACE INTERACTION with SURFACE BEHAVIOR and FRICTION.
+  subroutine read_interactions(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(interaction_type) :: interaction
+    integer :: c, k
+    logical :: is_new
+    allocate (model%interactions(0))
+    k = 0
+    do c = 1, reader%cards%n_cards
+      if (reader%step_of_card(c) > 0) cycle
+      if (is_card(reader, c, 'SURFACEINTERACTION')) then
+        call open_card(reader, c, parameters, row)
+        interaction%name = parameter_text(parameters, 'NAME')
+        if (interaction%name == '') cycle
+        call check_name(reader, c, interaction%name)
+        call reader%interactions%add(interaction%name, k, is_new)
+        if (is_new) then
+          model%interactions = [model%interactions, interaction]
+        else
+          call complain(reader, reader%cards%cards(c)%line, 'The surface interaction ''' // interaction%name // &
+            ''' is defined twice.')
+        end if
+        if (next_row(reader%cards, row)) call need_at_most(reader, row, 1)
+        if (k > 0 .and. is_new .and. has_parameter(parameters, 'USER')) then
+          model%interactions(k)%behavior = BEHAVIOR_USER
+          call read_properties(reader, parameters, row, model%interactions(k))
+        end if
+      else if (k > 0 .and. is_card(reader, c, 'SURFACEBEHAVIOR')) then
+        call read_behavior(reader, model, c, model%interactions(k))
+      else if (k > 0 .and. is_card(reader, c, 'FRICTION')) then
+        call read_friction(reader, c, model%interactions(k))
+      end if
+    end do
+    do k = 1, size(model%interactions)
+      call complete_law(reader, model, model%interactions(k))
+    end do
+  end subroutine read_interactions
+
+
+  !> Young's modulus of the first material, by which CalculiX scales its defaults; 0 if there is none.
+  pure real(DP) function first_modulus(model) result(modulus)
+    type(model_type), intent(in) :: model
+    modulus = 0.0_DP
+    if (size(model%materials) > 0) modulus = model%materials(1)%youngs_modulus
+  end function first_modulus
+
+
+  !> The largest growth of pressure with the overclosure of a compliant law, EXPONENTIAL at gap zero [stress/length].
+  pure real(DP) function steepest_slope(law) result(slope)
+    type(interaction_type), intent(in) :: law
+    integer :: n
+    slope = law%stiffness
+    if (law%behavior == BEHAVIOR_EXPONENTIAL) slope = law%pressure * log(100.0_DP) / law%reach
+    if (law%behavior /= BEHAVIOR_TABULAR) return
+    n = size(law%table_pressure)
+    slope = maxval((law%table_pressure(2:n) - law%table_pressure(:n - 1)) / &
+      (law%table_overclosure(2:n) - law%table_overclosure(:n - 1)))
+  end function steepest_slope
+
+
+  !> A compliant law with friction needs a stick slope. What is tied has that of its law of pressure; under the calculix dialect
+  !! with FRICTION that of all others.
+  subroutine complete_law(reader, model, law)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(interaction_type), intent(inout) :: law
+    if (.not. is_compliant(law) .or. law%stick_slope > 0.0_DP) return
+    if (law%behavior == BEHAVIOR_USER) return
+    if (law%behavior == BEHAVIOR_TIED .and. (law%friction <= 0.0_DP .or. reader%dialect == DIALECT_ABAQUS)) then
+      law%stick_slope = law%stiffness
+      return
+    end if
+    if (law%friction <= 0.0_DP .and. .not. law%is_user_friction) return
+    if (reader%dialect == DIALECT_ABAQUS) then
+      law%stick_slope = STICK_SHARE * steepest_slope(law)
+      call note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; a hundredth of the slope ' // &
+        'of its law of pressure is taken: ' // text_of(law%stick_slope) // '.')
+    else
+      law%stick_slope = STICK_SLOPE * first_modulus(model)
+      call note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; half of Young''s modulus ' // &
+        'of the first material is taken: ' // text_of(law%stick_slope) // '.')
+    end if
+  end subroutine complete_law
+
+
+  !> SURFACE BEHAVIOR: the law of pressure.
+  subroutine read_behavior(reader, model, c, law)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(interaction_type), intent(inout) :: law
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    logical :: has_row
+    call open_card(reader, c, parameters, row)
+    if (law%behavior == BEHAVIOR_USER) then
+      call complain(reader, reader%cards%cards(c)%line, 'UINTER gives the pressure too; *SURFACE BEHAVIOR has no ' // &
+        'place in this interaction.')
+      return
+    end if
+    select case (parameter_word(parameters, 'PRESSURE-OVERCLOSURE', 'HARD'))
+    case ('LINEAR')
+      has_row = next_row(reader%cards, row)
+      call read_linear(reader, model, row, has_row, law)
+    case ('TIED')
+      has_row = next_row(reader%cards, row)
+      call read_linear(reader, model, row, has_row, law)
+      law%behavior = BEHAVIOR_TIED
+    case ('EXPONENTIAL')
+      has_row = next_row(reader%cards, row)
+      call read_exponential(reader, row, has_row, law)
+    case ('TABULAR')
+      call read_table(reader, row, law)
+      has_row = .false.
+    case default
+      law%behavior = BEHAVIOR_HARD
+      has_row = next_row(reader%cards, row)
+      if (has_row .and. row%n > 0) call need_no_data(reader, row)
+      if (reader%dialect == DIALECT_CALCULIX) call soften(reader, model, c, law)
+    end select
+    if (has_row) has_row = next_row(reader%cards, row)
+    if (has_row) call need_no_data(reader, row)
+  end subroutine read_behavior
+
+
+  !> HARD as CalculiX takes it: LINEAR with 50 times Young's modulus of the first material, for its mortar pairs too.
+  subroutine soften(reader, model, c, law)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(interaction_type), intent(inout) :: law
+    if (first_modulus(model) <= 0.0_DP) return
+    law%behavior = BEHAVIOR_LINEAR
+    law%stiffness = HARD_STIFFNESS * first_modulus(model)
+    call take_tension(reader, model, reader%cards%cards(c)%line, law)
+    law%reach = REACH
+    call note(reader, reader%cards%cards(c)%line, 'HARD is LINEAR under the calculix dialect, with K = ' // &
+      text_of(law%stiffness) // ', 50 times Young''s modulus of the first material; the abaqus dialect enforces it exactly.')
+  end subroutine soften
+
+
+  !> LINEAR and TIED: K, sigma_inf, c0, the last two and a K that is missing by CalculiX's defaults. Under the abaqus dialect there
+  !! is no tension unless it is given: K h, and nothing outside contact.
+  subroutine read_linear(reader, model, row, has_row, law)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(inout) :: row
+    logical, intent(in) :: has_row
+    type(interaction_type), intent(inout) :: law
+    logical :: is_ok
+    is_ok = .true.
+    if (.not. has_row) row%n = 0
+    law%behavior = BEHAVIOR_LINEAR
+    call need_at_most(reader, row, 3)
+    call need_real(reader, row, 1, 'stiffness', law%stiffness, is_ok, 0.0_DP)
+    call need_real(reader, row, 2, 'tension at large gaps', law%tension, is_ok, 0.0_DP)
+    call need_real(reader, row, 3, 'reach', law%reach, is_ok, 0.0_DP)
+    if (law%tension <= 0.0_DP .and. reader%dialect == DIALECT_ABAQUS) then
+      law%reach = 0.0_DP
+    else
+      if (law%tension <= 0.0_DP) call take_tension(reader, model, row%line, law)
+      if (law%reach <= 0.0_DP) law%reach = REACH
+    end if
+    if (law%stiffness > 0.0_DP .or. .not. is_ok) return
+    law%stiffness = HARD_STIFFNESS * first_modulus(model)
+    call note(reader, row%line, 'The stiffness must be positive; 50 times Young''s modulus of the first material is ' // &
+      'taken: ' // text_of(law%stiffness) // '.')
+  end subroutine read_linear
+
+
+  !> The tension that CalculiX takes where none is given; said where it would pull a soft body out by a thousandth.
+  subroutine take_tension(reader, model, line, law)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: line
+    type(interaction_type), intent(inout) :: law
+    real(DP) :: softest
+    integer :: k
+    law%tension = TENSION * first_modulus(model)
+    softest = minval(model%materials%youngs_modulus, mask=model%materials%youngs_modulus > 0.0_DP .and. &
+      [(any(model%mesh%material == k), k=1, size(model%materials))])
+    if (law%tension <= SIZABLE * softest) return
+    call note(reader, line, 'Bodies pull at each other by up to ' // text_of(law%tension) // ' before they part: ' // &
+      'CalculiX''s default, a 70000th of Young''s modulus of the first material, which is much for the softest one (' // &
+      text_of(softest) // '). Give a smaller second number with PRESSURE-OVERCLOSURE=LINEAR, or take the abaqus dialect, ' // &
+      'which has no tension.')
+  end subroutine take_tension
+
+
+  !> EXPONENTIAL: c0, p0.
+  subroutine read_exponential(reader, row, has_row, law)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    logical, intent(in) :: has_row
+    type(interaction_type), intent(inout) :: law
+    logical :: is_ok
+    is_ok = has_row
+    law%behavior = BEHAVIOR_EXPONENTIAL
+    law%reach = 1.0_DP
+    if (has_row) then
+      call need_at_most(reader, row, 2)
+      call need_real(reader, row, 1, 'gap c0 where the pressure begins', law%reach, is_ok)
+      call need_real(reader, row, 2, 'pressure p0 at gap zero', law%pressure, is_ok)
+      if (is_ok .and. (law%reach <= 0.0_DP .or. law%pressure < 0.0_DP)) call complain(reader, row%line, &
+        'EXPONENTIAL needs a positive gap c0 and a pressure p0 that is not negative.')
+    else
+      call complain(reader, row%line, 'EXPONENTIAL needs a data line: c0, p0.')
+    end if
+  end subroutine read_exponential
+
+
+  !> TABULAR: pressure, overclosure; the overclosures ascend.
+  subroutine read_table(reader, row, law)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    type(interaction_type), intent(inout) :: law
+    real(DP) :: p, h
+    logical :: is_ok
+    is_ok = .true.
+    law%behavior = BEHAVIOR_TABULAR
+    law%reach = REACH
+    allocate (law%table_pressure(0), law%table_overclosure(0))
+    do while (next_row(reader%cards, row))
+      call need_at_most(reader, row, 3)
+      call need_real(reader, row, 1, 'pressure', p, is_ok)
+      call need_real(reader, row, 2, 'overclosure', h, is_ok)
+      if (.not. is_ok) cycle
+      if (size(law%table_pressure) > 0) then
+        if (h <= law%table_overclosure(size(law%table_overclosure))) call complain(reader, row%line, &
+          'The overclosures of the table must ascend.')
+      end if
+      law%table_pressure = [law%table_pressure, p]
+      law%table_overclosure = [law%table_overclosure, h]
+    end do
+    if (size(law%table_pressure) == 0 .and. is_ok) call complain(reader, row%line, &
+      'TABULAR needs data lines: pressure, overclosure.')
+    if (size(law%table_pressure) == 0) then
+      law%table_pressure = [0.0_DP]
+      law%table_overclosure = [0.0_DP]
+    end if
+    if (reader%dialect == DIALECT_ABAQUS) law%clearance = max(0.0_DP, -law%table_overclosure(1))
+    if (reader%dialect == DIALECT_CALCULIX .and. law%table_overclosure(1) < 0.0_DP) call note(reader, row%line, &
+      'The table begins before bodies touch. Under the calculix dialect contact acts from where they touch on, as in ' // &
+      'CalculiX: its pressure jumps there, and there may be no balance. Begin with 0., 0. or use the abaqus dialect.')
+  end subroutine read_table
+
+
+  !> DEPVAR and PROPERTIES of FRIC and UINTER, and the properties, eight in each line.
+  subroutine read_properties(reader, parameters, row, law)
+    type(reader_type), intent(inout) :: reader
+    type(parameter_type), intent(in) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    type(interaction_type), intent(inout) :: law
+    integer, parameter :: FIELDS = 8
+    integer :: i, k, n
+    logical :: is_ok
+    n = parameter_count(parameters, 'PROPERTIES')
+    law%n_statev = parameter_count(parameters, 'DEPVAR')
+    if (allocated(law%props)) deallocate (law%props)
+    allocate (law%props(n), source=0.0_DP)
+    i = 0
+    is_ok = .true.
+    do while (next_row(reader%cards, row) .and. is_ok)
+      call need_at_most(reader, row, min(FIELDS, n - i))
+      do k = 1, min(FIELDS, n - i)
+        call need_real(reader, row, k, 'property', law%props(i + k), is_ok, 0.0_DP)
+      end do
+      i = i + min(FIELDS, n - i)
+    end do
+    if (i < n .and. is_ok) call complain(reader, row%line, 'PROPERTIES is ' // text_of(n) // ', but there is room for only ' // &
+      text_of(i) // ' in the data lines, eight in each.')
+  end subroutine read_properties
+
+
+  !> A parameter that counts; 0 if it is not there.
+  pure integer function parameter_count(parameters, name) result(n)
+    type(parameter_type), intent(in) :: parameters(:)
+    character(*), intent(in) :: name
+    real(DP) :: value
+    integer :: status
+    n = 0
+    if (.not. has_parameter(parameters, name)) return
+    call parse_real(parameter_text(parameters, name), value, status)
+    if (status == NUMBER_OK) n = nint(min(max(value, 0.0_DP), 1.0e6_DP))
+  end function parameter_count
+
+
+  !> FRICTION: mu >= 0; the second value is a stick slope (calculix) or a slip rate (abaqus).
+  subroutine read_friction(reader, c, law)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(interaction_type), intent(inout) :: law
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    real(DP) :: second
+    integer :: status
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    law%shear_limit = NO_SHEAR_LIMIT
+    law%is_user_friction = has_parameter(parameters, 'USER')
+    if (law%behavior == BEHAVIOR_USER) then
+      call complain(reader, reader%cards%cards(c)%line, 'UINTER gives friction too; *FRICTION has no place in this interaction.')
+      return
+    end if
+    if (law%is_user_friction) then
+      law%friction = 0.0_DP
+      call read_properties(reader, parameters, row, law)
+      return
+    end if
+    if (has_parameter(parameters, 'TAUMAX')) then
+      call parse_real(parameter_text(parameters, 'TAUMAX'), law%shear_limit, status)
+      if (status == NUMBER_OK .and. law%shear_limit <= 0.0_DP) call complain(reader, reader%cards%cards(c)%line, &
+        'TAUMAX must be positive.')
+    end if
+    call check_elastic_slip(reader, parameters, reader%cards%cards(c)%line)
+    if (has_parameter(parameters, 'ROUGH')) law%friction = ROUGH_FRICTION
+    if (.not. next_row(reader%cards, row)) then
+      if (.not. has_parameter(parameters, 'ROUGH')) call complain(reader, row%line, &
+        '*FRICTION needs a data line: the coefficient of friction.')
+      return
+    end if
+    if (has_parameter(parameters, 'ROUGH')) then
+      call need_no_data(reader, row)
+      return
+    end if
+    is_ok = .true.
+    call need_real(reader, row, 1, 'coefficient of friction', law%friction, is_ok)
+    call need_real(reader, row, 2, merge('slip rate  ', 'stick slope', reader%dialect == DIALECT_ABAQUS), second, &
+      is_ok, 0.0_DP)
+    call need_at_most(reader, row, merge(4, 2, reader%dialect == DIALECT_ABAQUS))
+    if (is_ok .and. law%friction < 0) call complain(reader, row%line, &
+      'The coefficient of friction must not be negative; 0 is frictionless.')
+    if (is_ok .and. abs(second) > 0) call take_second(reader, row, second, law)
+    if (next_row(reader%cards, row)) call complain(reader, row%line, 'A second line would be for another slip ' // &
+      'rate, pressure or temperature; the coefficient of friction is a constant.')
+  end subroutine read_friction
+
+
+  !> What FRICTION says of the slip of nodes that stick has no effect, but has to make sense: one way to say it, above zero.
+  subroutine check_elastic_slip(reader, parameters, line)
+    type(reader_type), intent(inout) :: reader
+    type(parameter_type), intent(in) :: parameters(:)
+    integer, intent(in) :: line
+    character(14), parameter :: WAYS(3) = [character(14) :: 'SLIP TOLERANCE', 'ELASTIC SLIP', 'LAGRANGE']
+    logical :: is_given(3)
+    real(DP) :: slip
+    integer :: i, status
+    is_given = [(has_parameter(parameters, trim(WAYS(i))), i=1, 3)]
+    if (count(is_given) > 1) call complain(reader, line, 'SLIP TOLERANCE, ELASTIC SLIP and LAGRANGE exclude each other.')
+    if (any(is_given) .and. has_parameter(parameters, 'ROUGH')) call complain(reader, line, &
+      'Rough surfaces never slip; leave out SLIP TOLERANCE, ELASTIC SLIP and LAGRANGE.')
+    do i = 1, 2
+      if (.not. is_given(i)) cycle
+      call parse_real(parameter_text(parameters, trim(WAYS(i))), slip, status)
+      if (status /= NUMBER_OK) slip = 0.0_DP
+      if (slip <= 0.0_DP) call complain(reader, line, trim(WAYS(i)) // ' must be a positive number.')
+    end do
+  end subroutine check_elastic_slip
+
+
+  !> The second value of FRICTION.
+  subroutine take_second(reader, row, second, law)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    real(DP), intent(in) :: second
+    type(interaction_type), intent(inout) :: law
+    if (reader%dialect == DIALECT_ABAQUS) then
+      call complain(reader, row%line, 'The second value is a slip rate (abaqus dialect), on which friction ' // &
+        'cannot depend; leave it out. If it is the stick slope of CalculiX, put ''** dialect: calculix'' at the ' // &
+        'top of the deck.')
+      return
+    end if
+    law%stick_slope = second
+    if (second < 0.0_DP) call complain(reader, row%line, 'The stick slope must not be negative.')
+    if (.not. is_compliant(law)) call note(reader, row%line, 'The second value is taken as the stick slope (calculix ' // &
+      'dialect); without a *SURFACE BEHAVIOR before it, sticking is enforced exactly and does not use it.')
+  end subroutine take_second
+
+
+  !> CONTACT PAIR: slave, master; several rows give several pairs.
+  subroutine read_pairs(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(contact_pair_type) :: common
+    integer :: c, n, line
+    allocate (model%pairs(0))
+    line = 0
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'CONTACTPAIR')) cycle
+      line = reader%cards%cards(c)%line
+      call open_card(reader, c, parameters, row)
+      common = contact_pair_type()
+      common%interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
+      if (common%interaction == 0 .and. parameter_text(parameters, 'INTERACTION') /= '') call complain(reader, &
+        line, 'There is no surface interaction ''' // parameter_text(parameters, 'INTERACTION') &
+        // '''' // reader%interactions%hint(parameter_text(parameters, 'INTERACTION')))
+      common%is_small_sliding = has_parameter(parameters, 'SMALL SLIDING')
+      common%is_mortar = parameter_word(parameters, 'TYPE', 'NODETOSURFACE') /= 'NODETOSURFACE'
+      common%is_pointwise = reader%dialect == DIALECT_CALCULIX .and. index(parameter_word(parameters, 'TYPE', ''), 'SURFACE') == 1
+      call read_adjust(reader, model%mesh, c, parameters, common)
+      n = 0
+      do while (next_row(reader%cards, row))
+        n = n + 1
+        call need_at_most(reader, row, 2)
+        call read_pair(reader, row, common, model)
+      end do
+      if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*CONTACT PAIR needs a data line: slave, master.')
+    end do
+    if (any(model%pairs%interaction == 0)) return
+    if (.not. all(is_compliant(model%interactions(model%pairs%interaction)))) model%pairs%is_pointwise = .false.
+    if (.not. any(model%interactions%is_user_friction .or. model%interactions%behavior == BEHAVIOR_USER)) return
+    if (any(model%pairs%is_pointwise)) call note(reader, line, 'The values STATEV of a routine of the user belong to slave ' // &
+      'nodes: surface to surface contact is by the dual mortar method here, and not by points of the faces.')
+    model%pairs%is_pointwise = .false.
+  end subroutine read_pairs
+
+
+  !> The parameter ADJUST: a distance, or the nodes that are moved.
+  subroutine read_adjust(reader, mesh, c, parameters, pair)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: c
+    type(parameter_type), intent(in) :: parameters(:)
+    type(contact_pair_type), intent(inout) :: pair
+    integer :: status, set
+    pair%has_adjust = has_parameter(parameters, 'ADJUST')
+    if (.not. pair%has_adjust) return
+    call parse_real(parameter_text(parameters, 'ADJUST'), pair%adjust, status)
+    set = 0
+    if (status /= NUMBER_OK) set = reader%node_sets%find(parameter_text(parameters, 'ADJUST'))
+    if (set > 0) then
+      pair%adjust_nodes = mesh%node_sets(set)%members
+      return
+    end if
+    if (status /= NUMBER_OK .or. pair%adjust < 0) call complain(reader, reader%cards%cards(c)%line, 'ADJUST=' // &
+      parameter_text(parameters, 'ADJUST') // ' must be a distance that is not negative, or a node set.')
+  end subroutine read_adjust
+
+
+  !> One row of CONTACT PAIR.
+  subroutine read_pair(reader, row, common, model)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(contact_pair_type), intent(in) :: common
+    type(model_type), intent(inout) :: model
+    type(contact_pair_type) :: pair
+    character(:), allocatable :: slave, master
+    slave = field_text(reader%cards, row, 1)
+    master = field_text(reader%cards, row, 2)
+    if (slave == '' .or. master == '') then
+      call complain(reader, row%line, 'A contact pair needs two surfaces: slave, master.')
+      return
+    end if
+    pair = common
+    pair%name = slave // ' / ' // master
+    pair%slave = find_slave_surface(reader, slave)
+    pair%master = reader%surfaces%find(master)
+    if (pair%slave == 0) call complain(reader, row%line, 'There is no surface ''' // slave // '''' // reader%surfaces%hint(slave))
+    if (pair%master == 0) call complain(reader, row%line, 'There is no surface ''' // master // '''' // &
+      reader%surfaces%hint(master))
+    if (pair%slave > 0 .and. pair%slave == pair%master) call complain(reader, row%line, &
+      'A surface cannot be in contact with itself; name two surfaces.')
+    if (pair%master > 0) then
+      call use_profile(reader, row, model%surfaces(pair%master), pair)
+      if (model%surfaces(pair%master)%is_node_based) call complain(reader, row%line, 'The master surface ''' // master &
+        // ''' is made of nodes; a master needs element faces.')
+    end if
+    if (pair%slave > 0) then
+      if (allocated(model%surfaces(pair%slave)%profile)) call complain(reader, row%line, 'The slave surface ''' // slave // &
+        ''' is analytic; only a master can be.')
+    end if
+    if (pair%slave > 0 .and. pair%is_mortar) then
+      if (model%surfaces(pair%slave)%is_node_based) call complain(reader, row%line, 'The slave surface ''' // slave &
+        // ''' is made of nodes; surface-to-surface contact needs element faces. Give faces, or use TYPE=NODE TO SURFACE.')
+    end if
+    model%pairs = [model%pairs, pair]
+  end subroutine read_pair
+
+
+  !> A pair with an analytic master: contact is enforced at the nodes of the slave, whatever its TYPE.
+  subroutine use_profile(reader, row, master, pair)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(surface_type), intent(in) :: master
+    type(contact_pair_type), intent(inout) :: pair
+    if (.not. allocated(master%profile)) return
+    if (pair%is_mortar) call note(reader, row%line, 'The master is analytic: contact is enforced at the nodes of the ' // &
+      'slave, as with TYPE=NODE TO SURFACE.')
+    pair%is_mortar = .false.
+    pair%is_pointwise = .false.
+  end subroutine use_profile
+
+
+  !> CLEARANCE: the gap of a pair at the start, whatever the mesh says.
+  subroutine read_clearances(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: c, p, status
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'CLEARANCE')) cycle
+      call open_card(reader, c, parameters, row)
+      p = find_pair(reader, model, parameter_text(parameters, 'SLAVE'), parameter_text(parameters, 'MASTER'), &
+        reader%cards%cards(c)%line)
+      if (p == 0) cycle
+      if (has_no_clearance(reader, model, model%pairs(p))) then
+        call note(reader, reader%cards%cards(c)%line, 'CLEARANCE has no effect on a pair of TYPE=NODE TO SURFACE under the ' // &
+          'calculix dialect, as in CalculiX.')
+        cycle
+      end if
+      model%pairs(p)%has_clearance = .true.
+      call parse_real(parameter_text(parameters, 'VALUE'), model%pairs(p)%clearance, status)
+      if (status == NUMBER_OK .and. model%pairs(p)%has_adjust) call complain(reader, reader%cards%cards(c)%line, &
+        'The pair has both ADJUST and CLEARANCE; give one of them.')
+    end do
+  end subroutine read_clearances
+
+
+  !> Whether CalculiX leaves CLEARANCE of a pair out: that of springs at slave nodes.
+  pure logical function has_no_clearance(reader, model, pair)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(in) :: model
+    type(contact_pair_type), intent(in) :: pair
+    has_no_clearance = reader%dialect == DIALECT_CALCULIX .and. .not. pair%is_mortar .and. pair%interaction > 0
+    if (has_no_clearance) has_no_clearance = is_compliant(model%interactions(pair%interaction))
+  end function has_no_clearance
+
+
+  !> The pair of two surfaces; tells it if there is none.
+  integer function find_pair(reader, model, slave, master, line) result(pair)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    character(*), intent(in) :: slave, master
+    integer, intent(in) :: line                  !< of the deck
+    integer :: p
+    pair = 0
+    do p = 1, size(model%pairs)
+      if (model%pairs(p)%slave == 0 .or. model%pairs(p)%slave /= find_slave_surface(reader, slave)) cycle
+      if (model%pairs(p)%master == reader%surfaces%find(master)) pair = p
+    end do
+    if (pair == 0) call complain(reader, line, 'There is no contact pair of the slave ''' // slave // &
+      ''' and the master ''' // master // '''.')
+  end function find_pair
+
+
+  !> What a step changes: CHANGE FRICTION, CHANGE SURFACE BEHAVIOR and the cards below them, MODEL CHANGE, CONTACT
+  !! INTERFERENCE. What is changed stays so in later steps, but an interference is of one step.
+  subroutine read_contact_change(reader, model, c, interaction, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(inout) :: interaction        !< the one that a CHANGE card names; its FRICTION or BEHAVIOR follows
+    type(step_type), intent(inout) :: step
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    call open_card(reader, c, parameters, row)
+    if (is_card(reader, c, 'CHANGEFRICTION') .or. is_card(reader, c, 'CHANGESURFACEBEHAVIOR')) then
+      interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
+      if (interaction == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no surface interaction ''' // &
+        parameter_text(parameters, 'INTERACTION') // '''.')
+      return
+    end if
+    if (is_card(reader, c, 'MODELCHANGE')) then
+      call change_pairs(reader, model, c, parameters, row, step)
+    else if (is_card(reader, c, 'CONTACTINTERFERENCE')) then
+      call read_interference(reader, model, c, parameters, row, step)
+    else if (interaction > 0) then
+      call change_law(reader, model, c, interaction, step)
+    end if
+  end subroutine read_contact_change
+
+
+  !> FRICTION or SURFACE BEHAVIOR of an interaction from this step on.
+  subroutine change_law(reader, model, c, interaction, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: interaction
+    type(step_type), intent(inout) :: step
+    type(interaction_type) :: law
+    if (.not. allocated(step%interactions)) step%interactions = model%interactions
+    law = step%interactions(interaction)
+    if (is_card(reader, c, 'FRICTION')) then
+      law%stick_slope = 0.0_DP
+      call read_friction(reader, c, law)
+    else
+      if (allocated(law%table_pressure)) deallocate (law%table_pressure, law%table_overclosure)
+      call read_behavior(reader, model, c, law)
+      if (is_compliant(law) .neqv. is_compliant(step%interactions(interaction))) call complain(reader, &
+        reader%cards%cards(c)%line, 'A step cannot change a HARD interaction to a compliant one, or back: their slave ' // &
+        'nodes are not the same. Use one kind in all steps.')
+    end if
+    if (law%n_statev /= model%interactions(interaction)%n_statev) then
+      call complain(reader, reader%cards%cards(c)%line, 'A step cannot change DEPVAR of an interaction.')
+    end if
+    call complete_law(reader, model, law)
+    step%interactions(interaction) = law
+  end subroutine change_law
+
+
+  !> MODEL CHANGE, TYPE=CONTACT PAIR: takes pairs out or puts them back.
+  subroutine change_pairs(reader, model, c, parameters, row, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    type(step_type), intent(inout) :: step
+    integer :: p
+    if (has_parameter(parameters, 'ADD') .eqv. has_parameter(parameters, 'REMOVE')) then
+      call complain(reader, reader%cards%cards(c)%line, '*MODEL CHANGE needs either ADD or REMOVE.')
+      return
+    end if
+    if (parameter_word(parameters, 'TYPE', 'CONTACTPAIR') /= 'CONTACTPAIR') return
+    if (.not. allocated(step%is_removed)) allocate (step%is_removed(size(model%pairs)), source=.false.)
+    do while (next_row(reader%cards, row))
+      call need_at_most(reader, row, 2)
+      p = find_pair(reader, model, field_text(reader%cards, row, 1), field_text(reader%cards, row, 2), row%line)
+      if (p > 0) step%is_removed(p) = has_parameter(parameters, 'REMOVE')
+    end do
+  end subroutine change_pairs
+
+
+  !> CONTACT INTERFERENCE: an overclosure that is allowed at the start of the step and gone at its end.
+  subroutine read_interference(reader, model, c, parameters, row, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    type(step_type), intent(inout) :: step
+    logical :: is_ok
+    integer :: p, n
+    is_ok = .true.
+    n = 0
+    if (.not. allocated(step%interference)) then
+      allocate (step%interference(size(model%pairs)), source=0.0_DP)
+      allocate (step%is_shrink(size(model%pairs)), source=.false.)
+    end if
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      call need_at_most(reader, row, 3)
+      p = find_pair(reader, model, field_text(reader%cards, row, 1), field_text(reader%cards, row, 2), row%line)
+      if (p == 0) cycle
+      step%is_shrink(p) = has_parameter(parameters, 'SHRINK')
+      call need_real(reader, row, 3, 'allowed interference', step%interference(p), is_ok, 0.0_DP)
+    end do
+    if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*CONTACT INTERFERENCE needs data lines: slave, ' // &
+      'master, interference.')
+  end subroutine read_interference
+
+end module amontons_deck_contact

@@ -1,0 +1,206 @@
+!> Deck faces: element faces by their corner nodes: the free faces of a body, those of a mesh generator, one side of inner faces.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_faces
+  use amontons_deck_reader, only: reader_type
+  use amontons_containers, only: integer_list_type
+  use amontons_mesh, only: mesh_type
+  use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
+  implicit none
+  private
+  public :: faces_type, find_free_faces, find_left_faces, find_side, n_hidden_faces
+
+  !> The elements at each node, for looking up faces.
+  type :: faces_type
+    integer, allocatable :: first(:)             !< (n_nodes + 1) start in elements; not there: not indexed yet
+    integer, allocatable :: elements(:)
+  end type faces_type
+
+contains
+
+  !> Indexes the elements by their nodes, once. Cost: linear.
+  subroutine index_faces(faces, mesh)
+    type(faces_type), intent(inout) :: faces
+    type(mesh_type), intent(in) :: mesh
+    integer, allocatable :: next(:)
+    integer :: e, i, n
+    if (allocated(faces%first)) return
+    allocate (faces%first(mesh%n_nodes + 1), source=0)
+    allocate (faces%elements(size(mesh%nodes)))
+    do i = 1, size(mesh%nodes)
+      faces%first(mesh%nodes(i) + 1) = faces%first(mesh%nodes(i) + 1) + 1
+    end do
+    faces%first(1) = 1
+    do n = 1, mesh%n_nodes
+      faces%first(n + 1) = faces%first(n) + faces%first(n + 1)
+    end do
+    next = faces%first
+    do e = 1, mesh%n_elements
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        faces%elements(next(mesh%nodes(i))) = e
+        next(mesh%nodes(i)) = next(mesh%nodes(i)) + 1
+      end do
+    end do
+  end subroutine index_faces
+
+
+  !> The corner nodes of a face of an element.
+  pure function corners_of(mesh, e, face) result(corners)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e, face
+    integer, allocatable :: corners(:)
+    type(kind_type) :: entry
+    type(facet_kind_type) :: facet
+    entry = element_kind(mesh%kind(e))
+    facet = facet_kind(entry%face_kind(face))
+    corners = mesh%nodes(mesh%first(e) - 1 + entry%face_nodes(:facet%n_corners, face))
+  end function corners_of
+
+
+  !> The faces whose corners are some nodes: how many there are, and the first one.
+  subroutine match_face(faces, mesh, corners, n, element, face, without)
+    type(faces_type), intent(in) :: faces        !< indexed
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: corners(:)
+    integer, intent(out) :: n, element, face     !< 0, 0, 0 if there is none
+    integer, intent(in), optional :: without     !< element that does not count
+    type(kind_type) :: entry
+    integer, allocatable :: found(:)
+    integer :: k, i, j
+    n = 0
+    element = 0
+    face = 0
+    do k = faces%first(corners(1)), faces%first(corners(1) + 1) - 1
+      associate (e => faces%elements(k))
+        if (present(without)) then
+          if (e == without) cycle
+        end if
+        entry = element_kind(mesh%kind(e))
+        do i = 1, entry%n_faces
+          found = corners_of(mesh, e, i)
+          if (size(found) /= size(corners)) cycle
+          if (.not. all([(any(found == corners(j)), j=1, size(corners))])) cycle
+          n = n + 1
+          if (element == 0) face = i
+          if (element == 0) element = e
+        end do
+      end associate
+    end do
+  end subroutine match_face
+
+
+  !> How many of some faces another element shares.
+  integer function n_hidden_faces(faces, mesh, element, face) result(n_hidden)
+    type(faces_type), intent(inout) :: faces
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: element(:), face(:)
+    integer :: i, n, e, f
+    n_hidden = 0
+    if (any(mesh%nodes < 1)) return
+    call index_faces(faces, mesh)
+    do i = 1, size(element)
+      call match_face(faces, mesh, corners_of(mesh, element(i), face(i)), n, e, f)
+      if (n > 1) n_hidden = n_hidden + 1
+    end do
+  end function n_hidden_faces
+
+
+  !> The faces of some elements that no other element of the mesh shares.
+  subroutine find_free_faces(faces, mesh, members, element, face)
+    type(faces_type), intent(inout) :: faces
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: members(:)            !< elements
+    integer, allocatable, intent(out) :: element(:), face(:)
+    type(integer_list_type) :: elements, numbers
+    type(kind_type) :: entry
+    integer :: i, k, n, e, f
+    allocate (element(0), face(0))
+    if (any(mesh%nodes < 1)) return              ! an element names a node that is not there: that was told
+    call index_faces(faces, mesh)
+    do i = 1, size(members)
+      entry = element_kind(mesh%kind(members(i)))
+      do k = 1, entry%n_faces
+        call match_face(faces, mesh, corners_of(mesh, members(i), k), n, e, f)
+        if (n /= 1) cycle
+        call elements%add(members(i))
+        call numbers%add(k)
+      end do
+    end do
+    element = elements%trimmed()
+    face = numbers%trimmed()
+  end subroutine find_free_faces
+
+
+  !> The element faces on which elements lie that were left out (faces or edges that a mesh generator wrote with the body).
+  subroutine find_left_faces(reader, faces, mesh, members, element, face, n_without)
+    type(reader_type), intent(in) :: reader
+    type(faces_type), intent(inout) :: faces
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: members(:)            !< indices into reader%left_first
+    integer, allocatable, intent(out) :: element(:), face(:)
+    integer, intent(out) :: n_without            !< of them, that lie on no face
+    type(integer_list_type) :: elements, numbers
+    integer :: i, n, e, f, n_corners
+    allocate (element(0), face(0))
+    n_without = 0
+    if (any(mesh%nodes < 1)) return              ! an element names a node that is not there: that was told
+    call index_faces(faces, mesh)
+    do i = 1, size(members)
+      associate (nodes => reader%left_nodes(reader%left_first(members(i)):reader%left_first(members(i) + 1) - 1))
+        n_corners = size(nodes)
+        if (n_corners == 6 .or. n_corners == 8) n_corners = n_corners / 2
+        call match_face(faces, mesh, nodes(:n_corners), n, e, f)
+        if (e == 0 .and. size(nodes) == 3) call match_face(faces, mesh, nodes(:2), n, e, f)         ! a curved edge with its
+        if (e == 0 .and. size(nodes) == 3) call match_face(faces, mesh, nodes(1:3:2), n, e, f)      ! middle node last or second
+      end associate
+      if (e == 0) then
+        n_without = n_without + 1
+        cycle
+      end if
+      call elements%add(e)
+      call numbers%add(f)
+    end do
+    element = elements%trimmed()
+    face = numbers%trimmed()
+  end subroutine find_left_faces
+
+
+  !> The elements on that side of some faces inside a body on which the faces were named, those that touch the faces with no more
+  !! than an edge or a corner too. Faces that hold a node of the given ones lead from element to element, the given ones do not.
+  subroutine find_side(mesh, element, face, side, is_cut_through)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: element(:), face(:)   !< the given faces
+    integer, allocatable, intent(out) :: side(:) !< elements
+    logical, intent(out) :: is_cut_through       !< .false.: the way leads around the edge of the faces to their other side
+    type(faces_type) :: faces
+    type(integer_list_type) :: reached
+    type(kind_type) :: entry
+    integer :: beyond(size(element)), i, k, n, other, f
+    logical :: is_given(6, mesh%n_elements), is_on(mesh%n_nodes), is_reached(mesh%n_elements)
+    call index_faces(faces, mesh)
+    is_given = .false.
+    is_on = .false.
+    is_reached = .false.
+    do i = 1, size(element)
+      is_given(face(i), element(i)) = .true.
+      is_on(corners_of(mesh, element(i), face(i))) = .true.
+      call match_face(faces, mesh, corners_of(mesh, element(i), face(i)), n, beyond(i), f, without=element(i))
+      if (.not. is_reached(element(i))) call reached%add(element(i))
+      is_reached(element(i)) = .true.
+    end do
+    i = 0
+    do while (i < reached%n)                     ! the list grows meanwhile
+      i = i + 1
+      entry = element_kind(mesh%kind(reached%items(i)))
+      do k = 1, entry%n_faces
+        if (is_given(k, reached%items(i)) .or. .not. any(is_on(corners_of(mesh, reached%items(i), k)))) cycle
+        call match_face(faces, mesh, corners_of(mesh, reached%items(i), k), n, other, f, without=reached%items(i))
+        if (other == 0) cycle
+        if (.not. is_reached(other)) call reached%add(other)
+        is_reached(other) = .true.
+      end do
+    end do
+    side = reached%trimmed()
+    is_cut_through = .not. any(is_reached(pack(beyond, beyond > 0)))
+  end subroutine find_side
+
+end module amontons_deck_faces

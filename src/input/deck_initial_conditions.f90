@@ -1,0 +1,476 @@
+!> Deck conditions: local axes, initial conditions and the temperatures of the steps.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_initial_conditions
+  use amontons_kinds, only: DP, PI
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_real
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_integer, need_at_most, &
+    need_no_data, note, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
+  use amontons_loads, only: temperature_type, load_value
+  use amontons_containers, only: name_table_type
+  use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
+    HISTORY_INELASTIC, HISTORY_BACK
+  use amontons_mesh, only: mesh_type
+  use amontons_model, only: model_type, with_twins, DIALECT_CALCULIX
+  use amontons_text, only: text_of, squeezed, NUMBER_OK, NUMBER_EMPTY
+  implicit none
+  private
+  public :: read_orientations, read_initial_conditions
+  public :: thermal_type, start_thermal, begin_thermal_step, read_temperature, hand_over_temperatures, &
+    cut_temperatures
+
+  integer, parameter :: DECK_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order shears 12 13 23, we xy yz xz
+
+  !> The temperatures that stand at this point of the deck.
+  type :: thermal_type
+    integer :: step = 0                          !< present step
+    logical :: is_step = .false.                 !< STEP, AMPLITUDE=STEP
+    real(DP), allocatable :: before(:)           !< (n_nodes) at the end of the step before [temperature]
+    type(temperature_type), allocatable :: loads(:)   !< what acts in this step
+    integer, allocatable :: at(:)                !< (n_nodes) index into loads, 0: none
+    integer :: n = 0
+  end type thermal_type
+
+contains
+
+  !> ORIENTATION and DISTRIBUTION, and the sections that name them.
+  subroutine read_orientations(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(name_table_type) :: names
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(orientation_type) :: orientation
+    integer, allocatable :: distribution(:)      !< (orientations) its DISTRIBUTION card, 0: none
+    integer :: c, k
+    logical :: is_new
+    allocate (model%orientations(0), distribution(0))
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'ORIENTATION')) cycle
+      call open_card(reader, c, parameters, row)
+      orientation = orientation_type()
+      orientation%name = parameter_text(parameters, 'NAME')
+      if (orientation%name == '') cycle
+      call check_name(reader, c, orientation%name)
+      orientation%system = merge(SYSTEM_CYLINDRICAL, SYSTEM_RECTANGULAR, &
+        parameter_word(parameters, 'SYSTEM', 'RECTANGULAR') == 'CYLINDRICAL')
+      call names%add(orientation%name, k, is_new)
+      if (.not. is_new) then
+        call complain(reader, reader%cards%cards(c)%line, 'The orientation ''' // orientation%name // &
+          ''' is defined twice.')
+        cycle
+      end if
+      call read_axes(reader, c, row, orientation, k)
+      distribution = [distribution, k]
+      model%orientations = [model%orientations, orientation]
+    end do
+    if (size(model%orientations) > 0) allocate (model%element_orientation(model%mesh%n_elements), source=0)
+    call read_section_axes(reader, names, distribution, model)
+  end subroutine read_orientations
+
+
+  !> The data lines of an orientation.
+  subroutine read_axes(reader, c, row, orientation, distribution)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(row_type), intent(inout) :: row
+    type(orientation_type), intent(inout) :: orientation
+    integer, intent(out) :: distribution         !< DISTRIBUTION card that it names; 0: none
+    real(DP) :: value
+    integer :: status
+    logical :: is_ok
+    distribution = 0
+    is_ok = .true.
+    if (.not. next_row(reader%cards, row)) then
+      call complain(reader, reader%cards%cards(c)%line, '*ORIENTATION needs a data line: the coordinates of two points.')
+      return
+    end if
+    call field_real(reader%cards, row, 1, value, status)
+    if (status /= NUMBER_OK .and. status /= NUMBER_EMPTY) then
+      distribution = find_distribution(reader, field_text(reader%cards, row, 1))
+      if (distribution == 0) call complain(reader, row%line, 'There is no distribution ''' // &
+        field_text(reader%cards, row, 1) // '''.')
+    else
+      call read_points(reader, row, 1, orientation, is_ok)
+    end if
+    if (.not. next_row(reader%cards, row)) return
+    call need_at_most(reader, row, 2)
+    call need_integer(reader, row, 1, 'local axis', orientation%turn_axis, is_ok, 1)
+    call need_real(reader, row, 2, 'angle', orientation%turn_angle, is_ok, 0.0_DP)
+    orientation%turn_angle = orientation%turn_angle * PI / 180
+    if (orientation%turn_axis < 1 .or. orientation%turn_axis > 3) call complain(reader, row%line, &
+      'The local axis to turn about must be 1, 2 or 3.')
+    if (next_row(reader%cards, row)) call need_no_data(reader, row)
+  end subroutine read_axes
+
+
+  !> The DISTRIBUTION card of a name; 0 if there is none.
+  integer function find_distribution(reader, name) result(c)
+    type(reader_type), intent(in) :: reader
+    character(*), intent(in) :: name
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'DISTRIBUTION')) cycle
+      call open_card(reader, c, parameters, row)
+      if (squeezed(parameter_text(parameters, 'NAME')) == squeezed(name)) return
+    end do
+    c = 0
+  end function find_distribution
+
+
+  !> Two points, six coordinates.
+  subroutine read_points(reader, row, first, orientation, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: first                 !< field of the first coordinate
+    type(orientation_type), intent(inout) :: orientation
+    logical, intent(inout) :: is_ok
+    real(DP) :: x(6), cross(3)
+    integer :: i
+    call need_at_most(reader, row, first + 5)
+    do i = 1, 6
+      call need_real(reader, row, first + i - 1, 'coordinate', x(i), is_ok, 0.0_DP)
+    end do
+    orientation%a = x(:3)
+    orientation%b = x(4:)
+    if (.not. is_ok) return
+    associate (a => orientation%a, b => orientation%b)
+      cross = [a(2) * b(3) - a(3) * b(2), a(3) * b(1) - a(1) * b(3), a(1) * b(2) - a(2) * b(1)]
+      if (orientation%system == SYSTEM_CYLINDRICAL) then
+        is_ok = norm2(b - a) > 0
+      else
+        is_ok = norm2(cross) > 1.0e-10_DP * norm2(a) * norm2(b)
+      end if
+    end associate
+    if (.not. is_ok) call complain(reader, row%line, 'These two points give no axes: they must not coincide, nor lie ' // &
+      'on one line through the origin (RECTANGULAR).')
+  end subroutine read_points
+
+
+  !> ORIENTATION of the sections; a distribution gives orientations of its own, one for each of its lines.
+  subroutine read_section_axes(reader, names, distribution, model)
+    type(reader_type), intent(inout) :: reader
+    type(name_table_type), intent(in) :: names
+    integer, intent(in) :: distribution(:)
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: c, k, set
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'SOLIDSECTION')) cycle
+      call open_card(reader, c, parameters, row)
+      if (parameter_text(parameters, 'ORIENTATION') == '') cycle
+      k = names%find(parameter_text(parameters, 'ORIENTATION'))
+      set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
+      if (k == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no orientation ''' // &
+        parameter_text(parameters, 'ORIENTATION') // '''.')
+      if (k == 0 .or. set == 0) cycle
+      associate (members => model%mesh%element_sets(set)%members)
+        model%element_orientation(members) = k
+        if (distribution(k) > 0) call read_distribution(reader, distribution(k), members, model)
+      end associate
+    end do
+  end subroutine read_section_axes
+
+
+  !> The lines of a distribution for the elements of a section.
+  subroutine read_distribution(reader, c, members, model)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< DISTRIBUTION card
+    integer, intent(in) :: members(:)            !< elements of the section
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(orientation_type) :: orientation
+    integer, allocatable :: elements(:)
+    logical :: is_inside(model%mesh%n_elements), is_ok
+    integer :: i
+    if (size(members) == 0) return
+    is_inside = .false.
+    is_inside(members) = .true.
+    orientation = model%orientations(model%element_orientation(members(1)))
+    call open_card(reader, c, parameters, row)
+    do while (next_row(reader%cards, row))
+      is_ok = .true.
+      call read_points(reader, row, 2, orientation, is_ok)
+      if (field_text(reader%cards, row, 1) == '') then
+        elements = members
+      else
+        call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
+      end if
+      if (.not. is_ok) cycle
+      model%orientations = [model%orientations, orientation]
+      do i = 1, size(elements)
+        if (is_inside(elements(i))) model%element_orientation(elements(i)) = size(model%orientations)
+      end do
+    end do
+  end subroutine read_distribution
+
+
+  !> INITIAL CONDITIONS.
+  subroutine read_initial_conditions(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: what
+    integer :: c
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'INITIALCONDITIONS')) cycle
+      call open_card(reader, c, parameters, row)
+      what = parameter_word(parameters, 'TYPE', '')
+      if (what == 'DISPLACEMENT') call note(reader, reader%cards%cards(c)%line, 'Initial displacements have no effect in a ' // &
+        'static step: the loads and supports of the first increment decide where it ends, as in CalculiX.')
+      if (what == 'TEMPERATURE' .and. .not. allocated(model%initial_temperature)) &
+        allocate (model%initial_temperature(model%mesh%n_nodes), source=0.0_DP)
+      if (what == 'STRESS' .and. .not. allocated(model%initial_stress)) &
+        allocate (model%initial_stress(6, model%mesh%n_points), source=0.0_DP)
+      if ((what == 'PLASTICSTRAIN' .or. what == 'HARDENING') .and. .not. allocated(model%initial_history)) &
+        allocate (model%initial_history(HISTORY_BACK + 5, model%mesh%n_points), source=0.0_DP)
+      if (has_parameter(parameters, 'USER')) then
+        if (what /= 'SOLUTION') call complain(reader, reader%cards%cards(c)%line, 'USER goes with TYPE=SOLUTION alone.')
+        model%has_sdvini = .true.
+      else if (what == 'SOLUTION') then
+        call read_initial_variables(reader, row, model)
+      end if
+      do while (next_row(reader%cards, row))
+        select case (what)
+        case ('TEMPERATURE')
+          call read_initial_temperature(reader, row, model)
+        case ('STRESS', 'PLASTICSTRAIN', 'HARDENING')
+          call read_initial_points(reader, row, what, model)
+        end select
+      end do
+    end do
+  end subroutine read_initial_conditions
+
+
+  !> Rows: element or element set, seven STATEV; then eight in a line until the material of the elements has enough.
+  subroutine read_initial_variables(reader, row, model)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    type(model_type), intent(inout) :: model
+    integer, allocatable :: elements(:)
+    real(DP), allocatable :: values(:)
+    integer :: i, k, n, first
+    logical :: is_ok
+    n = 0
+    if (size(model%materials) > 0) n = maxval(model%materials%n_statev)
+    if (.not. allocated(model%initial_statev)) allocate (model%initial_statev(n, model%mesh%n_points), source=0.0_DP)
+    do while (next_row(reader%cards, row))
+      is_ok = .true.
+      call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
+      if (.not. is_ok .or. size(elements) == 0) cycle
+      n = 0
+      do i = 1, size(elements)
+        if (model%mesh%material(elements(i)) > 0) n = max(n, model%materials(model%mesh%material(elements(i)))%n_statev)
+      end do
+      if (n == 0) call complain(reader, row%line, 'The material of these elements has no *DEPVAR: there are no STATEV to set.')
+      allocate (values(n), source=0.0_DP)
+      first = 2
+      k = 0
+      do
+        call need_at_most(reader, row, min(first - 1 + n - k, 8))
+        do i = first, min(first - 1 + n - k, 8)
+          call need_real(reader, row, i, 'STATEV', values(k + i - first + 1), is_ok, 0.0_DP)
+        end do
+        k = min(n, k + 9 - first)
+        if (k >= n) exit
+        first = 1
+        if (.not. next_row(reader%cards, row)) exit
+      end do
+      do i = 1, merge(size(elements), 0, is_ok)
+        associate (e => elements(i))
+          model%initial_statev(:n, model%mesh%point_first(e):model%mesh%point_first(e + 1) - 1) = &
+            spread(values, 2, model%mesh%point_first(e + 1) - model%mesh%point_first(e))
+        end associate
+      end do
+      deallocate (values)
+    end do
+  end subroutine read_initial_variables
+
+
+  !> Row: node or node set, temperature; gradients of shells may follow and are passed over.
+  subroutine read_initial_temperature(reader, row, model)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(model_type), intent(inout) :: model
+    integer, allocatable :: nodes(:)
+    real(DP) :: value
+    logical :: is_ok
+    is_ok = .true.
+    call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
+    call need_real(reader, row, 2, 'temperature', value, is_ok, 0.0_DP)
+    if (is_ok) model%initial_temperature(with_twins(model, nodes)) = value
+  end subroutine read_initial_temperature
+
+
+  !> Row: element or element set, in the calculix dialect an integration point, then six components; HARDENING has the
+  !! equivalent plastic strain before them.
+  subroutine read_initial_points(reader, row, what, model)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    character(*), intent(in) :: what             !< STRESS, PLASTICSTRAIN or HARDENING
+    type(model_type), intent(inout) :: model
+    integer, allocatable :: elements(:)
+    real(DP) :: x(7)
+    integer :: point, i, p, first, last, n
+    logical :: is_ok
+    is_ok = .true.
+    call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
+    first = 2
+    point = 0
+    if (reader%dialect == DIALECT_CALCULIX .and. what /= 'HARDENING') then
+      call need_integer(reader, row, 2, 'integration point', point, is_ok)
+      first = 3
+    end if
+    n = merge(7, 6, what == 'HARDENING')
+    call need_at_most(reader, row, first + n - 1)
+    do i = 1, n
+      call need_real(reader, row, first + i - 1, 'component', x(i), is_ok, 0.0_DP)
+    end do
+    if (.not. is_ok) return
+    do i = 1, size(elements)
+      p = model%mesh%point_first(elements(i))
+      last = model%mesh%point_first(elements(i) + 1) - 1
+      if (first == 3 .and. (point < 1 .or. p + point - 1 > last)) then
+        call complain(reader, row%line, 'The element ' // text_of(model%mesh%element_label(elements(i))) // &
+          ' has no integration point ' // text_of(point) // '; it has ' // text_of(last - p + 1) // '.')
+        return
+      end if
+      if (first == 3) p = p + point - 1
+      if (first == 3) last = p
+      if (what == 'STRESS') then
+        model%initial_stress(:, p:last) = spread(x(DECK_ORDER), 2, last - p + 1)
+      else if (what == 'PLASTICSTRAIN') then
+        model%initial_history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p:last) = spread(x(DECK_ORDER), 2, last - p + 1)
+      else
+        model%initial_history(HISTORY_PEEQ, p:last) = x(1)
+        model%initial_history(HISTORY_BACK:HISTORY_BACK + 5, p:last) = spread(x(1 + DECK_ORDER), 2, last - p + 1)
+      end if
+    end do
+  end subroutine read_initial_points
+
+
+  !> The temperatures before the first step.
+  subroutine start_thermal(model, thermal)
+    type(model_type), intent(in) :: model
+    type(thermal_type), intent(out) :: thermal
+    allocate (thermal%before(model%mesh%n_nodes), source=0.0_DP)
+    if (allocated(model%initial_temperature)) thermal%before = model%initial_temperature
+    allocate (thermal%at(model%mesh%n_nodes), source=0)
+    allocate (thermal%loads(0))
+  end subroutine start_thermal
+
+
+  !> A new step: all nodes keep the temperature that they had at the end of the step before; amplitudes in total time
+  !! run on.
+  subroutine begin_thermal_step(model, period, total_time, is_step, thermal)
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: period               !< length of the step before [time]
+    real(DP), intent(in) :: total_time           !< total time at its end [time]
+    logical, intent(in) :: is_step               !< the new step has AMPLITUDE=STEP
+    type(thermal_type), intent(inout) :: thermal
+    integer :: i, n
+    thermal%step = thermal%step + 1
+    thermal%is_step = is_step
+    n = 0
+    do i = 1, thermal%n
+      associate (load => thermal%loads(i))
+        thermal%before(load%node) = load_value(load, model%amplitudes, period, total_time, period)
+        thermal%at(load%node) = 0
+        if (load%amplitude == 0) cycle
+        if (.not. model%amplitudes(load%amplitude)%is_total_time) cycle
+        n = n + 1
+        thermal%loads(n) = load
+        thermal%at(load%node) = n
+      end associate
+    end do
+    thermal%n = n
+  end subroutine begin_thermal_step
+
+
+  !> What the temperatures of a step that ends early have reached.
+  subroutine cut_temperatures(thermal, fraction)
+    type(thermal_type), intent(inout) :: thermal
+    real(DP), intent(in) :: fraction             !< of the step that was done [-]
+    integer :: i
+    do i = 1, thermal%n
+      associate (load => thermal%loads(i))
+        if (load%amplitude == 0) load%end = load%start + (load%end - load%start) * fraction
+      end associate
+    end do
+  end subroutine cut_temperatures
+
+
+  !> TEMPERATURE in the present step.
+  subroutine read_temperature(reader, model, c, thermal)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(thermal_type), intent(inout) :: thermal
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: nodes(:)
+    real(DP) :: value
+    integer :: amplitude, i
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    call find_amplitude(reader, c, parameters, amplitude)
+    if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') then
+      do i = 1, model%mesh%n_nodes
+        value = 0
+        if (allocated(model%initial_temperature)) value = model%initial_temperature(i)
+        if (abs(value - thermal%before(i)) > 0 .or. thermal%at(i) > 0) call set_temperature(i, value, 0, thermal)
+      end do
+    end if
+    do while (next_row(reader%cards, row))
+      is_ok = .true.
+      call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
+      call need_real(reader, row, 2, 'temperature', value, is_ok, 0.0_DP)
+      if (.not. is_ok) cycle
+      nodes = with_twins(model, nodes)
+      do i = 1, size(nodes)
+        call set_temperature(nodes(i), value, amplitude, thermal)
+      end do
+    end do
+  end subroutine read_temperature
+
+
+  !> The temperature of one node at the end of the step.
+  subroutine set_temperature(node, value, amplitude, thermal)
+    integer, intent(in) :: node
+    real(DP), intent(in) :: value                !< [temperature]
+    integer, intent(in) :: amplitude             !< 0: none
+    type(thermal_type), intent(inout) :: thermal
+    type(temperature_type), allocatable :: larger(:)
+    integer :: i
+    i = thermal%at(node)
+    if (i == 0) then
+      if (thermal%n == size(thermal%loads)) then
+        allocate (larger(max(256, 2 * thermal%n)))
+        larger(:thermal%n) = thermal%loads(:thermal%n)
+        call move_alloc(larger, thermal%loads)
+      end if
+      thermal%n = thermal%n + 1
+      i = thermal%n
+      thermal%at(node) = i
+    end if
+    associate (load => thermal%loads(i))
+      load%node = node
+      load%start = merge(value, thermal%before(node), thermal%is_step)
+      load%end = value
+      load%amplitude = amplitude
+    end associate
+  end subroutine set_temperature
+
+
+  !> The list of the present step.
+  subroutine hand_over_temperatures(thermal, temperatures)
+    type(thermal_type), intent(in) :: thermal
+    type(temperature_type), allocatable, intent(out) :: temperatures(:)
+    temperatures = thermal%loads(:thermal%n)
+  end subroutine hand_over_temperatures
+
+end module amontons_deck_initial_conditions

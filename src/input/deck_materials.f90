@@ -1,0 +1,713 @@
+!> Deck materials: the cards of materials to their parameters, and what follows from all of them together.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_materials
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, &
+    read_constants, is_card, check_name
+  use amontons_materials, only: material_type, table_type, curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
+    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
+    HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
+    HISTORY_INELASTIC, HISTORY_BACK, USER_STATE
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_user_routines, only: CALL_NAME
+  use amontons_text, only: text_of, parse_integer, parse_real, plural, NUMBER_OK
+  implicit none
+  private
+  public :: read_materials, finish_materials, read_plastic
+
+  integer, parameter :: FIELDS = 8               !< values of a data line
+  integer, parameter :: MOST_STATEV = 100000
+
+contains
+
+  !> MATERIAL and the cards of its block.
+  subroutine read_materials(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: line(:)
+    integer :: c, m
+    logical :: is_new
+    allocate (model%materials(0), line(0))
+    m = 0
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'MATERIAL')) then
+        call open_card(reader, c, parameters, row)
+        if (parameter_text(parameters, 'NAME') == '') cycle
+        call check_name(reader, c, parameter_text(parameters, 'NAME'))
+        call reader%materials%add(parameter_text(parameters, 'NAME'), m, is_new)
+        if (is_new) then
+          line = [line, reader%cards%cards(c)%line]
+          call add_material(model, parameter_text(parameters, 'NAME'), reader%dialect)
+        else
+          call complain(reader, reader%cards%cards(c)%line, 'The material ''' // parameter_text(parameters, 'NAME') // &
+            ''' is defined twice.')
+        end if
+      else if (m > 0) then
+        call read_property(reader, c, model%materials(m))
+      end if
+    end do
+    do m = 1, size(model%materials)
+      call check_material(reader, line(m), model%materials(m))
+    end do
+  end subroutine read_materials
+
+
+  !> One card of the block of a material.
+  subroutine read_property(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(material_type), intent(inout) :: material
+    if (is_refused(reader, c)) then
+      material%has_elastic = .true.              ! it may have stood in place of ELASTIC, and is told
+      return
+    end if
+    if (is_second_law(reader%table%entries(reader%cards%cards(c)%entry)%key, material)) then
+      call complain(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // ''' has a law of stress before ' // &
+        'this card; give one.')
+      return
+    end if
+    select case (reader%table%entries(reader%cards%cards(c)%entry)%key)
+    case ('ELASTIC')
+      call read_elastic(reader, c, material)
+    case ('DENSITY')
+      call read_density(reader, c, material)
+    case ('EXPANSION')
+      call read_expansion(reader, c, material)
+    case ('PLASTIC')
+      call read_plastic(reader, c, material)
+    case ('CYCLICHARDENING')
+      call read_curves(reader, c, material%isotropic)
+    case ('DEFORMATIONPLASTICITY')
+      call read_deformation(reader, c, material)
+    case ('CREEP')
+      call read_creep(reader, c, material)
+    case ('HYPERELASTIC')
+      call read_rubber(reader, c, material)
+    case ('HYPERFOAM')
+      call read_foam(reader, c, material)
+    case ('USERMATERIAL')
+      call read_user_material(reader, c, material)
+    case ('DEPVAR')
+      call read_depvar(reader, c, material)
+    end select
+  end subroutine read_property
+
+
+  !> Whether a card gives a law of stress to a material that has one: rubber or foam after any, UMAT after UMAT, ELASTIC
+  !! after rubber.
+  pure logical function is_second_law(key, material)
+    character(*), intent(in) :: key
+    type(material_type), intent(in) :: material
+    select case (key)
+    case ('HYPERELASTIC', 'HYPERFOAM')
+      is_second_law = material%has_elastic
+    case ('ELASTIC')
+      is_second_law = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
+    case ('USERMATERIAL')
+      is_second_law = material%is_user
+    case default
+      is_second_law = .false.
+    end select
+  end function is_second_law
+
+
+  !> Whether a card is one that we do not read.
+  pure function is_refused(reader, c) result(is_so)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    logical :: is_so
+    is_so = reader%cards%cards(c)%entry == 0
+    if (.not. is_so) is_so = reader%table%entries(reader%cards%cards(c)%entry)%status == STATUS_REFUSED
+  end function is_refused
+
+
+  !> Adds a material with the finite-strain law of the dialect.
+  subroutine add_material(model, name, dialect)
+    type(model_type), intent(inout) :: model
+    character(*), intent(in) :: name
+    integer, intent(in) :: dialect
+    type(material_type) :: material
+    material%name = name
+    material%law = merge(LAW_SAINT_VENANT, LAW_HENCKY, dialect == DIALECT_CALCULIX)
+    model%materials = [model%materials, material]
+  end subroutine add_material
+
+
+  !> Tells a material that has no elasticity, or properties that do not go together.
+  subroutine check_material(reader, line, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line                  !< of the MATERIAL card
+    type(material_type), intent(inout) :: material
+    character(:), allocatable :: who
+    logical :: has_yield, is_rubber
+    who = 'The material ''' // material%name // ''' '
+    if (.not. (material%has_elastic .or. material%is_user)) call complain(reader, line, who // 'has no *ELASTIC card.')
+    if (material%n_statev > 0 .and. .not. material%is_user) call complain(reader, line, who // 'has *DEPVAR but no ' // &
+      '*USER MATERIAL.')
+    if (material%is_user .and. (material%has_elastic .or. allocated(material%isotropic) .or. &
+      allocated(material%kinematic) .or. material%creep_law /= CREEP_NONE)) call complain(reader, line, who // &
+      'has *USER MATERIAL beside laws of ours; UMAT gives the whole stress.')
+    if (material%is_user .and. len(material%name) > CALL_NAME) call complain(reader, line, who // 'has a name of ' // &
+      'more than ' // text_of(CALL_NAME) // ' letters, which UMAT cannot be given.')
+    has_yield = allocated(material%isotropic) .or. allocated(material%kinematic)
+    is_rubber = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
+    if ((has_yield .or. material%creep_law /= CREEP_NONE) .and. (is_rubber .or. material%has_deformation_plasticity)) &
+      call complain(reader, line, who // 'has both rubber or deformation plasticity and *PLASTIC or *CREEP; give one.')
+    if (material%creep_law /= CREEP_NONE .and. allocated(material%kinematic)) call complain(reader, line, who // &
+      'has *CREEP with kinematic hardening, which is not supported; use isotropic hardening.')
+    if ((allocated(material%kinematic) .or. material%creep_law /= CREEP_NONE) .and. (material%elastic_kind == &
+      ELASTIC_ORTHOTROPIC .or. material%elastic_kind == ELASTIC_ANISOTROPIC)) call complain(reader, line, who // &
+      'has *CREEP or kinematic hardening with anisotropic elasticity, which is not supported; isotropic hardening is.')
+    if (is_rubber .and. allocated(material%expansion%value)) then
+      if (size(material%expansion%value, 1) > 1) call complain(reader, line, who // &
+        'is rubber or foam with anisotropic expansion, which is not supported.')
+    end if
+  end subroutine check_material
+
+
+  !> USER MATERIAL: the PROPS of UMAT.
+  subroutine read_user_material(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(material_type), intent(inout) :: material
+    type(parameter_type), allocatable :: parameters(:)
+    type(row_type) :: row
+    integer :: n, status
+    call open_card(reader, c, parameters, row)
+    material%is_user = .true.
+    material%is_spatial = has_parameter(parameters, 'SPATIAL')
+    if (has_parameter(parameters, 'LIBRARY')) material%library = parameter_text(parameters, 'LIBRARY')
+    call parse_integer(parameter_text(parameters, 'CONSTANTS'), n, status)
+    if (status /= NUMBER_OK .or. n < 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'CONSTANTS must be the number of the constants of UMAT, 0 or more.')
+      return
+    end if
+    allocate (material%props(n), source=0.0_DP)
+    call read_constants(reader, c, row, 'CONSTANTS', material%props)
+  end subroutine read_user_material
+
+
+  !> DEPVAR: the number of the STATEV. Lines that name them are passed over.
+  subroutine read_depvar(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(material_type), intent(inout) :: material
+    type(parameter_type), allocatable :: parameters(:)
+    type(row_type) :: row
+    integer :: n, status
+    call open_card(reader, c, parameters, row)
+    n = 0
+    status = -1
+    if (next_row(reader%cards, row)) call parse_integer(field_text(reader%cards, row, 1), n, status)
+    if (status /= NUMBER_OK .or. n < 1 .or. n > MOST_STATEV) then
+      call complain(reader, reader%cards%cards(c)%line, '*DEPVAR needs the number of the variables of UMAT: 1 to ' // &
+        text_of(MOST_STATEV) // '.')
+    else
+      material%n_statev = n
+    end if
+  end subroutine read_depvar
+
+
+  !> What follows from the whole deck: which materials are plain, and how much history the others have. Without any
+  !! temperature expansion has no effect.
+  subroutine finish_materials(model)
+    type(model_type), intent(inout) :: model
+    logical :: has_past, has_temperature
+    integer :: m, i
+    has_past = allocated(model%initial_history) .or. allocated(model%initial_stress)
+    has_temperature = .false.
+    if (allocated(model%initial_temperature)) has_temperature = .true.   ! the library may set others
+    do i = 1, size(model%steps)
+      if (allocated(model%steps(i)%temperatures)) has_temperature = has_temperature .or. &
+        size(model%steps(i)%temperatures) > 0
+    end do
+    do m = 1, size(model%materials)
+      associate (material => model%materials(m))
+        if (.not. has_temperature .and. allocated(material%expansion%value)) deallocate (material%expansion%value)
+        material%n_history = 0
+        if (allocated(material%isotropic) .or. material%creep_law /= CREEP_NONE .or. has_past) &
+          material%n_history = HISTORY_INELASTIC + 5
+        if (allocated(material%kinematic)) material%n_history = HISTORY_BACK + 5
+        material%is_plain = material%elastic_kind == ELASTIC_ISOTROPIC .and. material%n_history == 0 .and. &
+          .not. allocated(material%expansion%value) .and. .not. material%has_deformation_plasticity
+        if (allocated(material%elastic%value)) material%is_plain = material%is_plain .and. &
+          size(material%elastic%value, 2) == 1
+        if (material%is_user) material%n_history = USER_STATE - 1 + material%n_statev
+        if (material%is_user) material%is_plain = .false.
+      end associate
+    end do
+  end subroutine finish_materials
+
+
+  !> Values over the temperature: a record is the values and a temperature, in lines of eight.
+  subroutine read_table(reader, c, n, table, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: n                     !< values of a record
+    type(table_type), intent(out) :: table
+    logical, intent(out) :: is_ok
+    type(parameter_type), allocatable :: parameters(:)
+    type(row_type) :: row
+    real(DP) :: record(n + 1)
+    integer :: i, k
+    allocate (table%temperature(0), table%value(n, 0))
+    is_ok = .true.
+    call open_card(reader, c, parameters, row)
+    do while (next_row(reader%cards, row))
+      i = 0
+      do
+        call need_at_most(reader, row, min(FIELDS, n + 1 - i))
+        do k = 1, min(FIELDS, n + 1 - i)
+          call need_real(reader, row, k, trim(merge('temperature', 'constant   ', i + k > n)), record(i + k), is_ok, &
+            0.0_DP)
+        end do
+        i = i + min(FIELDS, n + 1 - i)
+        if (i > n) exit
+        if (next_row(reader%cards, row)) cycle
+        record(i + 1:) = 0
+        if (i < n) call complain(reader, row%line, 'Of ' // text_of(n) // ' constants only ' // text_of(i) // &
+          ' are there; they go on in the next line after eight values.')
+        if (i < n) is_ok = .false.
+        exit
+      end do
+      if (is_ok) call add_record(reader, row%line, record, table, is_ok)
+      if (.not. is_ok) exit
+    end do
+    if (size(table%temperature) == 0 .and. is_ok) then
+      call complain(reader, reader%cards%cards(c)%line, '*' // &
+        reader%table%entries(reader%cards%cards(c)%entry)%keyword // ' needs a data line: ' // &
+        reader%table%entries(reader%cards%cards(c)%entry)%data // '.')
+      is_ok = .false.
+    end if
+  end subroutine read_table
+
+
+  !> Adds a record to a table; the temperatures ascend.
+  subroutine add_record(reader, line, record, table, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line
+    real(DP), intent(in) :: record(:)            !< values, temperature
+    type(table_type), intent(inout) :: table
+    logical, intent(inout) :: is_ok
+    integer :: n, m
+    n = size(record) - 1
+    m = size(table%temperature)
+    if (m > 0) then
+      if (record(n + 1) <= table%temperature(m)) then
+        call complain(reader, line, 'The temperatures of a property must ascend; the last value of each record is ' // &
+          'its temperature.')
+        is_ok = .false.
+        return
+      end if
+    end if
+    table%temperature = [table%temperature, record(n + 1)]
+    table%value = reshape([table%value, record(:n)], [n, m + 1])
+  end subroutine add_record
+
+
+  !> ELASTIC.
+  subroutine read_elastic(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: i
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    material%has_elastic = .true.                ! what is wrong with it is told below
+    select case (parameter_word(parameters, 'TYPE', 'ISO'))
+    case ('ISO', 'ISOTROPIC')
+      material%elastic_kind = ELASTIC_ISOTROPIC
+      call read_table(reader, c, 2, material%elastic, is_ok)
+      if (.not. is_ok) return
+      do i = 1, size(material%elastic%temperature)
+        call check_isotropic(reader, c, material%elastic%value(:, i))
+      end do
+      material%youngs_modulus = material%elastic%value(1, 1)
+      material%poissons_ratio = material%elastic%value(2, 1)
+    case ('ORTHO', 'ORTHOTROPIC', 'ENGINEERINGCONSTANTS')
+      material%elastic_kind = ELASTIC_ORTHOTROPIC
+      call read_table(reader, c, 9, material%elastic, is_ok)
+      if (is_ok .and. parameter_word(parameters, 'TYPE', '') == 'ENGINEERINGCONSTANTS') then
+        do i = 1, size(material%elastic%temperature)
+          call convert_constants(reader, c, material%elastic%value(:, i), is_ok)
+        end do
+      end if
+    case ('ANISO', 'ANISOTROPIC')
+      material%elastic_kind = ELASTIC_ANISOTROPIC
+      call read_table(reader, c, 21, material%elastic, is_ok)
+    case default
+      return                                     ! told when the card was checked
+    end select
+    if (material%elastic_kind /= ELASTIC_ISOTROPIC .and. is_ok) call check_definite(reader, c, material)
+  end subroutine read_elastic
+
+
+  !> Tells E and nu that are out of bounds.
+  subroutine check_isotropic(reader, c, constants)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    real(DP), intent(in) :: constants(2)
+    integer :: line
+    line = reader%cards%cards(c)%line
+    if (constants(1) <= 0) call complain(reader, line, 'Young''s modulus must be positive.')
+    if (constants(2) <= -1 .or. constants(2) >= 0.5_DP) call complain(reader, line, &
+      'Poisson''s ratio must be greater than -1 and less than 0.5; what hardly changes its volume has 0.49 or 0.4999, ' // &
+      'in elements that do not lock (see Elements in the manual).')
+  end subroutine check_isotropic
+
+
+  !> Engineering constants to the nine D. Reference: the inverse of the compliance 1/E_i, -nu_ij/E_i.
+  subroutine convert_constants(reader, c, x, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    real(DP), intent(inout) :: x(9)              !< in: E1 E2 E3 nu12 nu13 nu23 G12 G13 G23; out: D1111 D1122 ...
+    logical, intent(inout) :: is_ok
+    real(DP) :: e(3), n12, n13, n23, n21, n31, n32, d
+    e = x(:3)
+    if (any(e <= 0) .or. any(x(7:9) <= 0)) then
+      call complain(reader, reader%cards%cards(c)%line, 'Young''s and shear moduli must be positive.')
+      is_ok = .false.
+      return
+    end if
+    n12 = x(4)
+    n13 = x(5)
+    n23 = x(6)
+    n21 = n12 * e(2) / e(1)
+    n31 = n13 * e(3) / e(1)
+    n32 = n23 * e(3) / e(2)
+    d = 1 - n12 * n21 - n23 * n32 - n13 * n31 - 2 * n21 * n32 * n13
+    if (.not. d > 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'These Poisson''s ratios give an elasticity that is not ' // &
+        'positive.')
+      is_ok = .false.
+      return
+    end if
+    x(1) = e(1) * (1 - n23 * n32) / d
+    x(2) = e(1) * (n21 + n31 * n23) / d
+    x(3) = e(2) * (1 - n13 * n31) / d
+    x(4) = e(1) * (n31 + n21 * n32) / d
+    x(5) = e(2) * (n32 + n12 * n31) / d
+    x(6) = e(3) * (1 - n12 * n21) / d
+  end subroutine convert_constants
+
+
+  !> Tells an elasticity matrix that is not positive definite, by Cholesky's factors.
+  subroutine check_definite(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(in) :: material
+    real(DP) :: A(6, 6)
+    integer :: t, i, j, k
+    do t = 1, size(material%elastic%temperature)
+      A = 0
+      k = 0
+      do j = 1, 6
+        do i = 1, j
+          if (material%elastic_kind == ELASTIC_ORTHOTROPIC .and. j > 3 .and. i < j) cycle
+          k = k + 1
+          A(i, j) = material%elastic%value(k, t)
+          A(j, i) = A(i, j)
+        end do
+      end do
+      do k = 1, 6
+        if (.not. A(k, k) > 0) then
+          call complain(reader, reader%cards%cards(c)%line, 'The elasticity is not positive definite: it would ' // &
+            'give energy away. Check the order of the constants.')
+          return
+        end if
+        do j = k + 1, 6
+          A(k + 1:, j) = A(k + 1:, j) - A(k + 1:, k) * (A(k, j) / A(k, k))
+        end do
+      end do
+    end do
+  end subroutine check_definite
+
+
+  !> DENSITY: rho > 0 over the temperature.
+  subroutine read_density(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    type(table_type) :: table
+    logical :: is_ok
+    material%has_density = .true.
+    call read_table(reader, c, 1, table, is_ok)
+    if (.not. is_ok) return
+    material%density = table%value(1, 1)
+    if (any(table%value(1, :) <= 0)) call complain(reader, reader%cards%cards(c)%line, 'The density must be positive.')
+    if (maxval(abs(table%value(1, :) - material%density)) > 0) material%densities = table
+  end subroutine read_density
+
+
+  !> EXPANSION.
+  subroutine read_expansion(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: n, status
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    select case (parameter_word(parameters, 'TYPE', 'ISO'))
+    case ('ISO', 'ISOTROPIC')
+      n = 1
+    case ('ORTHO', 'ORTHOTROPIC')
+      n = 3
+    case default
+      n = 6
+    end select
+    if (has_parameter(parameters, 'ZERO')) call parse_real(parameter_text(parameters, 'ZERO'), &
+      material%expansion_zero, status)
+    call read_table(reader, c, n, material%expansion, is_ok)
+  end subroutine read_expansion
+
+
+  !> PLASTIC, CHANGE PLASTIC.
+  subroutine read_plastic(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    call open_card(reader, c, parameters, row)
+    if (parameter_word(parameters, 'HARDENING', 'ISOTROPIC') == 'ISOTROPIC') then
+      call read_curves(reader, c, material%isotropic)
+    else
+      call read_curves(reader, c, material%kinematic)
+    end if
+  end subroutine read_plastic
+
+
+  !> Yield stress over plastic strain, at one or more temperatures.
+  subroutine read_curves(reader, c, curves)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(curve_type), allocatable, intent(inout) :: curves(:)
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(curve_type) :: curve
+    real(DP) :: values(3)
+    integer :: i
+    logical :: is_ok
+    if (allocated(curves)) deallocate (curves)
+    allocate (curves(0), curve%strain(0), curve%stress(0))
+    is_ok = .true.
+    call open_card(reader, c, parameters, row)
+    do while (next_row(reader%cards, row))
+      call need_at_most(reader, row, 3)
+      call need_real(reader, row, 1, 'yield stress', values(1), is_ok)
+      call need_real(reader, row, 2, 'plastic strain', values(2), is_ok, 0.0_DP)
+      call need_real(reader, row, 3, 'temperature', values(3), is_ok, 0.0_DP)
+      if (.not. is_ok) return
+      if (size(curve%strain) > 0 .and. abs(values(3) - curve%temperature) > 0) call close_curve()
+      curve%temperature = values(3)
+      curve%stress = [curve%stress, values(1)]
+      curve%strain = [curve%strain, values(2)]
+    end do
+    if (size(curve%strain) > 0) call close_curve()
+    if (size(curves) == 0) call complain(reader, reader%cards%cards(c)%line, &
+      'A hardening curve needs data: yield stress, equivalent plastic strain, temperature.')
+    do i = 2, size(curves)
+      if (curves(i)%temperature <= curves(i - 1)%temperature) call complain(reader, reader%cards%cards(c)%line, &
+        'The temperatures of the hardening curves must ascend.')
+    end do
+
+  contains
+
+    !> Puts the curve of one temperature away.
+    subroutine close_curve()
+      integer :: k
+      if (any(curve%stress <= 0)) call complain(reader, reader%cards%cards(c)%line, 'A yield stress must be positive.')
+      if (abs(curve%strain(1)) > 0) call complain(reader, reader%cards%cards(c)%line, &
+        'The plastic strain of the first point of a hardening curve must be 0.')
+      k = size(curve%strain)
+      if (any(curve%strain(2:) <= curve%strain(:k - 1))) call complain(reader, reader%cards%cards(c)%line, &
+        'The plastic strains of a hardening curve must ascend.')
+      curves = [curves, curve]
+      deallocate (curve%strain, curve%stress)
+      allocate (curve%strain(0), curve%stress(0))
+    end subroutine close_curve
+
+  end subroutine read_curves
+
+
+  !> DEFORMATION PLASTICITY: its own E and nu.
+  subroutine read_deformation(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    integer :: i
+    logical :: is_ok
+    material%has_elastic = .true.
+    material%has_deformation_plasticity = .true.
+    call read_table(reader, c, 5, material%deformation, is_ok)
+    if (.not. is_ok) return
+    material%youngs_modulus = material%deformation%value(1, 1)
+    material%poissons_ratio = material%deformation%value(2, 1)
+    do i = 1, size(material%deformation%temperature)
+      call check_isotropic(reader, c, material%deformation%value(:2, i))
+      if (material%deformation%value(3, i) <= 0 .or. material%deformation%value(4, i) < 1 .or. &
+        material%deformation%value(5, i) <= 0) call complain(reader, reader%cards%cards(c)%line, &
+        'The yield stress and the offset must be positive and the exponent at least 1.')
+    end do
+  end subroutine read_deformation
+
+
+  !> CREEP.
+  subroutine read_creep(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    material%creep_law = merge(CREEP_STRAIN_HARDENING, CREEP_TIME_HARDENING, parameter_word(parameters, 'LAW', 'TIME') &
+      == 'STRAIN')
+    call read_table(reader, c, 3, material%creep, is_ok)
+    if (.not. is_ok) return
+    if (any(material%creep%value(1, :) <= 0) .or. any(material%creep%value(2, :) <= 0) .or. &
+      any(material%creep%value(3, :) <= -1) .or. any(material%creep%value(3, :) > 0)) call complain(reader, &
+      reader%cards%cards(c)%line, 'Creep needs A and n positive, and m above -1 and not above 0.')
+  end subroutine read_creep
+
+
+  !> HYPERELASTIC: constants into the order of the kind; D1 = 0 becomes 0.1/G.
+  subroutine read_rubber(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(table_type) :: given
+    integer :: order, n_given, i, k
+    integer, allocatable :: place(:)
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    material%has_elastic = .true.
+    material%elastic_kind = ELASTIC_HYPER
+    material%hyper_kind = HYPER_POLYNOMIAL
+    call read_order(reader, c, parameters, order)
+    if (has_parameter(parameters, 'OGDEN')) then
+      material%hyper_kind = HYPER_OGDEN
+      place = [(i, i=1, 3 * order)]
+    else if (has_parameter(parameters, 'ARRUDA-BOYCE')) then
+      material%hyper_kind = HYPER_ARRUDA_BOYCE
+      order = 1
+      place = [1, 2, 3]
+    else if (has_parameter(parameters, 'NEO HOOKE') .or. has_parameter(parameters, 'YEOH') .or. &
+      has_parameter(parameters, 'REDUCED POLYNOMIAL')) then
+      if (has_parameter(parameters, 'NEO HOOKE')) order = 1
+      if (has_parameter(parameters, 'YEOH')) order = 3
+      place = [(i * (i + 1) / 2, i=1, order), (order * (order + 3) / 2 + i, i=1, order)]
+    else
+      if (has_parameter(parameters, 'MOONEY-RIVLIN')) order = 1
+      place = [(i, i=1, order * (order + 3) / 2 + order)]
+    end if
+    material%hyper_order = order
+    n_given = size(place)
+    call read_table(reader, c, n_given, given, is_ok)
+    if (.not. is_ok) return
+    k = maxval(place)
+    material%elastic%temperature = given%temperature
+    allocate (material%elastic%value(k, size(given%temperature)), source=0.0_DP)
+    material%elastic%value(place, :) = given%value
+    do i = 1, size(given%temperature)
+      call complete_rubber(reader, c, material%hyper_kind, order, material%elastic%value(:, i))
+    end do
+  end subroutine read_rubber
+
+
+  !> N of rubber and foam.
+  subroutine read_order(reader, c, parameters, order)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(parameter_type), intent(in) :: parameters(:)
+    integer, intent(out) :: order
+    integer :: status, most
+    order = 1
+    if (has_parameter(parameters, 'N')) call parse_integer(parameter_text(parameters, 'N'), order, status)
+    most = MAX_HYPER_ORDER
+    if (.not. (has_parameter(parameters, 'OGDEN') .or. has_parameter(parameters, 'REDUCED POLYNOMIAL') .or. &
+      is_card(reader, c, 'HYPERFOAM'))) most = 3
+    if (order >= 1 .and. order <= most) return
+    call complain(reader, reader%cards%cards(c)%line, 'N must be from 1 to ' // text_of(most) // ' here.')
+    order = 1
+  end subroutine read_order
+
+
+  !> Checks the shear modulus at rest, and replaces a first volumetric constant of zero.
+  subroutine complete_rubber(reader, c, kind, order, constants)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    integer, intent(in) :: kind, order
+    real(DP), intent(inout) :: constants(:)
+    real(DP) :: G
+    integer :: d, i
+    select case (kind)
+    case (HYPER_OGDEN)
+      G = sum([(constants(2 * i - 1), i=1, order)])
+      d = 2 * order + 1
+      if (any([(.not. abs(constants(2 * i)) > 0, i=1, order)])) call complain(reader, reader%cards%cards(c)%line, &
+        'An exponent alpha must not be zero.')
+    case (HYPER_ARRUDA_BOYCE)
+      if (.not. constants(2) > 0) then
+        call complain(reader, reader%cards%cards(c)%line, 'The locking stretch lambda must be positive.')
+        return
+      end if
+      G = constants(1) * (1 + 3 / (5 * constants(2)**2) + 99 / (175 * constants(2)**4) + 513 / (875 * &
+        constants(2)**6) + 42039 / (67375 * constants(2)**8))
+      d = 3
+    case default
+      G = 2 * (constants(1) + constants(2))
+      d = order * (order + 3) / 2 + 1
+    end select
+    if (.not. G > 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'The shear modulus at rest must be positive; it is ' // &
+        text_of(G) // '.')
+    else if (constants(d) < 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'D1 must not be negative.')
+    else if (.not. constants(d) > 0) then
+      constants(d) = 0.1_DP / G
+      call note(reader, reader%cards%cards(c)%line, 'D1 = 0 is taken as 0.1/G = ' // text_of(constants(d)) // &
+        ', a Poisson''s ratio of 0.475: the solids here are not exactly incompressible.')
+    end if
+  end subroutine complete_rubber
+
+
+  !> HYPERFOAM.
+  subroutine read_foam(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: i, k
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    material%has_elastic = .true.
+    material%elastic_kind = ELASTIC_FOAM
+    call read_order(reader, c, parameters, material%hyper_order)
+    k = material%hyper_order
+    call read_table(reader, c, 3 * k, material%elastic, is_ok)
+    if (.not. is_ok) return
+    do i = 1, size(material%elastic%temperature)
+      associate (constants => material%elastic%value(:, i))
+        if (.not. sum(constants(1:2 * k:2)) > 0) call complain(reader, reader%cards%cards(c)%line, &
+          'The shear modulus at rest must be positive.')
+        if (any(.not. abs(constants(2:2 * k:2)) > 0)) call complain(reader, reader%cards%cards(c)%line, &
+          'An exponent alpha must not be zero.')
+        if (any(constants(2 * k + 1:) <= -1) .or. any(constants(2 * k + 1:) >= 0.5_DP)) call complain(reader, &
+          reader%cards%cards(c)%line, 'Poisson''s ratio must be greater than -1 and less than 0.5.')
+      end associate
+    end do
+  end subroutine read_foam
+
+end module amontons_deck_materials

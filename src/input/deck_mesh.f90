@@ -1,0 +1,732 @@
+!> Deck mesh: the cards NODE, ELEMENT and SOLID SECTION to nodes, elements and their sections.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Elements are first gathered as they stand (drafts), also those of kinds that we do not have: mesh generators write
+!! the lines and faces of a body together with its solids. When the sections are known, such leftovers are dropped if
+!! nothing needs them, else refused.
+module amontons_deck_mesh
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, field_integer, field_text
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_labels, only: cartesian
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, &
+    need_at_most, need_no_data, is_card
+  use amontons_containers, only: integer_list_type, label_table_type
+  use amontons_materials, only: material_type
+  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_text, only: text_of, plural, NUMBER_OK
+  use amontons_topology, only: kind_type, element_kind, kind_of_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_CPE4, &
+    KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
+    FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS
+  implicit none
+  private
+  public :: draft_type, read_nodes, read_elements, read_sections, keep_elements, is_of, NOT_GIVEN
+
+  real(DP), parameter :: NOT_GIVEN = -huge(1.0_DP)   !< spring constant or mass
+
+  !> All elements of the deck as they stand.
+  type :: draft_type
+    integer :: n = 0
+    integer, allocatable :: label(:)             !< (n)
+    integer, allocatable :: kind(:)              !< (n) KIND_..., 0: a kind that we do not have
+    integer, allocatable :: card(:)              !< (n) its ELEMENT card
+    integer, allocatable :: line(:)              !< (n) its line
+    integer, allocatable :: first(:)             !< (n + 1) start of its nodes
+    type(integer_list_type) :: nodes             !< node indices, 0: no such node
+    integer, allocatable :: material(:)          !< (n) index of the material, 0: no section
+    real(DP), allocatable :: section(:)          !< (n) thickness, cross-section, spring constant, mass; or NOT_GIVEN
+    integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
+    integer, allocatable :: spring(:)            !< (n) index into model%springs, 0: none
+    integer, allocatable :: kept(:)              !< (n) index in the mesh, 0: dropped
+    integer, allocatable :: node_first(:)        !< (n_cards) first row of a NODE card among those of all
+    integer, allocatable :: node_last(:)         !< (n_cards) last row of a NODE card
+    integer, allocatable :: node_at(:)           !< (rows of NODE cards) index of its node
+    integer, allocatable :: element_first(:)     !< (n_cards) first element of an ELEMENT card
+    integer, allocatable :: element_last(:)      !< (n_cards) last element of an ELEMENT card
+    type(label_table_type) :: labels             !< label to index here
+  end type draft_type
+
+contains
+
+  !> Reads all NODE cards.
+  subroutine read_nodes(reader, draft, mesh)
+    type(reader_type), intent(inout) :: reader
+    type(draft_type), intent(inout) :: draft
+    type(mesh_type), intent(inout) :: mesh
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: line(:)
+    integer :: c, n_rows
+    n_rows = count_rows(reader, 'NODE')
+    allocate (mesh%node_label(n_rows), mesh%coordinates(3, n_rows), line(n_rows))
+    allocate (draft%node_first(reader%cards%n_cards), draft%node_last(reader%cards%n_cards))
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'NODE')) cycle
+      call open_card(reader, c, parameters, row)
+      draft%node_first(c) = mesh%n_nodes + 1
+      do while (next_row(reader%cards, row))
+        call read_node(reader, row, parameter_word(parameters, 'SYSTEM', 'R'), mesh, line)
+      end do
+      draft%node_last(c) = mesh%n_nodes
+    end do
+    mesh%node_label = mesh%node_label(:mesh%n_nodes)
+    mesh%coordinates = mesh%coordinates(:, :mesh%n_nodes)
+    call reader%node_labels%build(mesh%node_label)
+    call drop_repeated(reader, mesh, draft, line)
+    if (mesh%n_nodes == 0) call complain(reader, 0, 'The deck has no nodes: there is no *NODE card with data.')
+  end subroutine read_nodes
+
+
+  !> Nodes that are given again at the same place are one node, with a note. In CalculiX the later place counts; else another place
+  !! is an error.
+  subroutine drop_repeated(reader, mesh, draft, line)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(inout) :: mesh
+    type(draft_type), intent(inout) :: draft
+    integer, intent(inout) :: line(:)            !< line of each row
+    integer :: i, first, n, n_moved
+    allocate (draft%node_at(mesh%n_nodes))
+    n = 0
+    n_moved = 0
+    do i = 1, mesh%n_nodes
+      first = reader%node_labels%find(mesh%node_label(i))
+      if (first < i) then
+        draft%node_at(i) = draft%node_at(first)
+        associate (X => mesh%coordinates(:, draft%node_at(first)))
+          if (all(abs(X - mesh%coordinates(:, i)) <= 0.0_DP)) cycle
+          n_moved = n_moved + 1
+          if (reader%dialect /= DIALECT_CALCULIX) call complain(reader, line(i), 'The node ' // text_of(mesh%node_label(i)) // &
+            ' is defined twice, here at another place; the first time in ' // place_of(reader, line(first)) // '.')
+          X = mesh%coordinates(:, i)
+        end associate
+      else
+        n = n + 1
+        draft%node_at(i) = n
+        mesh%node_label(n) = mesh%node_label(i)
+        mesh%coordinates(:, n) = mesh%coordinates(:, i)
+      end if
+    end do
+    if (n == mesh%n_nodes) return
+    call note(reader, 0, plural(mesh%n_nodes - n, 'node') // ' of the deck stand in it more than once, ' // text_of(n_moved) // &
+      ' of them at another place, of which the last one counts.')
+    mesh%n_nodes = n
+    mesh%node_label = mesh%node_label(:n)
+    mesh%coordinates = mesh%coordinates(:, :n)
+    call reader%node_labels%build(mesh%node_label)
+  end subroutine drop_repeated
+
+
+  !> One node: number, x, y, z; missing coordinates are zero. Up to three values more are passed over: a normal.
+  subroutine read_node(reader, row, system, mesh, line)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    character(*), intent(in) :: system           !< R, C or S
+    type(mesh_type), intent(inout) :: mesh
+    integer, intent(inout) :: line(:)            !< line of each node
+    character(1), parameter :: AXES(3) = ['x', 'y', 'z']
+    integer :: label, i
+    logical :: is_ok
+    is_ok = .true.
+    call need_label(reader, row, 'node', label, is_ok)
+    call need_at_most(reader, row, 7)            ! three more for a normal, which solids do not need
+    mesh%n_nodes = mesh%n_nodes + 1
+    do i = 1, 3
+      call need_real(reader, row, i + 1, AXES(i), mesh%coordinates(i, mesh%n_nodes), is_ok, 0.0_DP)
+    end do
+    mesh%coordinates(:, mesh%n_nodes) = cartesian(system, mesh%coordinates(:, mesh%n_nodes))
+    mesh%node_label(mesh%n_nodes) = label
+    line(mesh%n_nodes) = row%line
+    if (.not. is_ok) mesh%n_nodes = mesh%n_nodes - 1
+  end subroutine read_node
+
+
+  !> The number of a node or element in the first field: a positive integer.
+  subroutine need_label(reader, row, what, label, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    character(*), intent(in) :: what             !< 'node' or 'element'
+    integer, intent(out) :: label
+    logical, intent(inout) :: is_ok
+    integer :: status
+    call field_integer(reader%cards, row, 1, label, status)
+    if (status == NUMBER_OK .and. label > 0) return
+    is_ok = .false.
+    call complain(reader, row%line, 'The first field must be the number of the ' // what // &
+      ', a positive integer; it is ''' // field_text(reader%cards, row, 1) // '''.')
+  end subroutine need_label
+
+
+  !> Upper bound of the data rows of all cards with a keyword.
+  pure function count_rows(reader, key) result(n)
+    type(reader_type), intent(in) :: reader
+    character(*), intent(in) :: key
+    integer :: n, c
+    n = 0
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, key)) n = n + max(0, reader%cards%cards(c)%data_last - reader%cards%cards(c)%data_first + &
+        1)
+    end do
+  end function count_rows
+
+
+  !> Tells numbers that are given twice.
+  subroutine tell_doubled(reader, table, label, line, what)
+    type(reader_type), intent(inout) :: reader
+    type(label_table_type), intent(in) :: table
+    integer, intent(in) :: label(:)              !< labels in the order of the deck
+    integer, intent(in) :: line(:)               !< their lines
+    character(*), intent(in) :: what             !< 'node' or 'element'
+    integer :: i, first
+    do i = 1, size(label)
+      first = table%find(label(i))
+      if (first /= i) call complain(reader, line(i), 'The ' // what // ' ' // text_of(label(i)) // &
+        ' is defined twice; the first time in ' // place_of(reader, line(first)) // '.')
+    end do
+  end subroutine tell_doubled
+
+
+  !> A line by its number and its file.
+  function place_of(reader, line) result(text)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: line
+    character(:), allocatable :: text
+    text = 'line ' // text_of(reader%cards%line_number(line)) // ' of ' // reader%cards%files(reader%cards%line_file(line))%path
+  end function place_of
+
+
+  !> Reads all ELEMENT cards.
+  subroutine read_elements(reader, mesh, draft)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(draft_type), intent(inout) :: draft
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: c, kind, n_rows, n_wanted
+    logical :: is_ok
+    n_rows = count_rows(reader, 'ELEMENT')
+    allocate (draft%label(n_rows), draft%kind(n_rows), draft%card(n_rows), draft%line(n_rows), draft%first(n_rows + 1))
+    allocate (draft%element_first(reader%cards%n_cards), draft%element_last(reader%cards%n_cards))
+    draft%first(1) = 1
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'ELEMENT')) cycle
+      call open_card(reader, c, parameters, row)
+      draft%element_first(c) = draft%n + 1
+      kind = kind_of_type(reader, c, parameter_word(parameters, 'TYPE', ''))
+      n_wanted = 0
+      if (kind > 0) n_wanted = node_count(kind)
+      is_ok = .true.
+      do while (is_ok)
+        if (.not. next_row(reader%cards, row)) exit
+        call read_element(reader, row, c, kind, n_wanted, draft, is_ok)
+      end do
+      draft%element_last(c) = draft%n
+    end do
+    draft%label = draft%label(:draft%n)
+    call draft%labels%build(draft%label)
+    call tell_doubled(reader, draft%labels, draft%label, draft%line, 'element')
+    call check_connectivity(reader, mesh, draft)
+    allocate (draft%material(draft%n), source=0)
+    allocate (draft%section(draft%n), source=1.0_DP)
+    allocate (draft%directions(2, draft%n), source=0)
+    allocate (draft%spring(draft%n), source=0)
+    if (draft%n == 0) call complain(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
+  end subroutine read_elements
+
+
+  !> The number of nodes of an element kind.
+  pure function node_count(kind) result(n)
+    integer, intent(in) :: kind                  !< KIND_...
+    type(kind_type) :: entry
+    integer :: n
+    entry = element_kind(kind)
+    n = entry%n_nodes
+  end function node_count
+
+
+  !> The kind of an element type; 0 if we do not have it. Hybrid (H), modified (M) and heated (T) kinds are taken as the kind
+  !! without that letter, or as the default of their shape, with a note.
+  function kind_of_type(reader, c, type) result(kind)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: type             !< upper case
+    integer :: kind
+    character(2), parameter :: ENDINGS(7) = ['H ', 'M ', 'T ', 'MH', 'MT', 'RH', 'RT']
+    character(:), allocatable :: taken
+    integer :: i
+    taken = type
+    if (ends(type, 'RI')) taken = type(:len(type) - 1)     ! C3D20RI
+    do i = 1, size(ENDINGS)
+      if (kind_of_name(taken) > 0) exit
+      if (.not. ends(type, trim(ENDINGS(i)))) cycle
+      taken = type(:len(type) - len_trim(ENDINGS(i)))
+    end do
+    kind = kind_of_name(taken)
+    if (kind == 0) return
+    if (taken /= type) call note(reader, reader%cards%cards(c)%line, 'The elements ' // type // ' are taken as ' // &
+      taken // '.')
+    if (reader%dialect /= DIALECT_CALCULIX) return
+    if (kind == KIND_C3D8) kind = KIND_C3D8_FULL
+    if (kind == KIND_CPE4) kind = KIND_CPE4_FULL
+    if (kind == KIND_CAX4) kind = KIND_CAX4_FULL
+  end function kind_of_type
+
+
+  !> One element: its number and its nodes, on one row or several. The next row belongs to it after a trailing comma and
+  !! while nodes are missing.
+  subroutine read_element(reader, row, c, kind, n_wanted, draft, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: kind                  !< 0: unknown, then any number of nodes
+    integer, intent(in) :: n_wanted              !< nodes of the kind; 0 if unknown
+    type(draft_type), intent(inout) :: draft
+    logical, intent(out) :: is_ok                !< .false.: the rest of the card is not read
+    integer :: label, start, line
+    is_ok = .true.
+    line = row%line
+    start = draft%nodes%n
+    call need_label(reader, row, 'element', label, is_ok)
+    if (.not. is_ok) return
+    call take_nodes(reader, row, 2, draft%nodes, is_ok)
+    do while (is_ok .and. (draft%nodes%n - start < n_wanted .or. (kind == 0 .and. row%has_trailing_comma)))
+      if (.not. next_row(reader%cards, row)) exit
+      call take_nodes(reader, row, 1, draft%nodes, is_ok)
+    end do
+    if (.not. is_ok) return
+    ! Old decks of CalculiX give a C3D8I up to three nodes more, for its modes; here they are inside.
+    if (kind == KIND_C3D8I .and. draft%nodes%n - start <= n_wanted + 3) draft%nodes%n = min(draft%nodes%n, start + n_wanted)
+    if (kind > 0 .and. draft%nodes%n - start /= n_wanted) then
+      is_ok = .false.
+      call complain(reader, line, 'The element ' // text_of(label) // ' has ' // plural(draft%nodes%n - start, 'node') &
+        // '; its kind has ' // text_of(n_wanted) // '. The rest of this card is not read.')
+      draft%nodes%n = start
+      return
+    end if
+    draft%n = draft%n + 1
+    draft%label(draft%n) = label
+    draft%kind(draft%n) = kind
+    draft%card(draft%n) = c
+    draft%line(draft%n) = line
+    draft%first(draft%n + 1) = draft%nodes%n + 1
+  end subroutine read_element
+
+
+  !> Appends the nodes of a row; a number that is no node is told and stops the card.
+  subroutine take_nodes(reader, row, first, nodes, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: first                 !< first field that is a node
+    type(integer_list_type), intent(inout) :: nodes
+    logical, intent(inout) :: is_ok
+    integer :: i, label, status, node
+    do i = first, row%n
+      call field_integer(reader%cards, row, i, label, status)
+      if (status /= NUMBER_OK) then
+        call complain(reader, row%line, 'Field ' // text_of(i) // ' must be the number of a node; it is ''' // &
+          field_text(reader%cards, row, i) // '''. The rest of this card is not read.')
+        is_ok = .false.
+        return
+      end if
+      node = reader%node_labels%find(label)
+      if (node == 0) call complain(reader, row%line, 'There is no node ' // text_of(label) // '.')
+      call nodes%add(node)
+    end do
+  end subroutine take_nodes
+
+
+  !> Tells elements in which a node comes twice. Cost: linear.
+  subroutine check_connectivity(reader, mesh, draft)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(draft_type), intent(in) :: draft
+    integer :: e, i, j, node
+    element: do e = 1, draft%n
+      if (draft%kind(e) == 0) cycle element
+      do i = draft%first(e), draft%first(e + 1) - 1
+        node = draft%nodes%items(i)
+        if (node == 0) cycle
+        do j = draft%first(e), i - 1
+          if (draft%nodes%items(j) /= node) cycle
+          call complain(reader, draft%line(e), 'The element ' // text_of(draft%label(e)) // ' is degenerate: node ' // &
+            text_of(mesh%node_label(node)) // ' stands twice. Use a kind with fewer nodes.')
+          cycle element
+        end do
+      end do
+    end do element
+  end subroutine check_connectivity
+
+
+  !> Reads all SOLID SECTION cards: element to material. The members of the element sets are indices of drafts here.
+  subroutine read_sections(reader, model, draft)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model        !< with the element sets of drafts
+    type(draft_type), intent(inout) :: draft
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    real(DP) :: thickness
+    integer :: c, set, material, n_overridden, i, e
+    logical :: is_thick
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'SOLIDSECTION')) cycle
+      call open_card(reader, c, parameters, row)
+      set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
+      material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
+      associate (line => reader%cards%cards(c)%line)
+        if (set == 0 .and. has_parameter(parameters, 'ELSET')) call complain(reader, line, 'There is no element set ''' // &
+          parameter_text(parameters, 'ELSET') // '''' // reader%element_sets%hint(parameter_text(parameters, 'ELSET')))
+        if (material == 0 .and. has_parameter(parameters, 'MATERIAL')) call complain(reader, line, 'There is no material ''' // &
+          parameter_text(parameters, 'MATERIAL') // '''' // reader%materials%hint(parameter_text(parameters, 'MATERIAL')))
+        thickness = 1
+        if (next_row(reader%cards, row)) then
+          is_thick = .true.
+          if (needs_thickness(model, draft, set)) then
+            call need_real(reader, row, 1, 'thickness or cross-section', thickness, is_thick, 1.0_DP)
+            if (.not. thickness > 0) call complain(reader, row%line, 'The thickness or cross-section must be positive.')
+          end if
+          if (next_row(reader%cards, row)) call need_no_data(reader, row)
+        end if
+        if (set == 0) cycle
+        n_overridden = 0
+        associate (members => model%mesh%element_sets(set)%members)
+          do i = 1, size(members)
+            e = members(i)
+            if (draft%material(e) > 0 .and. draft%material(e) /= material) n_overridden = n_overridden + 1
+            draft%material(e) = merge(material, -1, material > 0)
+            if (is_thin(draft%kind(e))) draft%section(e) = thickness
+          end do
+        end associate
+        if (n_overridden > 0) call note(reader, line, plural(n_overridden, 'element') // &
+          ' had another material by an earlier section; this one counts.')
+      end associate
+    end do
+  end subroutine read_sections
+
+
+  !> Whether a kind has a thickness or a cross-section.
+  pure function is_thin(kind) result(is_so)
+    integer, intent(in) :: kind                  !< KIND_..., 0: unknown
+    logical :: is_so
+    type(kind_type) :: entry
+    is_so = .false.
+    if (kind == 0) return
+    entry = element_kind(kind)
+    is_so = all(entry%family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS])
+  end function is_thin
+
+
+  !> Whether a set holds elements with a thickness or a cross-section.
+  pure function needs_thickness(model, draft, set) result(does_so)
+    type(model_type), intent(in) :: model        !< with the element sets of drafts
+    type(draft_type), intent(in) :: draft
+    integer, intent(in) :: set                   !< 0: none
+    logical :: does_so
+    integer :: i
+    does_so = .false.
+    if (set == 0) return
+    associate (members => model%mesh%element_sets(set)%members)
+      do i = 1, size(members)
+        does_so = is_thin(draft%kind(members(i)))
+        if (does_so) return
+      end do
+    end associate
+  end function needs_thickness
+
+
+  !> Whether a kind belongs to a family.
+  pure function is_of(kind, family) result(is_so)
+    integer, intent(in) :: kind                  !< KIND_..., 0: unknown
+    integer, intent(in) :: family                !< FAMILY_...
+    logical :: is_so
+    type(kind_type) :: entry
+    is_so = .false.
+    if (kind == 0) return
+    entry = element_kind(kind)
+    is_so = entry%family == family
+  end function is_of
+
+
+  !> Builds the mesh from the drafts; drops leftovers; tells what cannot stay.
+  subroutine keep_elements(reader, model, draft)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(draft_type), intent(inout) :: draft
+    integer :: e, n
+    call disown_leftovers(reader, model%mesh%n_nodes, draft)
+    allocate (draft%kept(draft%n), source=0)
+    n = 0
+    do e = 1, draft%n
+      if (draft%kind(e) == 0) cycle
+      n = n + 1
+      draft%kept(e) = n
+    end do
+    call build_mesh(draft, n, model%mesh)
+    call finish_mesh(model%mesh)
+    if (size(model%materials) == 0) model%materials = [material_type(name='')]   ! springs and masses need none
+    call reader%element_labels%build(model%mesh%element_label)
+    reader%draft_labels = draft%labels
+    call tell_without_section(reader, draft)
+    call tell_leftovers(reader, model%mesh, draft)
+    call keep_set_members(reader, model%mesh, draft)
+  end subroutine keep_elements
+
+
+  !> Faces and lines that mesh generators write beside a body: the elements of a card without any section, all of whose
+  !! nodes belong to elements of more dimensions, count as of no kind.
+  subroutine disown_leftovers(reader, n_nodes, draft)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: n_nodes
+    type(draft_type), intent(inout) :: draft
+    integer, allocatable :: dimensions(:)        ! (0:n_nodes) most of the elements at a node
+    integer :: c, e, i, n
+    allocate (dimensions(0:n_nodes), source=0)
+    do e = 1, draft%n
+      n = n_dimensions(draft%kind(e))
+      if (n < 3 .and. draft%material(e) == 0) cycle
+      do i = draft%first(e), draft%first(e + 1) - 1
+        dimensions(draft%nodes%items(i)) = max(dimensions(draft%nodes%items(i)), n)
+      end do
+    end do
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'ELEMENT')) cycle
+      associate (first => draft%element_first(c), last => draft%element_last(c))
+        if (first > last) cycle
+        n = n_dimensions(draft%kind(first))
+        if (n == 0 .or. n == 3 .or. any(draft%material(first:last) /= 0)) cycle
+        if (all(dimensions(draft%nodes%items(draft%first(first):draft%first(last + 1) - 1)) > n)) draft%kind(first:last) = 0
+      end associate
+    end do
+  end subroutine disown_leftovers
+
+
+  !> Dimensions of the body that an element is a piece of: 3 solids, 2 plane kinds, 1 trusses, 0 the rest.
+  pure function n_dimensions(kind) result(n)
+    integer, intent(in) :: kind                  !< KIND_..., 0: unknown
+    integer :: n
+    n = 0
+    if (is_thin(kind)) n = 2
+    if (is_of(kind, FAMILY_TRUSS)) n = 1
+    if (is_of(kind, FAMILY_SOLID)) n = 3
+  end function n_dimensions
+
+
+  !> Copies the kept drafts into the mesh.
+  subroutine build_mesh(draft, n, mesh)
+    type(draft_type), intent(in) :: draft
+    integer, intent(in) :: n                     !< elements kept
+    type(mesh_type), intent(inout) :: mesh
+    integer :: e, k, n_nodes, start
+    integer, parameter :: MIDDLE_LAST(3) = [1, 3, 2]   ! a deck gives the middle node of T3D3 as the second
+    mesh%n_elements = n
+    allocate (mesh%section(n), mesh%directions(2, n))
+    if (any(draft%spring > 0)) allocate (mesh%spring(n), source=0)
+    allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n))
+    n_nodes = 0
+    do e = 1, draft%n
+      if (draft%kept(e) > 0) n_nodes = n_nodes + draft%first(e + 1) - draft%first(e)
+    end do
+    allocate (mesh%nodes(n_nodes))
+    mesh%first(1) = 1
+    do e = 1, draft%n
+      k = draft%kept(e)
+      if (k == 0) cycle
+      mesh%element_label(k) = draft%label(e)
+      mesh%kind(k) = draft%kind(e)
+      mesh%material(k) = max(0, draft%material(e))
+      mesh%section(k) = draft%section(e)
+      mesh%directions(:, k) = draft%directions(:, e)
+      if (allocated(mesh%spring)) mesh%spring(k) = draft%spring(e)
+      start = mesh%first(k)
+      mesh%first(k + 1) = start + draft%first(e + 1) - draft%first(e)
+      mesh%nodes(start:mesh%first(k + 1) - 1) = draft%nodes%items(draft%first(e):draft%first(e + 1) - 1)
+      if (mesh%kind(k) == KIND_T3D3) mesh%nodes(start:start + 2) = mesh%nodes(start - 1 + MIDDLE_LAST)
+    end do
+  end subroutine build_mesh
+
+
+  !> Tells elements without a section, once for each ELEMENT card.
+  subroutine tell_without_section(reader, draft)
+    type(reader_type), intent(inout) :: reader
+    type(draft_type), intent(in) :: draft
+    character(:), allocatable :: card
+    integer :: e, c, n, first
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'ELEMENT')) cycle
+      n = 0
+      first = 0
+      card = 'SOLID SECTION'
+      do e = draft%element_first(c), draft%element_last(c)
+        if (draft%kind(e) == 0) cycle
+        if (is_of(draft%kind(e), FAMILY_SPRING)) card = 'SPRING'
+        if (draft%kind(e) == KIND_GAPUNI) card = 'GAP'
+        if (is_of(draft%kind(e), FAMILY_MASS)) card = 'MASS'
+        if (merge(draft%material(e) /= 0, draft%section(e) > NOT_GIVEN, card == 'SOLID SECTION')) cycle
+        n = n + 1
+        if (first == 0) first = draft%label(e)
+      end do
+      if (n > 0) call complain(reader, reader%cards%cards(c)%line, plural(n, 'element') // &
+        ' of this card (the first is ' // text_of(first) // ') have no section: no *' // card // ' names a set ' // &
+        'that holds them.')
+    end do
+  end subroutine tell_without_section
+
+
+  !> Elements of kinds that we do not have, card by card: a note if they are lines or faces of solids without a section,
+  !! else an error.
+  subroutine tell_leftovers(reader, mesh, draft)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(draft_type), intent(in) :: draft
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: type
+    logical, allocatable :: is_solid(:)
+    integer :: c, i, n_dropped
+    logical :: is_left
+    allocate (is_solid(0:mesh%n_nodes), source=.false.)
+    do i = 1, size(mesh%nodes)
+      is_solid(mesh%nodes(i)) = .true.
+    end do
+    n_dropped = 0
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'ELEMENT')) cycle
+      call open_card(reader, c, parameters, row)
+      type = parameter_word(parameters, 'TYPE', '')
+      associate (first => draft%element_first(c), last => draft%element_last(c))
+        if (first > last) then
+          if (kind_of_name(type) == 0) call refuse_type(reader, c, type)
+          cycle
+        end if
+        if (draft%kind(first) /= 0) cycle
+        if (reader%dialect == DIALECT_CALCULIX .and. begins(type, 'DCOUP3D')) cycle   ! of DISTRIBUTING COUPLING
+        if (reader%dialect == DIALECT_CALCULIX .and. begins(type, 'DASHPOT')) then
+          call note(reader, reader%cards%cards(c)%line, 'Dashpots resist rates, which do not count in a quasi-static ' // &
+            'step; they are left out.')
+          cycle
+        end if
+        is_left = all(draft%material(first:last) == 0) .and. is_lower_dimensional(type)
+        if (is_left) is_left = all(is_solid(draft%nodes%items(draft%first(first):draft%first(last + 1) - 1)))
+        if (is_left) then
+          n_dropped = n_dropped + last - first + 1
+        else
+          call refuse_type(reader, c, type)
+        end if
+      end associate
+    end do
+    if (n_dropped > 0) call note(reader, 0, plural(n_dropped, 'element') // ' that are lines or faces of solids ' // &
+      'and have no section are left out (mesh generators write them).')
+  end subroutine tell_leftovers
+
+
+  !> Tells an element type that we do not have, and what to use instead.
+  subroutine refuse_type(reader, c, type)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: type             !< upper case
+    character(:), allocatable :: advice
+    reader%has_refused_kinds = .true.
+    if (type == '') return
+    advice = 'The kinds are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; CPS, CPE, CAX with 3, 4, 4R, ' // &
+      '6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
+    if (begins(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking, or C3D8I.'
+    if (begins(type, 'C3D20')) advice = 'Use C3D20 or C3D20R.'
+    if (begins(type, 'C3D10')) advice = 'Use C3D10.'
+    if (begins(type, 'C3D4')) advice = 'Use C3D4, or better C3D10.'
+    if (begins(type, 'C3D6')) advice = 'Use C3D6.'
+    if (begins(type, 'C3D15')) advice = 'Use C3D15.'
+    if (begins(type, 'CPS') .or. begins(type, 'CPE') .or. begins(type, 'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
+      // '8 or 8R nodes: CPE4, CPE8R and so on.'
+    if (begins(type, 'T2D')) advice = 'Use T3D2 or T3D3 and hold the third displacement.'
+    if (is_structural(type)) advice = 'Shells, beams and membranes are not there yet: mesh the body with solids (C3D8I ' // &
+      'or C3D20R bend well).'
+    if (begins(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
+    if (begins(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
+    if (begins(type, 'GAP')) advice = 'Use GAPUNI, or *CONTACT PAIR.'
+    call complain(reader, reader%cards%cards(c)%line, 'The element type ' // type // ' is not supported. ' // advice)
+  end subroutine refuse_type
+
+
+  !> Whether a type is a line, a face, a shell, or the like.
+  pure function is_lower_dimensional(type) result(is_so)
+    character(*), intent(in) :: type             !< upper case
+    logical :: is_so
+    character(3), parameter :: BEGINNINGS(5) = ['T2D', 'T3D', 'CPS', 'CPE', 'CAX']
+    integer :: i
+    is_so = is_structural(type) .or. any([(begins(type, BEGINNINGS(i)), i=1, size(BEGINNINGS))])
+  end function is_lower_dimensional
+
+
+  !> Whether a type is a beam, a shell, a membrane, or a rigid or surface element.
+  pure function is_structural(type) result(is_so)
+    character(*), intent(in) :: type             !< upper case
+    logical :: is_so
+    character(5), parameter :: BEGINNINGS(8) = [character(5) :: 'B2', 'B3', 'M3D', 'R3D', 'R2D', 'STRI', 'SFM3D', 'SC']
+    integer :: i
+    is_so = any([(begins(type, trim(BEGINNINGS(i))), i=1, size(BEGINNINGS))])
+    if (.not. is_so .and. len(type) >= 2) is_so = type(1:1) == 'S' .and. scan(type(2:2), '3468') == 1
+  end function is_structural
+
+
+  !> Whether a word ends with another one.
+  pure function ends(word, ending) result(does_so)
+    character(*), intent(in) :: word, ending
+    logical :: does_so
+    does_so = len(word) > len(ending)
+    if (does_so) does_so = word(len(word) - len(ending) + 1:) == ending
+  end function ends
+
+
+  !> Whether a word starts with another one.
+  pure function begins(word, beginning) result(does_so)
+    character(*), intent(in) :: word, beginning
+    logical :: does_so
+    does_so = len(word) >= len(beginning)
+    if (does_so) does_so = word(:len(beginning)) == beginning
+  end function begins
+
+
+  !> Turns the members of the element sets from drafts to elements of the mesh.
+  subroutine keep_set_members(reader, mesh, draft)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(inout) :: mesh
+    type(draft_type), intent(in) :: draft
+    integer :: s, n, i
+    allocate (reader%has_leftovers(size(mesh%element_sets)), source=.false.)
+    allocate (reader%left_of_set(size(mesh%element_sets)))
+    call note_left(reader, draft)
+    do s = 1, size(mesh%element_sets)
+      associate (set => mesh%element_sets(s))
+        n = size(set%members)
+        do i = 1, n
+          if (draft%kept(set%members(i)) == 0) call reader%left_of_set(s)%add(reader%left_of_draft(set%members(i)))
+        end do
+        set%members = draft%kept(set%members)
+        set%members = pack(set%members, set%members > 0)
+        reader%has_leftovers(s) = size(set%members) < n
+      end associate
+    end do
+  end subroutine keep_set_members
+
+
+  !> Keeps the nodes of the elements that were left out: surfaces may name them.
+  subroutine note_left(reader, draft)
+    type(reader_type), intent(inout) :: reader
+    type(draft_type), intent(in) :: draft
+    type(integer_list_type) :: nodes
+    integer :: e, i, n
+    allocate (reader%left_of_draft(draft%n), source=0)
+    allocate (reader%left_first(count(draft%kept == 0) + 1), source=1)
+    n = 0
+    do e = 1, draft%n
+      if (draft%kept(e) > 0) cycle
+      n = n + 1
+      reader%left_of_draft(e) = n
+      do i = draft%first(e), draft%first(e + 1) - 1
+        if (draft%nodes%items(i) > 0) call nodes%add(draft%nodes%items(i))
+      end do
+      reader%left_first(n + 1) = nodes%n + 1
+    end do
+    reader%left_nodes = nodes%trimmed()
+  end subroutine note_left
+
+end module amontons_deck_mesh

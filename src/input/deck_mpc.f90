@@ -1,0 +1,437 @@
+!> Deck MPC: *MPC, DISTRIBUTING COUPLING and CYCLIC SYMMETRY MODEL to bonds and equations, and what such cards share.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_mpc
+  use amontons_kinds, only: DP, PI
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer
+  use amontons_deck_reader, only: reader_type, open_card, complain, nodes_of_field, need_real, need_at_most, is_card, &
+    need_no_data
+  use amontons_mesh, only: append_node
+  use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
+  use amontons_tensor, only: cross_product
+  use amontons_text, only: is_one_of, squeezed, text_of, NUMBER_OK, parse_integer
+  use amontons_mpc_data, only: bond_type, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
+  use amontons_card_schema, only: parameter_text
+  implicit none
+  private
+  public :: read_mpc, next_mpc, each_once, make_rotation
+  public :: read_spreads
+  public :: read_sectors
+
+contains
+
+  !> MPC: kind and nodes, in one row or several. Ropes (DIST) are read elsewhere.
+  subroutine read_mpc(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: nodes(:)
+    character(:), allocatable :: kind
+    integer :: line, n_first
+    logical :: is_ok, has_row
+    call open_card(reader, c, parameters, row)
+    has_row = next_row(reader%cards, row)
+    do while (has_row)
+      n_first = n_in_field(reader, model, row, 2)
+      call next_mpc(reader, model, row, '', has_row, kind, nodes, line, is_ok)
+      if (.not. is_ok .or. kind == 'DIST') cycle
+      if (is_one_of(kind, 'BEAM|LINK|TIE|PIN') .and. size(nodes) > 2) then
+        call add_pairs(reader, model, line, kind, nodes, n_first)
+      else
+        call add_mpc(reader, model, line, kind, nodes)
+      end if
+    end do
+  end subroutine read_mpc
+
+
+  !> How many nodes a field names: those of a set, else one.
+  pure integer function n_in_field(reader, model, row, i) result(n)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: i                     !< field
+    integer :: set
+    n = 1
+    set = reader%node_sets%find(field_text(reader%cards, row, i))
+    if (set > 0) n = size(model%mesh%node_sets(set)%members)
+  end function n_in_field
+
+
+  !> Kinds of two nodes over sets, as Abaqus expands them: each node of the first set with that of the same place in the second one,
+  !! or all with one node.
+  subroutine add_pairs(reader, model, line, kind, nodes, n_first)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line
+    character(*), intent(in) :: kind             !< squeezed
+    integer, intent(in) :: nodes(:)              !< those of the first field and of the second one
+    integer, intent(in) :: n_first               !< those of the first
+    integer :: i, n_last, other
+    n_last = size(nodes) - n_first
+    if (n_last /= 1 .and. n_last /= n_first) then
+      call complain(reader, line, kind // ' binds nodes two by two: give two nodes, two sets of as many nodes, or a set and a ' // &
+        'node. Here are ' // text_of(n_first) // ' and ' // text_of(n_last) // '.')
+      return
+    end if
+    do i = 1, n_first
+      other = nodes(n_first + min(i, n_last))
+      if (nodes(i) /= other) call add_mpc(reader, model, line, kind, [nodes(i), other])
+    end do
+  end subroutine add_pairs
+
+
+  !> The next constraint of a card: its first row, and those after it that begin with a number or a set.
+  subroutine next_mpc(reader, model, row, wanted, has_row, kind, nodes, line, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(row_type), intent(inout) :: row         !< in: its first row; out: that of the one after it
+    character(*), intent(in) :: wanted           !< only of this kind nodes are read; empty: of all but DIST
+    logical, intent(inout) :: has_row            !< out: whether there is one after it
+    character(:), allocatable, intent(out) :: kind   !< squeezed
+    integer, allocatable, intent(out) :: nodes(:)
+    integer, intent(out) :: line                 !< of its first row
+    logical, intent(out) :: is_ok                !< .false.: a node is not there, which was told
+    integer, allocatable :: found(:)
+    integer :: i, label, status
+    logical :: is_read
+    allocate (nodes(0))
+    is_ok = .true.
+    kind = squeezed(field_text(reader%cards, row, 1))
+    line = row%line
+    is_read = kind == wanted .or. (wanted == '' .and. kind /= 'DIST')
+    i = 2
+    do
+      do while (i <= row%n .and. is_read)
+        if (squeezed(field_text(reader%cards, row, i)) /= '') then
+          call nodes_of_field(reader, model%mesh, row, i, found, is_ok)
+          nodes = [nodes, found]
+        end if
+        i = i + 1
+      end do
+      has_row = next_row(reader%cards, row)
+      if (.not. has_row) exit
+      call field_integer(reader%cards, row, 1, label, status)
+      if (status /= NUMBER_OK .and. reader%node_sets%find(field_text(reader%cards, row, 1)) == 0) exit
+      i = 1
+    end do
+  end subroutine next_mpc
+
+
+  !> The bonds of one MPC.
+  subroutine add_mpc(reader, model, line, kind, given)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line
+    character(*), intent(in) :: kind             !< squeezed
+    integer, intent(in) :: given(:)              !< nodes as they stand in the deck
+    type(bond_type) :: bond
+    integer, allocatable :: nodes(:)
+    integer :: i
+    nodes = each_once(given)
+    if (kind == 'PLANE') call put_spanning_first(model, nodes)
+    bond%card = 'MPC'
+    bond%line = reader%cards%line_number(line)
+    select case (kind)
+    case ('PLANE', 'STRAIGHT')
+      bond%kind = merge(BOND_PLANE, BOND_STRAIGHT, kind == 'PLANE')
+      if (.not. spans(model, nodes, kind)) then
+        call complain(reader, line, 'PLANE needs three nodes that are not on a line and more, STRAIGHT two nodes that ' // &
+          'are apart and more.')
+        return
+      end if
+      do i = merge(4, 3, kind == 'PLANE'), size(nodes)
+        bond%node = [nodes(i), nodes(:merge(3, 2, kind == 'PLANE'))]
+        model%bonds = [model%bonds, bond]
+      end do
+    case ('BEAM', 'LINK')
+      call add_beam(reader, model, line, nodes, bond, is_link=kind == 'LINK')
+    case ('TIE', 'PIN')
+      call add_pin(reader, model, line, nodes)
+    case ('MEANROT')
+      call add_turn(reader, model, line, nodes, bond)
+    case default
+      call complain(reader, line, 'The MPC ' // kind // ' is not supported; known are PLANE, STRAIGHT, BEAM, LINK, TIE, PIN, ' // &
+        'MEANROT and DIST.')
+    end select
+  end subroutine add_mpc
+
+
+  !> Of the nodes of a plane the first three must not be on a line: the third becomes the one farthest from the line of the first
+  !! and the one farthest from it, if they are.
+  pure subroutine put_spanning_first(model, nodes)
+    type(model_type), intent(in) :: model
+    integer, intent(inout) :: nodes(:)
+    real(DP) :: way(3), across(size(nodes))
+    integer :: i, k
+    if (size(nodes) < 4) return
+    if (spans(model, nodes, 'PLANE')) return
+    associate (x => model%mesh%coordinates)
+      k = maxloc([(norm2(x(:, nodes(i)) - x(:, nodes(1))), i=1, size(nodes))], dim=1)
+      nodes([2, k]) = nodes([k, 2])
+      way = x(:, nodes(2)) - x(:, nodes(1))
+      across = [(norm2(cross_product(way, x(:, nodes(i)) - x(:, nodes(1)))), i=1, size(nodes))]
+      k = maxloc(across, dim=1)
+      if (k > 3) nodes([3, k]) = nodes([k, 3])
+    end associate
+  end subroutine put_spanning_first
+
+
+  !> Whether the first nodes span a plane or a line.
+  pure logical function spans(model, nodes, kind)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: nodes(:)
+    character(*), intent(in) :: kind
+    spans = .false.
+    if (size(nodes) < merge(4, 3, kind == 'PLANE')) return
+    associate (x => model%mesh%coordinates(:, nodes(:3)))
+      spans = norm2(x(:, 2) - x(:, 1)) > 0.0_DP
+      if (kind == 'PLANE') spans = norm2(cross_product(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))) > &
+        1.0e-6_DP * norm2(x(:, 2) - x(:, 1)) * norm2(x(:, 3) - x(:, 1))
+    end associate
+  end function spans
+
+
+  !> Nodes in their order, each once.
+  pure function each_once(given) result(nodes)
+    integer, intent(in) :: given(:)
+    integer, allocatable :: nodes(:)
+    integer :: i
+    nodes = pack(given, [(.not. any(given(:i - 1) == given(i)), i=1, size(given))])
+  end function each_once
+
+
+  !> LINK, and BEAM in CalculiX: two nodes keep their distance. BEAM in Abaqus: the first is fixed rigidly to the second.
+  subroutine add_beam(reader, model, line, nodes, bond, is_link)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line, nodes(:)
+    type(bond_type), intent(inout) :: bond
+    logical, intent(in) :: is_link
+    if (size(nodes) /= 2) then
+      call complain(reader, line, 'BEAM and LINK need two nodes.')
+    else if (is_link .or. reader%dialect == DIALECT_CALCULIX) then
+      bond%kind = BOND_DISTANCE
+      bond%node = nodes
+      model%bonds = [model%bonds, bond]
+    else
+      bond%node = nodes(:1)
+      bond%reference = nodes(2)
+      call make_rotation(model, bond%reference, bond%rotation)
+      model%bonds = [model%bonds, bond]
+    end if
+  end subroutine add_beam
+
+
+  !> TIE, PIN: the first node moves as the second.
+  subroutine add_pin(reader, model, line, nodes)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line, nodes(:)
+    integer :: k
+    if (size(nodes) /= 2) then
+      call complain(reader, line, 'TIE and PIN need two nodes.')
+      return
+    end if
+    do k = 1, 3
+      call append_equation(model, nodes, [k, k], [1.0_DP, -1.0_DP], 'MPC', reader%cards%line_number(line))
+    end do
+  end subroutine add_pin
+
+
+  !> MEANROT: nodes, and last a pilot: its coordinates are the axis, its first displacement the mean rotation.
+  subroutine add_turn(reader, model, line, nodes, bond)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line, nodes(:)
+    type(bond_type), intent(inout) :: bond
+    integer :: n
+    n = size(nodes)
+    if (n < 3) then
+      call complain(reader, line, 'MEANROT needs at least two nodes and the pilot.')
+      return
+    end if
+    bond%kind = BOND_TURN
+    bond%node = nodes(:n - 1)
+    bond%reference = nodes(n)
+    bond%axis = model%mesh%coordinates(:, nodes(n))
+    if (.not. norm2(bond%axis) > 0.0_DP) then
+      call complain(reader, line, 'The coordinates of the last node of MEANROT are the axis; they must not all be zero.')
+      return
+    end if
+    bond%axis = bond%axis / norm2(bond%axis)
+    model%mesh%is_abstract(bond%reference) = .true.
+    model%bonds = [model%bonds, bond]
+  end subroutine add_turn
+
+
+  !> The rotation node of a reference node; one is made if there is none yet.
+  subroutine make_rotation(model, reference, rotation)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: reference
+    integer, intent(out) :: rotation
+    rotation = model%rotation_of(reference)
+    if (rotation > 0) return
+    call append_node(model%mesh, model%mesh%coordinates(:, reference), rotation)
+    model%mesh%is_abstract(rotation) = .true.
+    model%rotation_of = [model%rotation_of, 0]
+    model%rotation_of(reference) = rotation
+  end subroutine make_rotation
+
+
+  !> All DISTRIBUTING COUPLING cards.
+  subroutine read_spreads(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer :: c
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'DISTRIBUTINGCOUPLING')) cycle
+      if (reader%dialect == DIALECT_CALCULIX) then
+        call read_spread(reader, model, c)
+      else
+        call complain(reader, reader%cards%cards(c)%line, 'The card *DISTRIBUTING COUPLING is that of CalculiX, which ' // &
+          'binds no rotation; under the abaqus dialect use *COUPLING with *DISTRIBUTING below it, on a surface.')
+      end if
+    end do
+  end subroutine read_spreads
+
+
+  !> One card: sum w_i u_i = (sum w_i) u of the node of the DCOUP3D element, in three directions. The first node of the list
+  !! is the one eliminated, as in CalculiX.
+  subroutine read_spread(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: nodes(:), list(:)
+    real(DP), allocatable :: weights(:)
+    real(DP) :: weight
+    integer :: reference, k
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    call find_reference(reader, c, parameter_text(parameters, 'ELSET'), reference)
+    if (reference == 0) return
+    allocate (list(0), weights(0))
+    do while (next_row(reader%cards, row))
+      is_ok = .true.
+      call need_at_most(reader, row, 2)
+      call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
+      call need_real(reader, row, 2, 'weight', weight, is_ok, 0.0_DP)
+      if (.not. is_ok) return
+      if (weight <= 0) then
+        call complain(reader, row%line, 'The weight of a node must be positive.')
+        return
+      end if
+      list = [list, nodes]
+      weights = [weights, spread(weight, 1, size(nodes))]
+    end do
+    if (size(list) == 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'The data are missing: nodes and their weights.')
+      return
+    end if
+    do k = 1, 3
+      call append_equation(model, [list, reference], spread(k, 1, size(list) + 1), [weights, -sum(weights)], &
+        'DISTRIBUTING COUPLING', reader%cards%line_number(reader%cards%cards(c)%line))
+    end do
+  end subroutine read_spread
+
+
+  !> The node of the one DCOUP3D element of a set; 0 on trouble, which is told.
+  subroutine find_reference(reader, c, name, reference)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: name
+    integer, intent(out) :: reference
+    integer :: set, e
+    reference = 0
+    set = reader%element_sets%find(name)
+    if (set > 0) then
+      if (reader%left_of_set(set)%n == 1) then
+        e = reader%left_of_set(set)%items(1)
+        if (reader%left_first(e + 1) - reader%left_first(e) == 1) reference = reader%left_nodes(reader%left_first(e))
+      end if
+    end if
+    if (reference == 0) call complain(reader, reader%cards%cards(c)%line, 'The set ''' // name // ''' must hold one element ' // &
+      'of type DCOUP3D, whose node is the reference node.')
+  end subroutine find_reference
+
+
+  !> Gives the ties with CYCLIC SYMMETRY their turn. Before: ties are read.
+  subroutine read_sectors(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    logical :: has_turn(size(model%ties))
+    integer :: c, i
+    has_turn = .false.
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'CYCLICSYMMETRYMODEL')) call read_sector(reader, c, model, has_turn)
+    end do
+    do i = 1, size(model%ties)
+      if (model%ties(i)%is_cyclic .and. .not. has_turn(i)) call complain(reader, 0, 'The tie ''' // model%ties(i)%name // &
+        ''' has CYCLIC SYMMETRY, but no *CYCLIC SYMMETRY MODEL, TIE=' // model%ties(i)%name // ' tells its axis and N.')
+    end do
+  end subroutine read_sectors
+
+
+  !> One card: N sectors in the circle; two points of the axis.
+  subroutine read_sector(reader, c, model, has_turn)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(model_type), intent(inout) :: model
+    logical, intent(inout) :: has_turn(:)
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: name
+    real(DP) :: x(6)
+    integer :: i, n, status
+    logical :: is_ok, is_found
+    call open_card(reader, c, parameters, row)
+    associate (line => reader%cards%cards(c)%line)
+      call parse_integer(parameter_text(parameters, 'N'), n, status)
+      if (status /= NUMBER_OK) return            ! told when the card was checked
+      if (n < 2) call complain(reader, line, 'N, the number of sectors in the circle, must be at least 2.')
+      if (.not. next_row(reader%cards, row)) then
+        call complain(reader, line, '*CYCLIC SYMMETRY MODEL needs a data line: two points of the axis.')
+        return
+      end if
+      is_ok = n >= 2
+      call need_at_most(reader, row, 6)
+      do i = 1, 6
+        call need_real(reader, row, i, 'coordinate of a point of the axis', x(i), is_ok, 0.0_DP)
+      end do
+      if (is_ok .and. .not. norm2(x(4:) - x(:3)) > 0) then
+        call complain(reader, row%line, 'The two points of the axis must differ.')
+        is_ok = .false.
+      end if
+      if (next_row(reader%cards, row)) call need_no_data(reader, row)
+      name = parameter_text(parameters, 'TIE')
+      is_found = .false.
+      do i = 1, size(model%ties)
+        if (squeezed(model%ties(i)%name) /= squeezed(name) .or. .not. model%ties(i)%is_cyclic) cycle
+        is_found = .true.
+        has_turn(i) = .true.
+        if (.not. is_ok) cycle
+        model%ties(i)%centre = x(:3)
+        model%ties(i)%turn = turn_about((x(4:) - x(:3)) / norm2(x(4:) - x(:3)), 2 * PI / real(n, DP))
+      end do
+      if (.not. is_found) call complain(reader, line, 'There is no *TIE, NAME=' // name // ', CYCLIC SYMMETRY.')
+    end associate
+  end subroutine read_sector
+
+
+  !> The matrix that turns by an angle about an axis through the origin (Rodrigues).
+  pure function turn_about(axis, angle) result(turn)
+    real(DP), intent(in) :: axis(3)              !< unit vector
+    real(DP), intent(in) :: angle                !< [rad]
+    real(DP) :: turn(3, 3), e(3)
+    integer :: k
+    do k = 1, 3
+      e = 0
+      e(k) = 1
+      turn(:, k) = e + sin(angle) * cross_product(axis, e) + (1 - cos(angle)) * &
+        cross_product(axis, cross_product(axis, e))
+    end do
+  end function turn_about
+
+end module amontons_deck_mpc

@@ -1,0 +1,299 @@
+!> Deck reader: what the procedures that turn cards into the model share: the cards, the names, and how fields are read.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_reader
+  use amontons_kinds, only: DP, NAME_LENGTH
+  use amontons_cards, only: cards_type, row_type, parameter_type, remarks_type, read_parameters, field_integer, &
+    field_real, field_text, start_rows, next_row
+  use amontons_card_schema, only: card_table_type, match_parameters, parameter_text
+  use amontons_containers, only: name_table_type, label_table_type, integer_list_type
+  use amontons_mesh, only: mesh_type
+  use amontons_model, only: DIALECT_ABAQUS
+  use amontons_text, only: text_of, squeezed, plural, NUMBER_OK, NUMBER_EMPTY, NUMBER_NOT_FINITE
+  implicit none
+  private
+  public :: reader_type, time_list_type, open_card, complain, note, need_real, need_integer, need_at_most, need_no_data
+  public :: read_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
+
+  !> The times of a TIME POINTS card.
+  type :: time_list_type
+    logical :: is_total_time = .false.           !< TIME=TOTAL TIME
+    real(DP), allocatable :: times(:)            !< ascending [time]
+  end type time_list_type
+
+  !> The state of reading one deck.
+  type :: reader_type
+    type(cards_type) :: cards
+    type(card_table_type) :: table
+    type(remarks_type) :: remarks
+    integer :: dialect = DIALECT_ABAQUS          !< DIALECT_ABAQUS or DIALECT_CALCULIX
+    integer :: cut_step = 0                      !< a step that a restart has ended early; 0: none
+    real(DP) :: cut_time = 0                     !< at its end [step time]
+    integer, allocatable :: delayed_amplitude(:) !< (n_cards) amplitude of a card with TIME DELAY, 0
+    integer, allocatable :: step_of_card(:)      !< (n_cards) step in which a card stands; 0: the model
+    type(name_table_type) :: node_sets, element_sets, surfaces, materials, interactions, amplitudes, time_names
+    type(time_list_type), allocatable :: time_lists(:)
+    type(label_table_type) :: node_labels, element_labels
+    type(label_table_type) :: draft_labels       !< all elements of the deck, also those that are no solids
+    logical, allocatable :: node_repeats(:)      !< (node sets) the deck names a member more than once
+    logical, allocatable :: element_repeats(:)   !< (element sets) the same
+    logical, allocatable :: has_leftovers(:)     !< (element sets) it holds elements that are no solids and were dropped
+    integer, allocatable :: left_first(:)        !< (n + 1) start of each element that was left out, in left_nodes
+    integer, allocatable :: left_nodes(:)
+    integer, allocatable :: left_of_draft(:)     !< (elements of the deck) number among those left out, 0
+    type(integer_list_type), allocatable :: left_of_set(:)   !< (element sets) those of its members that were left out
+    logical :: has_refused_kinds = .false.       !< elements of kinds that we do not have were told; what needs them is not
+  end type reader_type
+
+contains
+
+  !> Reads the parameters of a card (names complete, nothing told: that was done when the cards were checked) and sets
+  !! the cursor before its data.
+  subroutine open_card(reader, c, parameters, row)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), allocatable, intent(out) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    call read_parameters(reader%cards, reader%cards%cards(c), parameters)
+    associate (card => reader%cards%cards(c))
+      call match_parameters(reader%table%entries(card%entry), parameters, card%line, .true.)
+      call start_rows(card, row)
+    end associate
+  end subroutine open_card
+
+
+  !> Whether a card has this keyword.
+  pure function is_card(reader, c, key) result(is_so)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: key              !< squeezed keyword
+    logical :: is_so
+    is_so = .false.
+    if (reader%cards%cards(c)%entry > 0) is_so = reader%table%entries(reader%cards%cards(c)%entry)%key == key
+  end function is_card
+
+
+  !> Tells an error.
+  subroutine complain(reader, line, text)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line                  !< line of the deck; 0: none
+    character(*), intent(in) :: text
+    call reader%remarks%add(line, text)
+  end subroutine complain
+
+
+  !> Tells a note.
+  subroutine note(reader, line, text)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line                  !< line of the deck; 0: none
+    character(*), intent(in) :: text
+    call reader%remarks%add(line, text, is_warning=.true.)
+  end subroutine note
+
+
+  !> Reads a real field or tells why not.
+  subroutine need_real(reader, row, i, what, value, is_ok, default)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: i                     !< field
+    character(*), intent(in) :: what             !< its name in messages
+    real(DP), intent(out) :: value
+    logical, intent(inout) :: is_ok              !< set to .false. on trouble, else untouched
+    real(DP), intent(in), optional :: default    !< value of an empty field; without it the field must be there
+    integer :: status
+    call field_real(reader%cards, row, i, value, status)
+    if (status == NUMBER_OK) return
+    if (status == NUMBER_EMPTY .and. present(default)) then
+      value = default
+      return
+    end if
+    is_ok = .false.
+    if (status == NUMBER_EMPTY) then
+      call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // &
+        ') is missing; it must be a real number.')
+    else if (status == NUMBER_NOT_FINITE) then
+      call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // ') is ' // &
+        field_text(reader%cards, row, i) // '; it must be a finite number.')
+    else
+      call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // ') is ''' // &
+        field_text(reader%cards, row, i) // '''; it must be a real number' // hint_at_commas(field_text(reader%cards, row, i)))
+    end if
+  end subroutine need_real
+
+
+  !> How numbers are written, for a field that is more than one.
+  pure function hint_at_commas(field) result(hint)
+    character(*), intent(in) :: field
+    character(:), allocatable :: hint
+    hint = '.'
+    if (index(trim(adjustl(field)), ' ') > 0) hint = '; a comma parts two numbers, and a point is the decimal mark.'
+  end function hint_at_commas
+
+
+  !> Reads an integer field or tells why not.
+  subroutine need_integer(reader, row, i, what, value, is_ok, default)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: i                     !< field
+    character(*), intent(in) :: what             !< its name in messages
+    integer, intent(out) :: value
+    logical, intent(inout) :: is_ok              !< set to .false. on trouble, else untouched
+    integer, intent(in), optional :: default     !< value of an empty field; without it the field must be there
+    integer :: status
+    call field_integer(reader%cards, row, i, value, status)
+    if (status == NUMBER_OK) return
+    if (status == NUMBER_EMPTY .and. present(default)) then
+      value = default
+      return
+    end if
+    is_ok = .false.
+    if (status == NUMBER_EMPTY) then
+      call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // ') is missing; it must be an integer.')
+    else
+      call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // ') is ''' // &
+        field_text(reader%cards, row, i) // '''; it must be an integer.')
+    end if
+  end subroutine need_integer
+
+
+  !> The constants of a routine of the user, in lines of eight; tells too few and too many.
+  subroutine read_constants(reader, c, row, count_name, constants)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(row_type), intent(inout) :: row         !< before its data lines
+    character(*), intent(in) :: count_name       !< parameter that gives their number, for messages
+    real(DP), intent(inout) :: constants(:)      !< zero comes in, for fields that are blank
+    integer, parameter :: FIELDS = 8
+    integer :: n, i, k
+    logical :: is_ok
+    n = size(constants)
+    i = 0
+    is_ok = .true.
+    do while (next_row(reader%cards, row) .and. is_ok)
+      call need_at_most(reader, row, min(FIELDS, n - i))
+      do k = 1, min(FIELDS, n - i)
+        call need_real(reader, row, k, 'constant', constants(i + k), is_ok, 0.0_DP)
+      end do
+      i = i + min(FIELDS, n - i)
+    end do
+    if (i < n .and. is_ok) call complain(reader, reader%cards%cards(c)%line, count_name // ' is ' // text_of(n) // &
+      ', but there is room for only ' // text_of(i) // ' in the data lines, eight in each.')
+  end subroutine read_constants
+
+
+  !> Tells fields beyond the last one that is read.
+  subroutine need_at_most(reader, row, n)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: n                     !< fields that are read
+    if (row%n > n) call complain(reader, row%line, 'This line has ' // plural(row%n, 'value') // '; at most ' // &
+      text_of(n) // ' can stand here.')
+  end subroutine need_at_most
+
+
+  !> Tells data lines of a card that takes none.
+  subroutine need_no_data(reader, row)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row            !< a row that should not be there
+    call complain(reader, row%line, 'The card above takes no data here; this line is not understood.')
+  end subroutine need_no_data
+
+
+  !> The node or the nodes of the node set that a field names; tells it if there is none.
+  subroutine nodes_of_field(reader, mesh, row, i, nodes, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: i                     !< field
+    integer, allocatable, intent(out) :: nodes(:)   !< indices; of size 0 on trouble
+    logical, intent(inout) :: is_ok              !< set to .false. on trouble, else untouched
+    integer :: label, status, found
+    call field_integer(reader%cards, row, i, label, status)
+    if (status == NUMBER_OK) then
+      found = reader%node_labels%find(label)
+      if (found > 0) nodes = [found]
+    else if (status /= NUMBER_EMPTY) then
+      found = reader%node_sets%find(field_text(reader%cards, row, i))
+      if (found > 0) nodes = mesh%node_sets(found)%members
+    end if
+    if (allocated(nodes)) return
+    allocate (nodes(0))
+    is_ok = .false.
+    if (status == NUMBER_EMPTY) then
+      call complain(reader, row%line, 'Field ' // text_of(i) // ' must name a node or a node set; it is empty.')
+    else
+      call complain(reader, row%line, 'There is no node or node set ''' // field_text(reader%cards, row, i) // '''' // &
+        reader%node_sets%hint(field_text(reader%cards, row, i)))
+    end if
+  end subroutine nodes_of_field
+
+
+  !> The element or the elements of the element set that a field names; tells it if there is none.
+  subroutine elements_of_field(reader, mesh, row, i, elements, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(row_type), intent(in) :: row
+    integer, intent(in) :: i                     !< field
+    integer, allocatable, intent(out) :: elements(:)   !< indices; of size 0 on trouble
+    logical, intent(inout) :: is_ok              !< set to .false. on trouble, else untouched
+    integer :: label, status, found
+    found = 0
+    call field_integer(reader%cards, row, i, label, status)
+    if (status == NUMBER_OK) then
+      found = reader%element_labels%find(label)
+      if (found > 0) elements = [found]
+    else if (status /= NUMBER_EMPTY) then
+      found = reader%element_sets%find(field_text(reader%cards, row, i))
+      if (found > 0) elements = mesh%element_sets(found)%members
+      if (found > 0) then
+        if (reader%has_leftovers(found)) is_ok = .false.
+        if (reader%has_leftovers(found) .and. .not. reader%has_refused_kinds) call complain(reader, row%line, &
+          'The element set ''' // field_text(reader%cards, row, i) // ''' holds elements that are no solids; name ' // &
+          'solid elements only.')
+      end if
+    end if
+    if (allocated(elements)) return
+    allocate (elements(0))
+    is_ok = .false.
+    if (status == NUMBER_EMPTY) then
+      call complain(reader, row%line, 'Field ' // text_of(i) // ' must name an element or an element set; it is empty.')
+    else if (status == NUMBER_OK .and. reader%draft_labels%find(label) > 0) then
+      if (.not. reader%has_refused_kinds) call complain(reader, row%line, 'The element ' // text_of(label) // &
+        ' is no solid; name solid elements only.')
+    else
+      call complain(reader, row%line, 'There is no element or element set ''' // &
+        field_text(reader%cards, row, i) // '''' // reader%element_sets%hint(field_text(reader%cards, row, i)))
+    end if
+  end subroutine elements_of_field
+
+
+  !> The amplitude that a card names; 0 if it names none, or on trouble.
+  subroutine find_amplitude(reader, c, parameters, amplitude)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    integer, intent(out) :: amplitude
+    character(:), allocatable :: name
+    amplitude = 0
+    name = parameter_text(parameters, 'AMPLITUDE')
+    if (name == '') return
+    amplitude = reader%amplitudes%find(name)
+    if (amplitude == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no amplitude ''' // name // '''.')
+    if (.not. allocated(reader%delayed_amplitude)) return
+    if (reader%delayed_amplitude(c) > 0) amplitude = reader%delayed_amplitude(c)
+  end subroutine find_amplitude
+
+
+  !> Tells a name that is too long.
+  subroutine check_name(reader, c, name)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: name
+    character(:), allocatable :: key
+    integer :: dot
+    key = squeezed(name)
+    dot = index(key, '.')                        ! INSTANCE.NAME of a deck with parts: both may be so long
+    if (max(dot - 1, len(key) - dot) > NAME_LENGTH) call complain(reader, reader%cards%cards(c)%line, 'The name ''' // name &
+      // ''' has more than ' // text_of(NAME_LENGTH) // ' characters.')
+  end subroutine check_name
+
+end module amontons_deck_reader

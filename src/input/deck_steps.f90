@@ -1,0 +1,733 @@
+!> Deck steps: the cards of the steps, STEP to END STEP, to the list of steps, each with all that holds in it.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! MODEL CHANGE, TYPE=ELEMENT, CHANGE SOLID SECTION, CHANGE MATERIAL and EQUATION, REMOVE: what a step changes of the model.
+module amontons_deck_steps
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, line_text, field_text
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
+  use amontons_deck_initial_conditions, only: thermal_type, start_thermal, begin_thermal_step, read_temperature, &
+    hand_over_temperatures, cut_temperatures
+  use amontons_deck_loads, only: read_boundary, read_cload, read_dload
+  use amontons_load_propagation, only: standing_type, start_standing, begin_step, hand_over_loads, cut_loads
+  use amontons_deck_contact, only: read_contact_change
+  use amontons_deck_output, only: output_type, begin_output, read_output_card, close_output
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
+    need_no_data, is_card, nodes_of_field, elements_of_field
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_steps, only: step_type, controls_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, &
+    SEARCH_NODAL, SEARCH_AUTO, DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE
+  use amontons_text, only: text_of, parse_integer, parse_real, is_one_of, NUMBER_OK, plural
+  use amontons_mpc_data, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
+  use amontons_deck_materials, only: read_plastic
+  use amontons_materials, only: material_type
+  use amontons_mesh, only: mesh_type
+  use amontons_topology, only: KIND_SPRINGA
+  implicit none
+  private
+  public :: read_steps
+
+  !> What is known while the steps are read.
+  type :: progress_type
+    type(step_type) :: step                      !< present step; what is sticky stays in it for the next one
+    type(thermal_type) :: thermal
+    type(standing_type) :: standing
+    type(output_type) :: output
+    type(standing_type) :: base                  !< loads before the first PERTURBATION step
+    type(thermal_type) :: base_thermal           !< temperatures before it
+    integer :: n = 0                             !< steps begun
+    real(DP) :: total_time = 0                   !< at the end of the step before [time]
+    logical :: has_static = .false.
+    logical :: has_refused = .false.             !< a card of this step is refused, maybe its procedure
+    logical :: is_open = .false.
+    integer :: interaction = 0                   !< the one that the last CHANGE card names
+    integer :: material = 0                      !< the one that the last CHANGE MATERIAL made
+  end type progress_type
+
+contains
+
+  !> Reads all steps, and the BOUNDARY cards of the model, which hold from the first step.
+  subroutine read_steps(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(progress_type) :: progress
+    integer :: c, n_steps
+    n_steps = 0
+    if (reader%cards%n_cards > 0) n_steps = maxval(reader%step_of_card)
+    allocate (model%steps(n_steps))
+    if (n_steps == 0) call complain(reader, 0, 'The deck has no step: there is no *STEP card.')
+    call start_standing(model, progress%standing)
+    call start_thermal(model, progress%thermal)
+    progress%step%controls = default_controls(reader%dialect)
+    if (reader%dialect == DIALECT_CALCULIX) call turn_on_nlgeom(reader, model, progress%step)
+    allocate (progress%step%prints(0))
+    do c = 1, reader%cards%n_cards
+      if (reader%step_of_card(c) == 0) then
+        if (progress%n == 0 .and. is_card(reader, c, 'BOUNDARY')) call read_boundary(reader, model, c, 0, &
+          progress%standing)
+        if (progress%n == 0 .and. is_card(reader, c, 'CONTROLS')) call read_controls(reader, c, progress%step%controls)
+        cycle
+      end if
+      if (is_card(reader, c, 'STEP')) then
+        call close_step(reader, model, c, progress)
+        call open_step(reader, model, c, progress)
+      else
+        call read_step_card(reader, model, c, progress)
+      end if
+    end do
+    call close_step(reader, model, reader%cards%n_cards, progress)
+  end subroutine read_steps
+
+
+  !> The calculix dialect: some cards make all steps geometrically nonlinear, as they do in CalculiX 2.20.
+  subroutine turn_on_nlgeom(reader, model, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(step_type), intent(inout) :: step
+    character(*), parameter :: ALWAYS = 'HYPERELASTIC|HYPERFOAM|DEFORMATION PLASTICITY|GAP CONDUCTANCE'
+    logical :: has_curved
+    integer :: c
+    has_curved = any(model%bonds%kind == BOND_PLANE .or. model%bonds%kind == BOND_STRAIGHT .or. &
+      model%bonds%kind == BOND_DISTANCE) .or. any(model%springs%is_rope)
+    do c = 1, reader%cards%n_cards
+      if (.not. (is_one_of(reader%cards%cards(c)%key, ALWAYS) .or. (has_curved .and. is_card(reader, c, 'MPC')))) cycle
+      step%is_nlgeom = .true.
+      call note(reader, reader%cards%cards(c)%line, 'This card turns NLGEOM on for all steps, as in CalculiX; *STEP, ' // &
+        'NLGEOM=NO turns it off.')
+      return
+    end do
+  end subroutine turn_on_nlgeom
+
+
+  !> The controls of a dialect before any CONTROLS card.
+  pure function default_controls(dialect) result(controls)
+    integer, intent(in) :: dialect
+    type(controls_type) :: controls
+    if (dialect == DIALECT_CALCULIX) controls = calculix_controls()
+  end function default_controls
+
+
+  !> STEP: title, NLGEOM, INC, AMPLITUDE.
+  subroutine open_step(reader, model, c, progress)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(progress_type), intent(inout) :: progress
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    real(DP) :: period
+    integer :: status
+    call open_card(reader, c, parameters, row)
+    period = progress%step%period                ! of the step before
+    progress%n = progress%n + 1
+    progress%is_open = .true.
+    progress%has_static = .false.
+    progress%has_refused = .false.
+    call begin_output(progress%output)
+    progress%step%title = ''
+    do while (next_row(reader%cards, row))
+      if (progress%step%title /= '') progress%step%title = progress%step%title // ' '
+      progress%step%title = progress%step%title // trim(adjustl(line_text(reader%cards, row%line)))
+    end do
+    if (has_parameter(parameters, 'NLGEOM')) progress%step%is_nlgeom = parameter_word(parameters, 'NLGEOM', 'YES') == &
+      'YES'
+    call begin_perturbation(parameters, progress)
+    progress%step%max_increments = 100
+    if (has_parameter(parameters, 'INC')) then
+      call parse_integer(parameter_text(parameters, 'INC'), progress%step%max_increments, status)
+      if (status == NUMBER_OK .and. progress%step%max_increments < 1) call complain(reader, &
+        reader%cards%cards(c)%line, 'INC must be at least 1.')
+    end if
+    progress%step%is_direct = .false.
+    progress%step%is_clock_set = .false.
+    if (allocated(progress%step%is_born)) deallocate (progress%step%is_born)
+    if (allocated(progress%step%interference)) deallocate (progress%step%interference, progress%step%is_shrink)
+    progress%interaction = 0
+    progress%material = 0
+    progress%step%dt_initial = 1
+    progress%step%period = 1
+    progress%step%dt_min = 1.0e-6_DP
+    progress%step%dt_max = 1
+    progress%step%is_creeping = .false.
+    call begin_step(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == 'STEP', &
+      progress%standing)
+    call begin_thermal_step(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == &
+      'STEP', progress%thermal)
+  end subroutine open_step
+
+
+  !> PERTURBATION: what such a step loads is forgotten when it is over.
+  subroutine begin_perturbation(parameters, progress)
+    type(parameter_type), intent(in) :: parameters(:)
+    type(progress_type), intent(inout) :: progress
+    if (progress%step%is_perturbation) then
+      progress%standing = progress%base
+      progress%thermal = progress%base_thermal
+      progress%standing%step = progress%n - 1
+      progress%thermal%step = progress%n - 1
+    else
+      progress%base = progress%standing
+      progress%base_thermal = progress%thermal
+    end if
+    progress%step%is_perturbation = has_parameter(parameters, 'PERTURBATION')
+  end subroutine begin_perturbation
+
+
+  !> Puts the finished step into the model.
+  subroutine close_step(reader, model, c, progress)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< a card after the step, or the last one
+    type(progress_type), intent(inout) :: progress
+    integer :: k
+    if (.not. progress%is_open) return
+    progress%is_open = .false.
+    k = c
+    do while (.not. (is_card(reader, k, 'STEP') .and. reader%step_of_card(k) == progress%n))
+      k = k - 1
+    end do
+    if (.not. (progress%has_static .or. progress%has_refused)) call complain(reader, reader%cards%cards(k)%line, &
+      'This step has no *STATIC or *VISCO card.')
+    call hand_over_loads(progress%standing, progress%step%prescribed, progress%step%concentrated, &
+      progress%step%distributed)
+    if (progress%step%is_nlgeom .and. any(progress%step%distributed%is_following)) call complain(reader, &
+      reader%cards%cards(k)%line, 'Under NLGEOM a traction keeps its direction and its size per undeformed area: its card ' // &
+      'needs FOLLOWER=NO, CONSTANT RESULTANT=YES.')
+    call hand_over_temperatures(progress%thermal, progress%step%temperatures)
+    call close_output(reader, progress%output, progress%total_time, progress%step)
+    if (progress%n == reader%cut_step) then
+      call cut_loads(progress%standing, reader%cut_time / progress%step%period)
+      call cut_temperatures(progress%thermal, reader%cut_time / progress%step%period)
+      progress%step%period = reader%cut_time
+    end if
+    model%steps(progress%n) = progress%step
+    progress%total_time = progress%total_time + progress%step%period
+  end subroutine close_step
+
+
+  !> One card of a step.
+  subroutine read_step_card(reader, model, c, progress)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(progress_type), intent(inout) :: progress
+    if (reader%cards%cards(c)%entry == 0) return
+    associate (entry => reader%table%entries(reader%cards%cards(c)%entry))
+      if (entry%status == STATUS_REFUSED) progress%has_refused = .true.
+      select case (entry%key)
+      case ('STATIC', 'VISCO')
+        progress%has_static = .true.
+        progress%step%is_creeping = entry%key == 'VISCO'
+        call read_static(reader, c, progress%step)
+        call read_damping(reader, c, model%dialect, progress%step)
+        call set_clock(reader, c, progress)
+      case ('NOANALYSIS')
+        progress%has_static = .true.
+        model%is_checked_only = .true.
+      case ('CONTROLS')
+        call read_controls(reader, c, progress%step%controls)
+      case ('LINESEARCH')
+        call read_line_search(reader, c, progress%step)
+      case ('BOUNDARY')
+        call read_boundary(reader, model, c, progress%n, progress%standing)
+      case ('CLOAD')
+        call read_cload(reader, model, c, progress%standing)
+      case ('TEMPERATURE')
+        call read_temperature(reader, model, c, progress%thermal)
+      case ('DLOAD', 'DSLOAD')
+        call read_dload(reader, model, c, progress%standing)
+      case ('EQUATION')
+        call read_removal(reader, model, c, progress%n)
+      case ('CHANGEMATERIAL')
+        call read_material_change(reader, model, c, progress%step, progress%material)
+      case ('CHANGEPLASTIC')
+        call read_plastic_change(reader, c, model, progress%material)
+      case ('CHANGESOLIDSECTION')
+        call read_section_change(reader, model, c, progress%step)
+      case ('CHANGEFRICTION', 'CHANGESURFACEBEHAVIOR', 'FRICTION', 'SURFACEBEHAVIOR', 'MODELCHANGE', &
+        'CONTACTINTERFERENCE')
+        if (is_element_change(reader, c)) then
+          call read_element_change(reader, model, c, progress%step)
+          return
+        end if
+        call read_contact_change(reader, model, c, progress%interaction, progress%step)
+      case default
+        call read_output_card(reader, model, c, progress%output, progress%step)
+      end select
+    end associate
+  end subroutine read_step_card
+
+
+  !> STATIC: first increment, period, least and largest increment.
+  subroutine read_static(reader, c, step)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(step_type), intent(inout) :: step
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    logical :: is_ok, has_row
+    call open_card(reader, c, parameters, row)
+    step%is_direct = has_parameter(parameters, 'DIRECT') .and. parameter_word(parameters, 'DIRECT', 'YES') /= 'NO'
+    step%solver = merge(SOLVER_ITERATIVE, SOLVER_AUTO, index(parameter_word(parameters, 'SOLVER', ''), 'ITERATIVE') == 1)
+    is_ok = .true.
+    has_row = next_row(reader%cards, row)
+    if (.not. has_row) row%n = 0
+    call need_at_most(reader, row, 5)            ! the fifth of CalculiX is for flow
+    call need_real(reader, row, 2, 'length of the step', step%period, is_ok, 0.0_DP)
+    if (step%period <= 0 .and. row%n >= 2 .and. is_ok) call note(reader, row%line, &
+      'The length of the step must be positive; 1 is taken.')
+    if (step%period <= 0) step%period = 1
+    call need_real(reader, row, 1, 'first increment', step%dt_initial, is_ok, 0.0_DP)
+    if (.not. abs(step%dt_initial) > 0) step%dt_initial = step%period
+    call need_real(reader, row, 3, 'least increment', step%dt_min, is_ok, 0.0_DP)
+    if (.not. abs(step%dt_min) > 0) step%dt_min = min(step%dt_initial, 1.0e-6_DP * step%period)
+    call need_real(reader, row, 4, 'largest increment', step%dt_max, is_ok, 0.0_DP)
+    if (.not. abs(step%dt_max) > 0) step%dt_max = step%period
+    if (is_ok) call check_times(reader, row%line, step)
+    if (.not. has_row) return
+    if (next_row(reader%cards, row)) call need_no_data(reader, row)
+  end subroutine read_static
+
+
+  !> STABILIZE: damping by the volume, which the calculix dialect does not know.
+  subroutine read_damping(reader, c, dialect, step)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: dialect               !< DIALECT_...
+    type(step_type), intent(inout) :: step
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    step%damped_fraction = 0
+    step%damping_factor = 0
+    step%is_damping_continued = .false.
+    call open_card(reader, c, parameters, row)
+    if (.not. has_parameter(parameters, 'STABILIZE')) return
+    if (dialect == DIALECT_CALCULIX) then
+      call note(reader, reader%cards%cards(c)%line, 'STABILIZE has no effect: CalculiX does not know it. Under the dialect ' // &
+        'abaqus it adds damping.')
+      return
+    end if
+    step%damped_fraction = 2.0e-4_DP
+    step%is_damping_continued = has_parameter(parameters, 'CONTINUE') .and. &
+      parameter_word(parameters, 'CONTINUE', 'YES') /= 'NO'
+    call take_positive('STABILIZE', step%damped_fraction)
+    call take_positive('FACTOR', step%damping_factor)
+
+  contains
+
+    !> The number of a parameter, if it has one.
+    subroutine take_positive(name, number)
+      character(*), intent(in) :: name
+      real(DP), intent(inout) :: number
+      real(DP) :: value
+      integer :: status
+      if (parameter_text(parameters, name) == '') return
+      call parse_real(parameter_text(parameters, name), value, status)
+      if (status /= NUMBER_OK) return            ! told when the card was checked
+      if (value < 0) call complain(reader, reader%cards%cards(c)%line, 'The value of ' // name // ' must not be negative.')
+      number = max(value, 0.0_DP)
+    end subroutine take_positive
+
+  end subroutine read_damping
+
+
+  !> TIME RESET: the step ends at the total time at which it starts. TOTAL TIME AT START: it starts at this one.
+  subroutine set_clock(reader, c, progress)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(progress_type), intent(inout) :: progress
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    real(DP) :: clock
+    integer :: status
+    call open_card(reader, c, parameters, row)
+    clock = progress%total_time
+    if (has_parameter(parameters, 'TOTAL TIME AT START')) then
+      call parse_real(parameter_text(parameters, 'TOTAL TIME AT START'), clock, status)
+      if (status /= NUMBER_OK) return            ! told when the card was checked
+    end if
+    if (has_parameter(parameters, 'TIME RESET')) clock = clock - progress%step%period
+    progress%step%is_clock_set = abs(clock - progress%total_time) > 0
+    progress%step%clock = clock
+    progress%total_time = clock
+  end subroutine set_clock
+
+
+  !> Tells times that do not fit together.
+  subroutine check_times(reader, line, step)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line
+    type(step_type), intent(inout) :: step
+    if (step%dt_initial < 0 .or. step%dt_min < 0 .or. step%dt_max < 0) then
+      call complain(reader, line, 'The times of a step must be positive.')
+      return
+    end if
+    if (step%dt_initial > step%period) call complain(reader, line, 'The first increment ' // text_of(step%dt_initial) &
+      // ' is longer than the step, ' // text_of(step%period) // '.')
+    if (step%is_direct) return
+    if (step%dt_min > step%dt_initial) then
+      call note(reader, line, 'The least increment ' // text_of(step%dt_min) // ' is longer than the first one, ' // &
+        text_of(step%dt_initial) // ', which is taken for it.')
+      step%dt_min = step%dt_initial
+    end if
+    if (step%dt_max < step%dt_initial) then
+      call note(reader, line, 'The first increment is cut to the largest one, ' // text_of(step%dt_max) // '.')
+      step%dt_initial = step%dt_max
+    end if
+  end subroutine check_times
+
+
+  !> CONTROLS: CalculiX's slots; a blank field keeps its value.
+  subroutine read_controls(reader, c, controls)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(controls_type), intent(inout) :: controls
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: what
+    logical :: is_row
+    call open_card(reader, c, parameters, row)
+    what = parameter_word(parameters, 'PARAMETERS', '')
+    if (has_parameter(parameters, 'RESET')) controls = default_controls(reader%dialect)
+    if (what == '' .and. .not. (has_parameter(parameters, 'RESET') .or. has_parameter(parameters, 'ANALYSIS'))) call &
+      complain(reader, row%line, '*CONTROLS needs PARAMETERS=TIME INCREMENTATION/FIELD/LINE SEARCH/GAP/CONTACT or ' // &
+      'RESET.')
+    is_row = next_row(reader%cards, row)
+    select case (what)
+    case ('TIMEINCREMENTATION')
+      if (is_row) call read_counts(reader, row, controls)
+      if (is_row) is_row = next_row(reader%cards, row)
+      if (is_row) call read_factors(reader, row, controls)
+      if (is_row) is_row = next_row(reader%cards, row)
+    case ('FIELD')
+      if (is_row) call read_tolerances(reader, row, controls)
+      if (is_row) is_row = next_row(reader%cards, row)   ! the second line of Abaqus and CalculiX is passed over
+      if (is_row) is_row = next_row(reader%cards, row)
+    case ('LINESEARCH')
+      if (is_row) call read_lengths(reader, row, controls)
+      if (is_row) is_row = next_row(reader%cards, row)
+    case ('GAP')
+      if (is_row) call read_gap(reader, row, controls)
+      if (is_row) is_row = next_row(reader%cards, row)
+    case ('CONTACT')
+      call note(reader, reader%cards%cards(c)%line, 'These numbers are for contact by springs; contact is exact ' // &
+        'here and does not use them.')
+      is_row = .false.
+    case ('CONSTRAINTS')
+      call note(reader, reader%cards%cards(c)%line, 'Constraints hold exactly; these tolerances have no effect.')
+      is_row = .false.
+    end select
+    if (is_row) call need_no_data(reader, row)
+  end subroutine read_controls
+
+
+  !> I0, IR, IP, IC, IL, IG, -, IA: all at least 1.
+  subroutine read_counts(reader, row, controls)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(controls_type), intent(inout) :: controls
+    character(2), parameter :: NAMES(8) = ['I0', 'IR', 'IP', 'IC', 'IL', 'IG', 'IS', 'IA']
+    integer :: counts(8), i
+    logical :: is_ok
+    is_ok = .true.
+    counts = [controls%i_0, controls%i_r, controls%i_p, controls%i_c, controls%i_l, controls%i_g, 1, controls%i_a]
+    call need_at_most(reader, row, 10)
+    do i = 1, 8
+      call need_integer(reader, row, i, NAMES(i), counts(i), is_ok, default=(counts(i)))
+    end do
+    if (.not. is_ok) return
+    if (any(counts([1, 2, 3, 4, 5, 6, 8]) < 1)) then
+      call complain(reader, row%line, 'The numbers of iterations and cut-backs must be at least 1.')
+      return
+    end if
+    controls%i_0 = counts(1)
+    controls%i_r = counts(2)
+    controls%i_p = counts(3)
+    controls%i_c = counts(4)
+    controls%i_l = counts(5)
+    controls%i_g = counts(6)
+    controls%i_a = counts(8)
+  end subroutine read_counts
+
+
+  !> DF, DC, DB, -, -, -, DD: the first three in (0, 1), the last at least 1.
+  subroutine read_factors(reader, row, controls)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(controls_type), intent(inout) :: controls
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 8)
+    call need_real(reader, row, 1, 'DF', controls%d_f, is_ok, default=(controls%d_f))
+    call need_real(reader, row, 2, 'DC', controls%d_c, is_ok, default=(controls%d_c))
+    call need_real(reader, row, 3, 'DB', controls%d_b, is_ok, default=(controls%d_b))
+    call need_real(reader, row, 7, 'DD', controls%d_d, is_ok, default=(controls%d_d))
+    if (.not. is_ok) return
+    if (any([controls%d_f, controls%d_c] <= 0) .or. any([controls%d_f, controls%d_c] >= 1) .or. controls%d_b <= 0 .or. &
+      controls%d_b > 1 .or. controls%d_d < 1) call complain(reader, row%line, &
+      'The factors must be 0 < DF < 1, 0 < DC < 1, 0 < DB <= 1, DD >= 1.')
+  end subroutine read_factors
+
+
+  !> Rn, Cn, -, -, Rp, -, -, Rl: all positive.
+  subroutine read_tolerances(reader, row, controls)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(controls_type), intent(inout) :: controls
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 8)
+    call need_real(reader, row, 1, 'Rn', controls%r_n, is_ok, default=(controls%r_n))
+    call need_real(reader, row, 2, 'Cn', controls%c_n, is_ok, default=(controls%c_n))
+    call need_real(reader, row, 5, 'Rp', controls%r_p, is_ok, default=max(controls%r_p, controls%r_n))
+    call need_real(reader, row, 8, 'Rl', controls%r_l, is_ok, default=(controls%r_l))
+    if (is_ok .and. any([controls%r_n, controls%c_n, controls%r_p, controls%r_l] <= 0)) call complain(reader, &
+      row%line, 'The tolerances must be positive.')
+  end subroutine read_tolerances
+
+
+  !> -, s max, s min: 0 < s min <= s max.
+  subroutine read_lengths(reader, row, controls)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(controls_type), intent(inout) :: controls
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 5)
+    call need_real(reader, row, 2, 's max', controls%s_max, is_ok, default=(controls%s_max))
+    call need_real(reader, row, 3, 's min', controls%s_min, is_ok, default=(controls%s_min))
+    if (is_ok .and. (controls%s_min <= 0 .or. controls%s_max < controls%s_min)) call complain(reader, row%line, &
+      'The step lengths must be 0 < s min <= s max.')
+  end subroutine read_lengths
+
+
+  !> The penetration allowed at a closed node over the edge length of its facet (our own).
+  subroutine read_gap(reader, row, controls)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(in) :: row
+    type(controls_type), intent(inout) :: controls
+    logical :: is_ok
+    is_ok = .true.
+    call need_at_most(reader, row, 1)
+    call need_real(reader, row, 1, 'penetration over the edge length', controls%gap_tolerance, is_ok, &
+      default=(controls%gap_tolerance))
+    if (is_ok .and. controls%gap_tolerance <= 0) call complain(reader, row%line, &
+      'The penetration allowed must be positive.')
+  end subroutine read_gap
+
+
+  !> LINE SEARCH, TYPE=..., DIRECTION=...
+  subroutine read_line_search(reader, c, step)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(step_type), intent(inout) :: step
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    call open_card(reader, c, parameters, row)
+    select case (parameter_word(parameters, 'TYPE', ''))
+    case ('NONE')
+      step%line_search = SEARCH_NONE
+    case ('ALL')
+      step%line_search = SEARCH_ALL
+    case ('GLOBAL')
+      step%line_search = SEARCH_GLOBAL
+    case ('NODAL')
+      step%line_search = SEARCH_NODAL
+    case ('AUTO')
+      step%line_search = SEARCH_AUTO
+    end select
+    select case (parameter_word(parameters, 'DIRECTION', ''))
+    case ('SYMMETRIC')
+      step%direction = DIRECTION_SYMMETRIC
+    case ('LAGGED')
+      step%direction = DIRECTION_LAGGED
+    case default
+      step%direction = DIRECTION_EXACT
+    end select
+  end subroutine read_line_search
+
+
+  !> Whether a card is MODEL CHANGE, TYPE=ELEMENT.
+  logical function is_element_change(reader, c)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    is_element_change = is_card(reader, c, 'MODELCHANGE')
+    if (.not. is_element_change) return
+    call open_card(reader, c, parameters, row)
+    is_element_change = parameter_word(parameters, 'TYPE', 'ELEMENT') == 'ELEMENT'
+  end function is_element_change
+
+
+  !> MODEL CHANGE, TYPE=ELEMENT: takes elements out or puts them back, from this step on.
+  subroutine read_element_change(reader, model, c, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(step_type), intent(inout) :: step
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: elements(:)
+    integer :: i, n, n_same
+    logical :: is_ok, is_removal, is_free
+    call open_card(reader, c, parameters, row)
+    is_removal = has_parameter(parameters, 'REMOVE')
+    if (has_parameter(parameters, 'ADD') .eqv. is_removal) then
+      call complain(reader, reader%cards%cards(c)%line, '*MODEL CHANGE needs either ADD or REMOVE.')
+      return
+    end if
+    is_free = parameter_word(parameters, 'ADD', 'STRAINFREE') == 'STRAINFREE'
+    if (.not. allocated(step%is_absent)) allocate (step%is_absent(model%mesh%n_elements), source=.false.)
+    if (.not. allocated(step%is_born)) allocate (step%is_born(model%mesh%n_elements), source=.false.)
+    n = 0
+    n_same = 0
+    do while (next_row(reader%cards, row))
+      do i = 1, row%n
+        is_ok = .true.
+        call elements_of_field(reader, model%mesh, row, i, elements, is_ok)
+        n = n + 1
+        if (.not. is_ok) cycle
+        n_same = n_same + count(step%is_absent(elements) .eqv. is_removal)
+        if (.not. is_removal .and. is_free) step%is_born(elements) = step%is_born(elements) .or. step%is_absent(elements)
+        step%is_absent(elements) = is_removal
+      end do
+    end do
+    if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*MODEL CHANGE, TYPE=ELEMENT needs data lines with ' // &
+      'elements or element sets.')
+    if (n_same > 0) call note(reader, reader%cards%cards(c)%line, plural(n_same, 'element') // trim(merge( &
+      ' had been taken out before.          ', ' had not been taken out, or are back.', is_removal)))
+    if (all(step%is_absent)) call complain(reader, reader%cards%cards(c)%line, 'No element is left in the model.')
+  end subroutine read_element_change
+
+
+  !> CHANGE SOLID SECTION: the elements of a set get another material from this step on.
+  subroutine read_section_change(reader, model, c, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(step_type), intent(inout) :: step
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: set, material
+    call open_card(reader, c, parameters, row)
+    set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
+    material = present_material(model, reader%materials%find(parameter_text(parameters, 'MATERIAL')))
+    associate (line => reader%cards%cards(c)%line)
+      if (set == 0) call complain(reader, line, 'There is no element set ''' // parameter_text(parameters, 'ELSET') // '''.')
+      if (material == 0) call complain(reader, line, 'There is no material ''' // parameter_text(parameters, 'MATERIAL') // &
+        '''.')
+    end associate
+    if (next_row(reader%cards, row)) call need_no_data(reader, row)
+    if (set == 0 .or. material == 0) return
+    if (.not. allocated(step%material)) step%material = model%mesh%material
+    associate (members => model%mesh%element_sets(set)%members)
+      if (any(model%mesh%kind(members) >= KIND_SPRINGA)) then
+        call complain(reader, reader%cards%cards(c)%line, 'Springs and masses have no material; name solid elements only.')
+      else
+        step%material(members) = material
+      end if
+    end associate
+  end subroutine read_section_change
+
+
+  !> The material that a name stands for now: the last one that CHANGE MATERIAL made of it.
+  pure integer function present_material(model, material) result(last)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: material              !< of the MATERIAL card; 0: none
+    last = material
+    if (material == 0) return
+    do last = size(model%materials), material + 1, -1
+      if (model%materials(last)%name == model%materials(material)%name) return
+    end do
+    last = material
+  end function present_material
+
+
+  !> CHANGE MATERIAL: the elements of a material get a copy of it, which the cards that follow change.
+  subroutine read_material_change(reader, model, c, step, copy)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(step_type), intent(inout) :: step
+    integer, intent(out) :: copy                 !< index of the copy; 0: trouble, which was told
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(material_type) :: changed
+    integer :: old
+    copy = 0
+    call open_card(reader, c, parameters, row)
+    old = present_material(model, reader%materials%find(parameter_text(parameters, 'NAME')))
+    if (old == 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'There is no material ''' // parameter_text(parameters, 'NAME') // '''.')
+      return
+    end if
+    changed = model%materials(old)
+    model%materials = [model%materials, changed]
+    copy = size(model%materials)
+    if (.not. allocated(step%material)) step%material = model%mesh%material
+    where (step%material == old) step%material = copy
+  end subroutine read_material_change
+
+
+  !> CHANGE PLASTIC: the hardening curve of a changed material. What it has hardened so far stays.
+  subroutine read_plastic_change(reader, c, model, copy)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: copy                  !< index of the changed material; 0: none
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    logical :: is_moving
+    if (copy == 0) return                        ! told with CHANGE MATERIAL, or by the place of the card
+    call open_card(reader, c, parameters, row)
+    is_moving = parameter_word(parameters, 'HARDENING', 'ISOTROPIC') /= 'ISOTROPIC'
+    associate (material => model%materials(copy))
+      if (merge(allocated(material%kinematic), allocated(material%isotropic), is_moving)) then
+        call read_plastic(reader, c, material)
+      else
+        call complain(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // ''' has no *PLASTIC with ' // &
+          'this HARDENING, which could be changed.')
+      end if
+    end associate
+  end subroutine read_plastic_change
+
+
+  !> EQUATION, REMOVE: the equations whose first term is one of these degrees of freedom hold no more.
+  subroutine read_removal(reader, model, c, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: step                  !< the present one
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: nodes(:)
+    integer :: i, first, last, n
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    if (.not. has_parameter(parameters, 'REMOVE')) return   ! told elsewhere
+    if (parameter_word(parameters, 'REMOVE', '') == 'ALL') then
+      where (model%equations%first_dof > 0) model%equations%last_step = min(step - 1, model%equations%last_step)
+      return
+    end if
+    do while (next_row(reader%cards, row))
+      is_ok = .true.
+      call need_at_most(reader, row, 3)
+      call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
+      call need_integer(reader, row, 2, 'first degree of freedom', first, is_ok)
+      call need_integer(reader, row, 3, 'last degree of freedom', last, is_ok, default=first)
+      if (.not. is_ok) cycle
+      n = 0
+      do i = 1, size(model%equations)
+        associate (equation => model%equations(i))
+          if (equation%first_dof < first .or. equation%first_dof > last) cycle
+          if (.not. any(nodes == equation%node(1))) cycle
+          equation%last_step = min(step - 1, equation%last_step)
+          n = n + 1
+        end associate
+      end do
+      if (n == 0) call note(reader, row%line, 'No equation has its first term here; none is removed.')
+    end do
+  end subroutine read_removal
+
+end module amontons_deck_steps

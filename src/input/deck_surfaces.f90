@@ -1,0 +1,746 @@
+!> Deck model: the cards of amplitudes, surfaces and equations to the model.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_surfaces
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer, line_text
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
+  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
+    need_no_data, read_constants, nodes_of_field, elements_of_field, is_card, check_name
+  use amontons_deck_analytic_surfaces, only: read_profile, is_profile_word
+  use amontons_deck_faces, only: faces_type, find_free_faces, find_left_faces, n_hidden_faces
+  use amontons_loads, only: amplitude_type, equation_type, COURSE_TABLE, COURSE_SMOOTH, COURSE_PERIODIC, COURSE_MODULATED, &
+    COURSE_DECAY
+  use amontons_containers, only: integer_list_type, sort_integers
+  use amontons_mesh, only: mesh_type
+  use amontons_model, only: model_type, direction_of, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_surfaces, only: surface_type
+  use amontons_user_routines, only: CALL_NAME
+  use amontons_text, only: text_of, squeezed, parse_real, plural, NUMBER_OK, NEWLINE
+  use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
+  implicit none
+  private
+  public :: read_heading, read_amplitudes, read_surfaces, read_equations, find_slave_surface
+  public :: face_number, fill_surface_nodes
+
+  character(*), parameter :: OF_NODES = '\NODES'   !< behind the name of a surface of nodes that shares its name
+
+  !> Terms of one equation on their way.
+  type :: terms_type
+    integer :: n = 0
+    integer, allocatable :: node(:, :)           !< (n copies, n terms) nodes; a set gives several copies
+    integer, allocatable :: dof(:)
+    real(DP), allocatable :: coefficient(:)
+  end type terms_type
+
+contains
+
+  !> HEADING: the text, lines joined by newline.
+  subroutine read_heading(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer :: c, line
+    model%heading = ''
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'HEADING')) cycle
+      do line = reader%cards%cards(c)%data_first, reader%cards%cards(c)%data_last
+        call add_heading_line(reader, line, model%heading)
+      end do
+    end do
+  end subroutine read_heading
+
+
+  !> Adds one line to the heading; comments and blank lines are left out.
+  subroutine add_heading_line(reader, line, heading)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: line
+    character(:), allocatable, intent(inout) :: heading
+    character(:), allocatable :: text
+    text = line_text(reader%cards, line)
+    text = trim(adjustl(text))
+    if (text == '') return
+    if (len(text) >= 2) then
+      if (text(1:2) == '**') return
+    end if
+    if (heading /= '') heading = heading // NEWLINE
+    heading = heading // text
+  end subroutine add_heading_line
+
+
+  !> AMPLITUDE: pairs time, factor in rows of any length; times ascend.
+  subroutine read_amplitudes(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(amplitude_type) :: amplitude
+    integer :: c, position
+    logical :: is_new
+    allocate (model%amplitudes(0))
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'AMPLITUDE')) cycle
+      call open_card(reader, c, parameters, row)
+      amplitude%name = parameter_text(parameters, 'NAME')
+      if (amplitude%name == '') cycle
+      call check_name(reader, c, amplitude%name)
+      amplitude%is_total_time = parameter_word(parameters, 'TIME', 'STEPTIME') == 'TOTALTIME'
+      amplitude%is_absolute = parameter_word(parameters, 'VALUE', 'RELATIVE') == 'ABSOLUTE'
+      if (amplitude%is_absolute .and. reader%dialect == DIALECT_CALCULIX) then
+        call note(reader, reader%cards%cards(c)%line, 'VALUE is not known to CalculiX and is passed over: the values are factors.')
+        amplitude%is_absolute = .false.
+      end if
+      call read_course(reader, c, parameters, row, amplitude)
+      call reader%amplitudes%add(amplitude%name, position, is_new)
+      if (is_new) then
+        model%amplitudes = [model%amplitudes, amplitude]
+      else
+        call complain(reader, reader%cards%cards(c)%line, 'The amplitude ''' // amplitude%name // &
+          ''' is defined twice.')
+      end if
+    end do
+    call delay_amplitudes(reader, model)
+  end subroutine read_amplitudes
+
+
+  !> The course of an amplitude, by its DEFINITION.
+  subroutine read_course(reader, c, parameters, row, amplitude)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    type(amplitude_type), intent(inout) :: amplitude
+    real(DP), allocatable :: numbers(:)
+    integer :: n
+    character(:), allocatable :: definition
+    definition = parameter_word(parameters, 'DEFINITION', 'TABULAR')
+    amplitude%course = COURSE_TABLE
+    if (allocated(amplitude%numbers)) deallocate (amplitude%numbers)
+    amplitude%time = [0.0_DP]                    ! until there is something better
+    amplitude%factor = [0.0_DP]
+    if (definition /= 'EQUALLYSPACED' .and. (has_parameter(parameters, 'FIXED INTERVAL') .or. &
+      has_parameter(parameters, 'BEGIN'))) call complain(reader, reader%cards%cards(c)%line, &
+      'FIXED INTERVAL and BEGIN belong to DEFINITION=EQUALLY SPACED.')
+    amplitude%is_user = definition == 'USER'
+    select case (definition)
+    case ('USER')
+      call read_user_amplitude(reader, c, parameters, row, amplitude)
+    case ('TABULAR', 'SMOOTHSTEP')
+      if (definition == 'SMOOTHSTEP') amplitude%course = COURSE_SMOOTH
+      call read_pairs_of_numbers(reader, row, amplitude)
+    case ('EQUALLYSPACED')
+      call read_numbers(reader, row, 1, numbers)
+      call space_equally(reader, c, parameters, numbers, amplitude)
+    case default
+      call read_numbers(reader, row, 4, numbers)
+      n = size(numbers)
+      call order_numbers(definition, numbers, amplitude)
+      if (.not. allocated(amplitude%numbers)) then
+        amplitude%course = COURSE_TABLE
+        if (n > 0) call complain(reader, reader%cards%cards(c)%line, 'PERIODIC needs the number n of terms, omega, t0, A0 and ' // &
+          'below them n pairs A, B; MODULATED needs A0, A, t0, omega 1, omega 2; DECAY needs A0, A, t0 and a positive td.')
+      end if
+    end select
+    amplitude%time = amplitude%time + parameter_real(parameters, 'SHIFTX', 0.0_DP)
+    amplitude%factor = amplitude%factor + parameter_real(parameters, 'SHIFTY', 0.0_DP)
+    if (amplitude%course >= COURSE_PERIODIC .and. (has_parameter(parameters, 'SHIFTX') .or. &
+      has_parameter(parameters, 'SHIFTY'))) call complain(reader, reader%cards%cards(c)%line, &
+      'SHIFTX and SHIFTY shift tables; write the shifted numbers.')
+  end subroutine read_course
+
+
+  !> The numbers of a formula as amplitude_type has them; not allocated if they are not as they should be.
+  pure subroutine order_numbers(definition, numbers, amplitude)
+    character(*), intent(in) :: definition       !< PERIODIC, MODULATED or DECAY
+    real(DP), intent(in) :: numbers(:)
+    type(amplitude_type), intent(inout) :: amplitude
+    integer :: n
+    n = size(numbers)
+    select case (definition)
+    case ('PERIODIC')
+      amplitude%course = COURSE_PERIODIC
+      if (n < 4) return
+      if (nint(numbers(1)) >= 1 .and. n == 4 + 2 * nint(min(numbers(1), 1.0e6_DP))) amplitude%numbers = numbers(2:)
+    case ('MODULATED')
+      amplitude%course = COURSE_MODULATED
+      if (n == 5) amplitude%numbers = numbers
+    case default
+      amplitude%course = COURSE_DECAY
+      if (n /= 4) return
+      if (numbers(4) > 0) amplitude%numbers = numbers
+    end select
+  end subroutine order_numbers
+
+
+  !> EQUALLY SPACED: factors at times BEGIN + i FIXED INTERVAL.
+  subroutine space_equally(reader, c, parameters, numbers, amplitude)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    real(DP), intent(in) :: numbers(:)
+    type(amplitude_type), intent(inout) :: amplitude
+    real(DP) :: interval
+    integer :: i
+    interval = parameter_real(parameters, 'FIXED INTERVAL', 0.0_DP)
+    if (.not. interval > 0) then
+      call complain(reader, reader%cards%cards(c)%line, 'DEFINITION=EQUALLY SPACED needs a positive FIXED INTERVAL.')
+    else if (size(numbers) > 0) then
+      amplitude%time = [(parameter_real(parameters, 'BEGIN', 0.0_DP) + real(i, DP) * interval, i=0, size(numbers) - 1)]
+      amplitude%factor = numbers
+    end if
+  end subroutine space_equally
+
+
+  !> All numbers in the rows of a card; tells it if there are fewer than wanted.
+  subroutine read_numbers(reader, row, n_least, numbers)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    integer, intent(in) :: n_least
+    real(DP), allocatable, intent(out) :: numbers(:)   !< none on trouble
+    real(DP) :: value
+    integer :: i
+    logical :: is_ok
+    allocate (numbers(0))
+    is_ok = .true.
+    do while (next_row(reader%cards, row))
+      do i = 1, row%n
+        call need_real(reader, row, i, 'number', value, is_ok, 0.0_DP)
+        numbers = [numbers, value]
+      end do
+    end do
+    if (is_ok .and. size(numbers) < n_least) call complain(reader, row%line, 'This amplitude needs at least ' // &
+      plural(n_least, 'number') // '.')
+    if (.not. is_ok .or. size(numbers) < n_least) numbers = [real(DP) ::]
+  end subroutine read_numbers
+
+
+  !> AMPLITUDE, DEFINITION=USER: the properties and variables of UAMP. Until it is asked the factor is zero.
+  subroutine read_user_amplitude(reader, c, parameters, row, amplitude)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(row_type), intent(inout) :: row
+    type(amplitude_type), intent(inout) :: amplitude
+    integer :: n
+    amplitude%is_total_time = .true.
+    amplitude%time = [0.0_DP]
+    amplitude%factor = [0.0_DP]
+    n = nint(min(max(parameter_real(parameters, 'PROPERTIES', 0.0_DP), 0.0_DP), 1.0e6_DP))
+    amplitude%n_svars = nint(min(max(parameter_real(parameters, 'VARIABLES', 0.0_DP), 0.0_DP), 1.0e6_DP))
+    if (allocated(amplitude%props)) deallocate (amplitude%props)
+    allocate (amplitude%props(n), source=0.0_DP)
+    if (len(amplitude%name) > CALL_NAME) call complain(reader, reader%cards%cards(c)%line, 'The name of an amplitude ' // &
+      'that UAMP is given has at most ' // text_of(CALL_NAME) // ' letters.')
+    call read_constants(reader, c, row, 'PROPERTIES', amplitude%props)
+  end subroutine read_user_amplitude
+
+
+  !> The value of a parameter that is a number; the default if it is not given, or none (that was told).
+  function parameter_real(parameters, name, default) result(value)
+    type(parameter_type), intent(in) :: parameters(:)
+    character(*), intent(in) :: name
+    real(DP), intent(in) :: default
+    real(DP) :: value
+    integer :: status
+    value = default
+    if (.not. has_parameter(parameters, name)) return
+    call parse_real(parameter_text(parameters, name), value, status)
+    if (status /= NUMBER_OK) value = default
+  end function parameter_real
+
+
+  !> Cards with TIME DELAY get an amplitude of their own that runs later.
+  subroutine delay_amplitudes(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(amplitude_type) :: amplitude
+    integer :: c, found
+    allocate (reader%delayed_amplitude(reader%cards%n_cards), source=0)
+    do c = 1, reader%cards%n_cards
+      if (.not. (is_card(reader, c, 'BOUNDARY') .or. is_card(reader, c, 'CLOAD') .or. is_card(reader, c, 'DLOAD') .or. &
+        is_card(reader, c, 'DSLOAD'))) cycle
+      call open_card(reader, c, parameters, row)
+      if (.not. has_parameter(parameters, 'TIME DELAY')) cycle
+      found = reader%amplitudes%find(parameter_text(parameters, 'AMPLITUDE'))
+      if (found == 0) then
+        if (.not. has_parameter(parameters, 'AMPLITUDE')) call complain(reader, reader%cards%cards(c)%line, &
+          'TIME DELAY needs an AMPLITUDE that it delays.')
+        cycle
+      end if
+      if (model%amplitudes(found)%course >= COURSE_PERIODIC) call complain(reader, reader%cards%cards(c)%line, &
+        'TIME DELAY delays tables; give the formula of the amplitude ''' // model%amplitudes(found)%name // ''' a later t0.')
+      amplitude = model%amplitudes(found)
+      if (amplitude%is_user) call complain(reader, reader%cards%cards(c)%line, &
+        'TIME DELAY is not for an amplitude that UAMP gives.')
+      amplitude%time = amplitude%time + parameter_real(parameters, 'TIME DELAY', 0.0_DP)
+      model%amplitudes = [model%amplitudes, amplitude]
+      reader%delayed_amplitude(c) = size(model%amplitudes)
+    end do
+  end subroutine delay_amplitudes
+
+
+  !> The rows of an amplitude.
+  subroutine read_pairs_of_numbers(reader, row, amplitude)
+    type(reader_type), intent(inout) :: reader
+    type(row_type), intent(inout) :: row
+    type(amplitude_type), intent(inout) :: amplitude
+    real(DP), allocatable :: numbers(:)
+    real(DP) :: value
+    integer :: i, n
+    logical :: is_ok
+    allocate (numbers(0))
+    is_ok = .true.
+    do while (next_row(reader%cards, row))
+      if (modulo(row%n, 2) /= 0) then
+        call complain(reader, row%line, 'An amplitude has pairs of time and factor; this line has an odd number ' // &
+          'of values.')
+        is_ok = .false.
+      end if
+      do i = 1, row%n
+        call need_real(reader, row, i, trim(merge('time  ', 'factor', modulo(i, 2) == 1)), value, is_ok)
+        numbers = [numbers, value]
+      end do
+    end do
+    n = size(numbers) / 2
+    if (is_ok .and. n == 0) then
+      call complain(reader, row%line, 'An amplitude needs at least one pair of time and factor.')
+      is_ok = .false.
+    end if
+    if (is_ok) then
+      if (any(numbers(3::2) <= numbers(1:2 * n - 2:2))) call complain(reader, row%line, &
+        'The times of an amplitude must ascend.')
+    else
+      numbers = [0.0_DP, 0.0_DP]
+      n = 1
+    end if
+    amplitude%time = numbers(1:2 * n:2)
+    amplitude%factor = numbers(2:2 * n:2)
+  end subroutine read_pairs_of_numbers
+
+
+  !> SURFACE: of element faces, or of nodes. Names are used once; under the calculix dialect a surface of faces and one of
+  !! nodes may share a name: a slave is the one of nodes then, all else the one of faces.
+  subroutine read_surfaces(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(surface_type) :: surface
+    type(faces_type) :: index
+    integer, allocatable :: stamp(:)
+    integer :: c, position, twin
+    logical :: is_new
+    allocate (model%surfaces(0))
+    allocate (stamp(max(6 * model%mesh%n_elements, model%mesh%n_nodes)), source=0)
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'SURFACE')) cycle
+      call open_card(reader, c, parameters, row)
+      surface%name = parameter_text(parameters, 'NAME')
+      if (surface%name == '') cycle
+      call check_name(reader, c, surface%name)
+      call reader%surfaces%add(surface%name, position, is_new)
+      surface%is_node_based = parameter_word(parameters, 'TYPE', 'ELEMENT') == 'NODE'
+      if (.not. is_new .and. reader%dialect == DIALECT_CALCULIX) then
+        if (surface%is_node_based .neqv. model%surfaces(position)%is_node_based) call reader%surfaces%add(surface%name // &
+          OF_NODES, twin, is_new)
+      end if
+      if (.not. is_new) then
+        call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // ''' is defined twice.')
+        cycle
+      end if
+      if (allocated(surface%profile)) deallocate (surface%profile)
+      if (is_profile_word(parameter_word(parameters, 'TYPE', 'ELEMENT'))) then
+        call read_profile(reader, c, surface)
+      else if (surface%is_node_based) then
+        call read_surface_nodes(reader, model%mesh, c, stamp, surface)
+      else
+        call read_surface_faces(reader, model%mesh, c, stamp, index, surface)
+      end if
+      model%surfaces = [model%surfaces, surface]
+      if (position < size(model%surfaces)) call part_twins(model%surfaces, position)
+    end do
+  end subroutine read_surfaces
+
+
+  !> The surface that a slave's name means; 0 if there is none.
+  pure integer function find_slave_surface(reader, name) result(surface)
+    type(reader_type), intent(in) :: reader
+    character(*), intent(in) :: name
+    surface = reader%surfaces%find(name // OF_NODES)
+    if (surface == 0) surface = reader%surfaces%find(name)
+  end function find_slave_surface
+
+
+  !> Of two surfaces of one name, the last one and another, that of nodes goes to the end and is called so.
+  subroutine part_twins(surfaces, position)
+    type(surface_type), intent(inout) :: surfaces(:)
+    integer, intent(in) :: position                !< of the first one
+    type(surface_type) :: first
+    associate (last => surfaces(size(surfaces)))
+      if (.not. last%is_node_based) then
+        first = surfaces(position)
+        surfaces(position) = last
+        last = first
+      end if
+      last%name = last%name // ' (nodes)'
+    end associate
+  end subroutine part_twins
+
+
+  !> A surface of nodes; a second field (area) is passed over.
+  subroutine read_surface_nodes(reader, mesh, c, stamp, surface)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: c
+    integer, intent(inout) :: stamp(:)           !< last card that took a node; free to use
+    type(surface_type), intent(inout) :: surface
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(integer_list_type) :: list
+    integer, allocatable :: nodes(:)
+    integer :: i
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    is_ok = .true.
+    do while (next_row(reader%cards, row))
+      call need_at_most(reader, row, 2)
+      call nodes_of_field(reader, mesh, row, 1, nodes, is_ok)
+      do i = 1, size(nodes)
+        if (stamp(nodes(i)) == c) cycle
+        stamp(nodes(i)) = c
+        call list%add(nodes(i))
+      end do
+    end do
+    if (is_ok .and. list%n == 0) call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // &
+      ''' has no nodes.')
+    surface%nodes = list%trimmed()
+    call sort_integers(surface%nodes)
+    surface%element = [integer ::]
+    surface%face = [integer ::]
+  end subroutine read_surface_nodes
+
+
+  !> A surface of element faces; its nodes follow from them.
+  subroutine read_surface_faces(reader, mesh, c, stamp, index, surface)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: c
+    integer, intent(inout) :: stamp(:)           !< last card that took a face; free to use
+    type(faces_type), intent(inout) :: index     !< of faces, made when it is needed
+    type(surface_type), intent(inout) :: surface
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(integer_list_type) :: elements, faces
+    integer, allocatable :: found(:)
+    integer :: i, face, n_without, n_hidden
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    is_ok = .true.
+    do while (next_row(reader%cards, row))
+      call need_at_most(reader, row, 2)
+      if (field_text(reader%cards, row, 2) == '') then
+        call take_whole(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
+        cycle
+      end if
+      call elements_of_field(reader, mesh, row, 1, found, is_ok)
+      face = face_number(field_text(reader%cards, row, 2), 'S')
+      if (face == 0) then
+        call complain(reader, row%line, 'The second field must be a face S1 to S6, or nothing for all free faces; it is ''' // &
+          field_text(reader%cards, row, 2) // '''.')
+        is_ok = .false.
+        cycle
+      end if
+      n_without = 0
+      do i = 1, size(found)
+        if (face > n_faces(mesh, found(i))) n_without = n_without + 1
+        if (face > n_faces(mesh, found(i)) .or. stamp(6 * found(i) - 6 + face) == -c) cycle
+        stamp(6 * found(i) - 6 + face) = -c
+        call elements%add(found(i))
+        call faces%add(face)
+      end do
+      if (n_without > 0) is_ok = .false.
+      if (n_without > 0) call complain(reader, row%line, plural(n_without, 'element') // ' here have no face S' // &
+        text_of(face) // '; tetrahedra have 4 faces, wedges 5, hexahedra 6.')
+    end do
+    if (is_ok .and. elements%n == 0) call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // &
+      surface%name // ''' has no faces.')
+    surface%element = elements%trimmed()
+    surface%face = faces%trimmed()
+    call fill_surface_nodes(mesh, surface)
+    if (.not. is_ok) return
+    n_hidden = n_hidden_faces(index, mesh, surface%element, surface%face)
+    if (n_hidden > 0 .and. n_hidden < size(surface%face)) call note(reader, reader%cards%cards(c)%line, 'The surface ''' // &
+      surface%name // ''' holds faces inside the body, ' // text_of(n_hidden) // ' of ' // text_of(size(surface%face)) // &
+      ': another element shares them. The name of the set alone, without S1 to S6, takes its free faces.')
+  end subroutine read_surface_faces
+
+
+  !> A row without a face: of solids their free faces, of faces that a mesh generator wrote the element faces under them.
+  subroutine take_whole(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(row_type), intent(in) :: row
+    type(faces_type), intent(inout) :: index
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(inout) :: stamp(:)
+    type(integer_list_type), intent(inout) :: elements, faces
+    logical, intent(inout) :: is_ok
+    integer, allocatable :: left(:), members(:), element(:), face(:)
+    integer :: i, n_without
+    n_without = 0
+    call left_of_field(reader, row, left)
+    if (size(left) > 0) then
+      call find_left_faces(reader, index, mesh, left, element, face, n_without)
+    else
+      call elements_of_field(reader, mesh, row, 1, members, is_ok)
+      call find_free_faces(index, mesh, members, element, face)
+      if (is_ok .and. size(element) == 0) call complain(reader, row%line, 'The elements ''' // &
+        field_text(reader%cards, row, 1) // ''' have no free face; name the faces S1 to S6.')
+      if (size(element) == 0) is_ok = .false.
+    end if
+    if (n_without > 0) call complain(reader, row%line, plural(n_without, 'element') // ' here lie on no face of a solid.')
+    if (n_without > 0) is_ok = .false.
+    do i = 1, size(element)
+      if (stamp(6 * element(i) - 6 + face(i)) == -c) cycle
+      stamp(6 * element(i) - 6 + face(i)) = -c
+      call elements%add(element(i))
+      call faces%add(face(i))
+    end do
+  end subroutine take_whole
+
+
+  !> The elements left out that a field names; none if it names solids, or nothing.
+  subroutine left_of_field(reader, row, left)
+    type(reader_type), intent(in) :: reader
+    type(row_type), intent(in) :: row
+    integer, allocatable, intent(out) :: left(:)
+    integer :: label, status, found
+    allocate (left(0))
+    call field_integer(reader%cards, row, 1, label, status)
+    if (status == NUMBER_OK) then
+      found = reader%draft_labels%find(label)
+      if (found == 0) return
+      if (reader%left_of_draft(found) > 0) left = [reader%left_of_draft(found)]
+    else
+      found = reader%element_sets%find(field_text(reader%cards, row, 1))
+      if (found > 0) left = reader%left_of_set(found)%trimmed()
+    end if
+  end subroutine left_of_field
+
+
+  !> The number of faces of an element.
+  pure function n_faces(mesh, e) result(n)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e
+    type(kind_type) :: entry
+    integer :: n
+    entry = element_kind(mesh%kind(e))
+    n = entry%n_faces
+  end function n_faces
+
+
+  !> The nodes of the faces of a surface, each once, ascending.
+  subroutine fill_surface_nodes(mesh, surface)
+    type(mesh_type), intent(in) :: mesh
+    type(surface_type), intent(inout) :: surface
+    type(integer_list_type) :: list
+    type(kind_type) :: entry
+    type(facet_kind_type) :: facet
+    integer :: i, k
+    do i = 1, size(surface%element)
+      entry = element_kind(mesh%kind(surface%element(i)))
+      facet = facet_kind(entry%face_kind(surface%face(i)))
+      do k = 1, facet%n_nodes
+        call list%add(mesh%nodes(mesh%first(surface%element(i)) + entry%face_nodes(k, surface%face(i)) - 1))
+      end do
+    end do
+    surface%nodes = list%trimmed()
+    call sort_integers(surface%nodes)
+    if (size(surface%nodes) > 1) surface%nodes = pack(surface%nodes, &
+      [.true., surface%nodes(2:) /= surface%nodes(:size(surface%nodes) - 1)])
+  end subroutine fill_surface_nodes
+
+
+  !> The number in a face label such as S3 or P3; 0 if it is none.
+  pure function face_number(label, letter) result(face)
+    character(*), intent(in) :: label
+    character(1), intent(in) :: letter           !< 'S' or 'P'
+    integer :: face
+    character(:), allocatable :: key
+    face = 0
+    key = squeezed(label)
+    if (len(key) /= 2) return
+    if (key(1:1) == letter .and. scan(key(2:2), '123456') == 1) face = iachar(key(2:2)) - iachar('0')
+  end function face_number
+
+
+  !> EQUATION: a card may hold several; a node set in it gives one equation for each of its nodes.
+  subroutine read_equations(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(equation_type), allocatable :: larger(:), equations(:)
+    type(row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(terms_type) :: terms
+    integer :: c, line, n_terms, n, i
+    logical :: is_ok
+    allocate (equations(64))
+    n = 0
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'EQUATION')) cycle
+      call open_card(reader, c, parameters, row)
+      if (has_parameter(parameters, 'REMOVE')) cycle       ! read with its step
+      if (reader%step_of_card(c) > 0) call complain(reader, reader%cards%cards(c)%line, 'Equations hold from the start of the ' // &
+        'job: *EQUATION must stand before the first step; in a step it stands with REMOVE.')
+      do while (next_row(reader%cards, row))
+        line = row%line
+        is_ok = .true.
+        call need_at_most(reader, row, 1)
+        call need_integer(reader, row, 1, 'number of terms', n_terms, is_ok)
+        if (is_ok .and. n_terms < 1) call complain(reader, line, 'An equation needs at least one term.')
+        if (.not. is_ok .or. n_terms < 1) exit
+        call read_terms(reader, model%mesh, row, n_terms, terms, is_ok)
+        if (.not. is_ok) exit
+        do i = 1, size(terms%node, 1)
+          if (n == size(equations)) then
+            allocate (larger(2 * n))
+            larger(:n) = equations
+            call move_alloc(larger, equations)
+          end if
+          n = n + 1
+          call merge_terms(reader, terms, i, line, equations(n))
+          if (allocated(model%frame_of)) call turn_terms(model, equations(n))
+        end do
+      end do
+    end do
+    model%equations = [equations(:n), model%equations]   ! those of other cards, which are read already, come after
+  end subroutine read_equations
+
+
+  !> The terms of one equation, over as many rows as they need.
+  subroutine read_terms(reader, mesh, row, n_terms, terms, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(mesh_type), intent(in) :: mesh
+    type(row_type), intent(inout) :: row
+    integer, intent(in) :: n_terms
+    type(terms_type), intent(out) :: terms
+    logical, intent(inout) :: is_ok              !< .false.: the rest of the card is not read
+    integer, allocatable :: nodes(:)
+    integer :: i
+    allocate (terms%dof(n_terms), terms%coefficient(n_terms))
+    allocate (terms%node(1, n_terms), source=0)
+    do while (terms%n < n_terms .and. is_ok)
+      if (.not. next_row(reader%cards, row)) then
+        call complain(reader, row%line, 'The equation has ' // text_of(n_terms) // ' terms, but only ' // &
+          plural(terms%n, 'term') // ' follow.')
+        is_ok = .false.
+        return
+      end if
+      if (row%n > 3 * (n_terms - terms%n) .or. modulo(row%n, 3) /= 0) then
+        call complain(reader, row%line, 'This line must hold terms of three values, node, degree of freedom, ' // &
+          'coefficient; at most ' // plural(n_terms - terms%n, 'term') // ' are missing.')
+        is_ok = .false.
+        return
+      end if
+      do i = 1, row%n, 3
+        terms%n = terms%n + 1
+        call nodes_of_field(reader, mesh, row, i, nodes, is_ok)
+        call need_integer(reader, row, i + 1, 'degree of freedom', terms%dof(terms%n), is_ok)
+        call need_real(reader, row, i + 2, 'coefficient', terms%coefficient(terms%n), is_ok)
+        if (is_ok .and. (terms%dof(terms%n) < 1 .or. terms%dof(terms%n) > 3)) then
+          call complain(reader, row%line, 'The degree of freedom must be 1, 2 or 3.')
+          is_ok = .false.
+        end if
+        if (is_ok) call take_term_nodes(reader, row%line, nodes, terms, is_ok)
+      end do
+    end do
+  end subroutine read_terms
+
+
+  !> Puts the nodes of the last term: one for all copies of the equation, or one for each.
+  subroutine take_term_nodes(reader, line, nodes, terms, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line
+    integer, intent(in) :: nodes(:)
+    type(terms_type), intent(inout) :: terms
+    logical, intent(inout) :: is_ok
+    integer, allocatable :: copies(:, :)
+    integer :: n
+    n = size(terms%node, 1)
+    if (n == 1 .and. size(nodes) > 1) then
+      copies = spread(terms%node(1, :), 1, size(nodes))
+      call move_alloc(copies, terms%node)
+      n = size(nodes)
+    end if
+    if (size(nodes) == n) then
+      terms%node(:, terms%n) = nodes
+    else if (size(nodes) == 1) then
+      terms%node(:, terms%n) = nodes(1)
+    else
+      call complain(reader, line, 'The node sets of an equation must have the same number of nodes.')
+      is_ok = .false.
+    end if
+  end subroutine take_term_nodes
+
+
+  !> Makes one equation: terms of the same degree of freedom are added up.
+  subroutine merge_terms(reader, terms, copy, line, equation)
+    type(reader_type), intent(inout) :: reader
+    type(terms_type), intent(in) :: terms
+    integer, intent(in) :: copy                  !< which nodes of the sets
+    integer, intent(in) :: line
+    type(equation_type), intent(inout) :: equation
+    integer :: i, j, n
+    equation%node = terms%node(copy, :)
+    equation%dof = terms%dof
+    equation%coefficient = terms%coefficient
+    equation%line = reader%cards%line_number(line)
+    equation%first_dof = terms%dof(1)
+    n = 0
+    do i = 1, terms%n
+      do j = 1, n
+        if (equation%node(j) == terms%node(copy, i) .and. equation%dof(j) == terms%dof(i)) exit
+      end do
+      if (j > n) then
+        n = n + 1
+        equation%node(n) = terms%node(copy, i)
+        equation%dof(n) = terms%dof(i)
+        equation%coefficient(n) = terms%coefficient(i)
+      else
+        equation%coefficient(j) = equation%coefficient(j) + terms%coefficient(i)
+      end if
+    end do
+    equation%node = equation%node(:n)
+    equation%dof = equation%dof(:n)
+    equation%coefficient = equation%coefficient(:n)
+    if (.not. abs(equation%coefficient(1)) > 0) call complain(reader, line, &
+      'The coefficient of the first term is zero; its degree of freedom is the one eliminated.')
+  end subroutine merge_terms
+
+
+  !> Terms of transformed nodes become terms in the global directions.
+  subroutine turn_terms(model, equation)
+    type(model_type), intent(in) :: model
+    type(equation_type), intent(inout) :: equation
+    type(equation_type) :: turned
+    real(DP) :: direction(3)
+    integer :: i, k
+    turned%node = [integer ::]
+    turned%dof = [integer ::]
+    turned%coefficient = [real(DP) ::]
+    do i = 1, size(equation%node)
+      direction = direction_of(model, equation%node(i), equation%dof(i))
+      do k = 1, 3
+        if (.not. abs(direction(k)) > 0) cycle
+        turned%node = [turned%node, equation%node(i)]
+        turned%dof = [turned%dof, k]
+        turned%coefficient = [turned%coefficient, equation%coefficient(i) * direction(k)]
+      end do
+      if (i == 1) turned%n_candidates = size(turned%node)
+    end do
+    turned%line = equation%line
+    turned%first_dof = equation%first_dof
+    equation = turned
+  end subroutine turn_terms
+
+end module amontons_deck_surfaces

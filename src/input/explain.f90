@@ -1,0 +1,339 @@
+!> Explain: card by card what is used, what has no effect, what is refused, what holds by default, and the numbers taken.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! It says what the card table and the reader say: the sentences are those of the table, the remarks those of the reader, the
+!! numbers those of the model. So it cannot tell anything else than what is done.
+module amontons_explain
+  use amontons_kinds, only: DP
+  use amontons_card_schema, only: card_entry_type, option_type, match_parameters, STATUS_USED, STATUS_NOTED, STATUS_REFUSED
+  use amontons_cards, only: parameter_type, read_parameters, line_text, row_type, start_rows, next_row
+  use amontons_deck_reader, only: reader_type
+  use amontons_loads, only: DISTRIBUTED_PRESSURE, DISTRIBUTED_TRACTION
+  use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, &
+    ELASTIC_FOAM, LAW_SAINT_VENANT
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_steps, only: step_type
+  use amontons_surfaces, only: interaction_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
+    ROUGH_FRICTION, NO_SHEAR_LIMIT
+  use amontons_text, only: squeezed, text_of, plural, is_one_of, NEWLINE
+  use amontons_topology, only: kind_type, element_kind, N_KINDS
+  implicit none
+  private
+  public :: explain_cards
+
+  integer, parameter :: MOST_ROWS = 3              !< data lines of a card that are shown
+  character(*), parameter :: BULK = 'NODE|ELEMENT|NSET|ELSET|HEADING'   !< their data lines are only counted
+  character(*), parameter :: INDENT = '    '
+
+contains
+
+  !> The whole explanation. Before: the deck has been read, with or without errors.
+  subroutine explain_cards(reader, model, text)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(in) :: model
+    character(:), allocatable, intent(out) :: text
+    integer :: c, next
+    text = 'Deck ' // reader%cards%files(1)%path // ', read in the ' // &
+      trim(merge('calculix', 'abaqus  ', reader%dialect == DIALECT_CALCULIX)) // ' dialect.' // NEWLINE // NEWLINE
+    call explain_remarks(reader, 0, 0, text)
+    if (.not. allocated(reader%step_of_card)) then   ! its parts do not hold: it was read no further
+      call explain_remarks(reader, 1, huge(1), text)
+      return
+    end if
+    do c = 1, reader%cards%n_cards
+      next = reader%cards%n_lines
+      if (c < reader%cards%n_cards) next = reader%cards%cards(c + 1)%line - 1
+      call explain_card(reader, c, text)
+      call explain_remarks(reader, reader%cards%cards(c)%line, next, text)
+    end do
+    text = text // NEWLINE // 'Numbers taken' // NEWLINE
+    call explain_elements(model, text)
+    call explain_materials(model, text)
+    call explain_interactions(model, text)
+    call explain_steps(model, text)
+    if (reader%remarks%n_errors > 0) text = text // NEWLINE // 'The deck has ' // plural(reader%remarks%n_errors, 'error') // &
+      ', so it would not run; what could not be read is missing here.' // NEWLINE
+  end subroutine explain_cards
+
+
+  !> One card: its status, its parameters, what holds without those not given, its data lines, and the dialects.
+  subroutine explain_card(reader, c, text)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                       !< index of the card
+    character(:), allocatable, intent(inout) :: text
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: i
+    associate (card => reader%cards%cards(c))
+      text = text // reader%cards%files(reader%cards%line_file(card%line))%path // ':' // &
+        text_of(reader%cards%line_number(card%line)) // ': *'
+      if (card%entry == 0) then
+        text = text // card%key // ': not known' // NEWLINE
+        return
+      end if
+      associate (entry => reader%table%entries(card%entry))
+        text = text // entry%keyword // ': ' // status_word(entry%status)
+        if (entry%status /= STATUS_USED) then
+          text = text // '. ' // entry%sentence // NEWLINE
+          return
+        end if
+        text = text // NEWLINE
+        call read_parameters(reader%cards, card, parameters)
+        call match_parameters(entry, parameters, card%line, .true.)
+        do i = 1, size(parameters)
+          text = text // INDENT // parameter_line(entry, parameters(i)) // NEWLINE
+        end do
+        text = text // default_line(entry, parameters)
+        call explain_data(reader, c, is_one_of(entry%key, BULK), text)
+        if (entry%dialects /= '') text = text // INDENT // 'dialects differ: ' // entry%dialects // NEWLINE
+      end associate
+    end associate
+  end subroutine explain_card
+
+
+  !> The word for a status.
+  pure function status_word(status) result(word)
+    integer, intent(in) :: status                  !< STATUS_...
+    character(:), allocatable :: word
+    select case (status)
+    case (STATUS_NOTED)
+      word = 'ignored'
+    case (STATUS_REFUSED)
+      word = 'refused'
+    case default
+      word = 'used'
+    end select
+  end function status_word
+
+
+  !> 'INC=100: used. Most increments of the step.'
+  function parameter_line(entry, parameter) result(line)
+    type(card_entry_type), intent(in) :: entry
+    type(parameter_type), intent(in) :: parameter
+    character(:), allocatable :: line
+    integer :: i
+    line = parameter%key
+    if (parameter%has_value) line = line // '=' // parameter%text
+    do i = 1, entry%n_options
+      associate (option => entry%options(i))
+        if (squeezed(option%name) /= parameter%key) cycle
+        line = option%name
+        if (parameter%has_value) line = line // '=' // parameter%text
+        if (is_one_of(parameter%text, option%refused) .and. option%refused /= '' .and. parameter%text /= '') then
+          line = line // ': refused. ' // option%message
+        else
+          line = line // ': ' // status_word(option%status) // '. ' // option%sentence
+        end if
+        return
+      end associate
+    end do
+    line = line // ': not known'
+  end function parameter_line
+
+
+  !> 'by default: AMPLITUDE=RAMP, INC=100'; empty if nothing holds by default.
+  function default_line(entry, parameters) result(line)
+    type(card_entry_type), intent(in) :: entry
+    type(parameter_type), intent(in) :: parameters(:)
+    character(:), allocatable :: line, list
+    integer :: i, k
+    list = ''
+    do i = 1, entry%n_options
+      associate (option => entry%options(i))
+        if (option%status /= STATUS_USED .or. option%default == '' .or. option%default == 'required') cycle
+        if (any([(parameters(k)%key == squeezed(option%name), k=1, size(parameters))])) cycle
+        if (list /= '') list = list // ', '
+        list = list // option%name // '=' // option%default
+      end associate
+    end do
+    line = ''
+    if (list /= '') line = INDENT // 'by default: ' // list // NEWLINE
+  end function default_line
+
+
+  !> The data lines: their number, and the first ones as they stand.
+  subroutine explain_data(reader, c, is_bulk, text)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c
+    logical, intent(in) :: is_bulk                 !< only their number
+    character(:), allocatable, intent(inout) :: text
+    type(row_type) :: row
+    integer :: n
+    n = 0
+    call start_rows(reader%cards%cards(c), row)
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      if (n <= MOST_ROWS .and. .not. is_bulk) text = text // INDENT // 'data: ' // &
+        trim(adjustl(line_text(reader%cards, row%line))) // NEWLINE
+    end do
+    if (is_bulk .and. n > 0) text = text // INDENT // plural(n, 'data line') // NEWLINE
+    if (n > MOST_ROWS .and. .not. is_bulk) text = text // INDENT // 'and ' // plural(n - MOST_ROWS, 'data line') // ' more' // &
+      NEWLINE
+  end subroutine explain_data
+
+
+  !> What the reader remarked of some lines.
+  subroutine explain_remarks(reader, first, last, text)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: first, last             !< lines of the deck; 0, 0: of none
+    character(:), allocatable, intent(inout) :: text
+    character(:), allocatable :: remark
+    integer :: i, line
+    logical :: is_warning
+    do i = 1, reader%remarks%n
+      call reader%remarks%get(i, line, is_warning, remark)
+      if (line < first .or. line > last) cycle
+      text = text // INDENT // trim(merge('note: ', 'error:', is_warning)) // ' ' // &
+        remark // NEWLINE
+    end do
+  end subroutine explain_remarks
+
+
+  !> How many elements of each kind, and how they are integrated.
+  subroutine explain_elements(model, text)
+    type(model_type), intent(in) :: model
+    character(:), allocatable, intent(inout) :: text
+    type(kind_type) :: entry
+    integer :: kind, n
+    if (.not. allocated(model%mesh%kind)) return
+    text = text // INDENT // plural(model%mesh%n_nodes, 'node') // NEWLINE
+    do kind = 1, N_KINDS
+      n = count(model%mesh%kind == kind)
+      if (n == 0) cycle
+      entry = element_kind(kind)
+      text = text // INDENT // plural(n, 'element') // ' ' // trim(entry%name)
+      if (entry%n_points > 0) text = text // ', ' // plural(entry%n_points, 'integration point')
+      if (entry%is_mean_dilatation) text = text // ', mean dilatation'
+      text = text // NEWLINE
+    end do
+  end subroutine explain_elements
+
+
+  !> The constants of the materials at their first temperature.
+  subroutine explain_materials(model, text)
+    type(model_type), intent(in) :: model
+    character(:), allocatable, intent(inout) :: text
+    integer :: m
+    if (.not. allocated(model%materials)) return
+    do m = 1, size(model%materials)
+      associate (material => model%materials(m))
+        if (material%name == '') cycle
+        text = text // INDENT // 'material ' // material%name // ': ' // elasticity_text(material)
+        if (material%has_density) text = text // '; density ' // text_of(material%density)
+        if (allocated(material%expansion%value)) text = text // '; expansion ' // text_of(material%expansion%value(1, 1)) // &
+          ' from ' // text_of(material%expansion_zero)
+        if (allocated(material%isotropic)) text = text // '; first yield stress ' // text_of(material%isotropic(1)%stress(1))
+        if (allocated(material%kinematic)) text = text // '; kinematic hardening from ' // &
+          text_of(material%kinematic(1)%stress(1))
+        if (allocated(material%creep%value)) text = text // '; creep A ' // text_of(material%creep%value(1, 1)) // ', n ' // &
+          text_of(material%creep%value(2, 1)) // ', m ' // text_of(material%creep%value(3, 1))
+        text = text // NEWLINE
+      end associate
+    end do
+  end subroutine explain_materials
+
+
+  !> The elastic law and its constants.
+  function elasticity_text(material) result(text)
+    type(material_type), intent(in) :: material
+    character(:), allocatable :: text
+    integer :: i
+    select case (material%elastic_kind)
+    case (ELASTIC_ISOTROPIC)
+      text = 'E ' // text_of(material%youngs_modulus) // ', nu ' // text_of(material%poissons_ratio)
+      if (material%law == LAW_SAINT_VENANT) then
+        text = text // '; under NLGEOM second Piola-Kirchhoff stress by Green''s strain'
+      else
+        text = text // '; under NLGEOM Kirchhoff stress by logarithmic strain'
+      end if
+      if (.not. material%has_elastic) text = 'no elasticity'
+      return
+    case (ELASTIC_ORTHOTROPIC)
+      text = 'orthotropic, D'
+    case (ELASTIC_ANISOTROPIC)
+      text = 'anisotropic, D'
+    case (ELASTIC_HYPER)
+      text = 'rubber of order ' // text_of(material%hyper_order) // ', constants'
+    case (ELASTIC_FOAM)
+      text = 'foam of order ' // text_of(material%hyper_order) // ', constants'
+    end select
+    if (.not. allocated(material%elastic%value)) return
+    do i = 1, size(material%elastic%value, 1)
+      text = text // ' ' // text_of(material%elastic%value(i, 1))
+    end do
+    if (size(material%elastic%value, 2) > 1) text = text // ' at the first of ' // &
+      plural(size(material%elastic%value, 2), 'temperature')
+  end function elasticity_text
+
+
+  !> The laws of contact.
+  subroutine explain_interactions(model, text)
+    type(model_type), intent(in) :: model
+    character(:), allocatable, intent(inout) :: text
+    integer :: i
+    if (.not. allocated(model%interactions)) return
+    do i = 1, size(model%interactions)
+      associate (law => model%interactions(i))
+        text = text // INDENT // 'interaction ' // law%name // ': ' // behavior_text(law)
+        if (law%friction >= ROUGH_FRICTION) then
+          text = text // '; rough'
+        else if (law%friction > 0) then
+          text = text // '; friction ' // text_of(law%friction)
+        else
+          text = text // '; frictionless'
+        end if
+        if (law%behavior /= BEHAVIOR_HARD .and. law%friction > 0) text = text // ', stick slope ' // text_of(law%stick_slope)
+        if (law%shear_limit < NO_SHEAR_LIMIT) text = text // ', at most ' // text_of(law%shear_limit)
+        text = text // NEWLINE
+      end associate
+    end do
+  end subroutine explain_interactions
+
+
+  !> The law of pressure and its numbers.
+  function behavior_text(law) result(text)
+    type(interaction_type), intent(in) :: law
+    character(:), allocatable :: text
+    select case (law%behavior)
+    case (BEHAVIOR_HARD)
+      text = 'HARD, exact'
+    case (BEHAVIOR_LINEAR)
+      text = 'LINEAR, stiffness ' // text_of(law%stiffness) // ', tension ' // text_of(law%tension) // ', reach ' // &
+        text_of(law%reach)
+    case (BEHAVIOR_EXPONENTIAL)
+      text = 'EXPONENTIAL, reach ' // text_of(law%reach) // ', pressure ' // text_of(law%pressure)
+    case (BEHAVIOR_TABULAR)
+      text = 'TABULAR, ' // plural(size(law%table_pressure), 'row')
+    case default
+      text = 'TIED, stiffness ' // text_of(law%stiffness)
+    end select
+  end function behavior_text
+
+
+  !> Times, tolerances and loads of the steps.
+  subroutine explain_steps(model, text)
+    type(model_type), intent(in) :: model
+    character(:), allocatable, intent(inout) :: text
+    integer :: i
+    if (.not. allocated(model%steps)) return
+    do i = 1, size(model%steps)
+      associate (step => model%steps(i))
+        if (.not. allocated(step%prescribed)) cycle      ! the step before had errors
+        text = text // INDENT // 'step ' // text_of(i) // ': ' // &
+          trim(merge('NLGEOM       ', 'small strains', step%is_nlgeom)) // ', length ' // text_of(step%period) // &
+          ', first increment ' // text_of(step%dt_initial) // ', least ' // text_of(step%dt_min) // &
+          ', largest ' // text_of(step%dt_max) // ', at most ' // plural(step%max_increments, 'increment')
+        if (step%is_direct) text = text // ', all as long as the first'
+        text = text // NEWLINE // INDENT // INDENT // 'Rn ' // text_of(step%controls%r_n) // ', Cn ' // &
+          text_of(step%controls%c_n) // ', I0 ' // text_of(step%controls%i_0) // ', IR ' // text_of(step%controls%i_r) // &
+          ', IC ' // text_of(step%controls%i_c) // ', IA ' // text_of(step%controls%i_a) // NEWLINE
+        text = text // INDENT // INDENT // plural(size(step%prescribed), 'prescribed displacement') // ', ' // &
+          plural(size(step%concentrated), 'force') // ', ' // &
+          plural(count(step%distributed%kind == DISTRIBUTED_PRESSURE), 'face') // ' under pressure, ' // &
+          plural(count(step%distributed%kind == DISTRIBUTED_TRACTION), 'face') // ' under traction, ' // &
+          plural(count(.not. (step%distributed%kind == DISTRIBUTED_PRESSURE .or. step%distributed%kind == &
+          DISTRIBUTED_TRACTION)), 'element') // ' with loads on their volume' // NEWLINE
+      end associate
+    end do
+  end subroutine explain_steps
+
+end module amontons_explain

@@ -1,0 +1,223 @@
+!> Stress: the elastic laws: stress, consistent tangent and strain energy from the strain.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Voigt order xx yy zz xy yz xz. Strains and stresses are tensor components; a tangent multiplies engineering shears,
+!! so that its entries are the components c_ijkl themselves. Theory: doc/theory/materials.md.
+module amontons_elasticity
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use amontons_kinds, only: DP
+  use amontons_materials, only: material_type, LAW_SAINT_VENANT
+  use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
+    pack_voigt, unpack_voigt
+  use amontons_logarithmic_strain, only: principal_type, find_principal, left_cauchy_green, principal_stress, divided_coth, &
+    logarithm_1p, NEXT_AXIS
+  implicit none
+  private
+  public :: stress_small, stress_finite, kirchhoff_stress, lame_constants, logarithm_1p, gradient_status
+  public :: hooke, isotropic_tangent, green_strain
+  public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, LARGEST_GRADIENT
+
+  integer, parameter :: STRESS_OK = 0              !< all is well
+  integer, parameter :: STRESS_INVERTED = 1        !< det F is not positive
+  integer, parameter :: STRESS_NOT_FINITE = 2      !< NaN or a deformation beyond all bounds
+
+  real(DP), parameter :: LARGEST_GRADIENT = 1.0e40_DP   !< larger displacement gradients overflow on the way
+
+contains
+
+  !> Lame's constants of a material: lambda = E nu / ((1 + nu)(1 - 2 nu)), G = E / (2 (1 + nu)).
+  pure subroutine lame_constants(material, lambda, G)
+    type(material_type), intent(in) :: material
+    real(DP), intent(out) :: lambda                !< [stress]
+    real(DP), intent(out) :: G                     !< [stress]
+    associate (E => material%youngs_modulus, nu => material%poissons_ratio)
+      G = E / (2 * (1 + nu))
+      lambda = E * nu / ((1 + nu) * (1 - 2 * nu))
+    end associate
+  end subroutine lame_constants
+
+
+  !> Hooke's law at small strain, for every law: stress = lambda tr(strain) 1 + 2 G strain.
+  pure subroutine stress_small(material, strain, stress, tangent, energy)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: strain(6)              !< small strain, tensor components [-]
+    real(DP), intent(out) :: stress(6)             !< [stress]
+    real(DP), intent(out) :: tangent(6, 6)         !< d stress / d strain, engineering shears [stress]
+    real(DP), intent(out) :: energy                !< per volume [stress]
+    real(DP) :: lambda, G
+    call lame_constants(material, lambda, G)
+    stress = hooke(lambda, G, strain)
+    energy = 0.5_DP * double_dot(stress, strain)
+    tangent = isotropic_tangent(lambda, G)
+  end subroutine stress_small
+
+
+  !> Kirchhoff stress, its spatial tangent, the strain and the energy at finite strain.
+  !!
+  !! The tangent is that of the Lie (Oldroyd) rate: L_v tau = tangent : d.
+  !!
+  !! | law            | energy                                  | tau                     |
+  !! |----------------|-----------------------------------------|-------------------------|
+  !! | Hencky         | lambda/2 (tr e)^2 + G e:e, e = 1/2 ln b | lambda tr(e) 1 + 2 G e  |
+  !! | Saint-Venant   | lambda/2 (tr E)^2 + G E:E               | F (lambda tr(E) 1 + 2 G E) F^T |
+  !!
+  !! The displacement gradient H = F - 1 comes in, not F: strains of 1e-9 keep full relative precision, and H = 0
+  !! gives zero. Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed.,
+  !! sections 6.5, 6.6.
+  pure subroutine stress_finite(material, H, tau, tangent, strain, energy, status)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient du_i/dX_j, F = 1 + H [-]
+    real(DP), intent(out) :: tau(6)                !< Kirchhoff stress [stress]
+    real(DP), intent(out) :: tangent(6, 6)         !< spatial tangent, engineering shears [stress]
+    real(DP), intent(out) :: strain(6)         !< of the law: ln(b)/2, or Green's; tensor components [-]
+    real(DP), intent(out) :: energy                !< per reference volume [stress]
+    integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK the rest is zero
+    type(principal_type) :: principal
+    real(DP) :: lambda, G
+    tangent = 0
+    call deform(material, H, principal, tau, strain, energy, status)
+    if (status /= STRESS_OK) return
+    call lame_constants(material, lambda, G)
+    if (material%law == LAW_SAINT_VENANT) then
+      tangent = saint_venant_tangent(lambda, G, H)
+    else
+      tangent = hencky_tangent(lambda, G, principal)
+    end if
+  end subroutine stress_finite
+
+
+  !> The same without the tangent, for the residual alone.
+  pure subroutine kirchhoff_stress(material, H, tau, strain, energy, status)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient du_i/dX_j [-]
+    real(DP), intent(out) :: tau(6)                !< Kirchhoff stress [stress]
+    real(DP), intent(out) :: strain(6)         !< of the law: ln(b)/2, or Green's; tensor components [-]
+    real(DP), intent(out) :: energy                !< per reference volume [stress]
+    integer, intent(out) :: status                 !< STRESS_...
+    type(principal_type) :: principal
+    call deform(material, H, principal, tau, strain, energy, status)
+  end subroutine kirchhoff_stress
+
+
+  !> Whether a displacement gradient can be worked with.
+  pure function gradient_status(H) result(status)
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    integer :: status                              !< STRESS_...
+    status = STRESS_NOT_FINITE
+    if (.not. all(ieee_is_finite(H))) return
+    if (any(abs(H) > LARGEST_GRADIENT)) return
+    status = STRESS_INVERTED
+    if (determinant_minus_one(H) > -1) status = STRESS_OK
+  end function gradient_status
+
+
+  !> Green's strain, (F^T F - 1)/2, formed so that nothing cancels.
+  pure function green_strain(H) result(strain)
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    real(DP) :: strain(6)                          !< tensor components [-]
+    strain = pack_voigt(H + 0.5_DP * matmul(transpose(H), H))
+  end function green_strain
+
+
+  !> Strain, stress and energy of either law.
+  pure subroutine deform(material, H, principal, tau, strain, energy, status)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: H(3, 3)
+    type(principal_type), intent(out) :: principal
+    real(DP), intent(out) :: tau(6), strain(6), energy
+    integer, intent(out) :: status
+    real(DP) :: lambda, G, S(6), F(3, 3)
+    logical :: is_positive
+    tau = 0
+    strain = 0
+    energy = 0
+    status = gradient_status(H)
+    if (status /= STRESS_OK) return
+    call lame_constants(material, lambda, G)
+    if (material%law == LAW_SAINT_VENANT) then
+      strain = green_strain(H)
+      S = hooke(lambda, G, strain)
+      energy = 0.5_DP * double_dot(S, strain)
+      F = IDENTITY + H
+      tau = pack_voigt(matmul(F, matmul(unpack_voigt(S), transpose(F))))
+    else
+      call find_principal(left_cauchy_green(H), principal, is_positive)
+      status = merge(STRESS_OK, STRESS_INVERTED, is_positive)
+      if (.not. is_positive) return
+      strain = principal_stress(principal, principal%e)
+      tau = hooke(lambda, G, strain)
+      energy = 0.5_DP * double_dot(tau, strain)
+    end if
+  end subroutine deform
+
+
+  !> The tangent of Hencky's law in its principal axes, turned to the axes of space:
+  !! c_AABB = lambda + (2 G - 2 tau_A) delta_AB, c_ABAB = G d coth(d) - (tau_A + tau_B)/2 with d = e_A - e_B.
+  !! Reference: C. Miehe, M. Lambrecht, Algorithms for computation of stresses and elasticity moduli in terms of
+  !! Seth-Hill's family of generalized strain tensors, Commun. Numer. Meth. Engng 17 (2001) 337-353.
+  pure function hencky_tangent(lambda, G, principal) result(c)
+    real(DP), intent(in) :: lambda, G              !< [stress]
+    type(principal_type), intent(in) :: principal
+    real(DP) :: c(6, 6)                            !< [stress]
+    real(DP) :: tau(3), normal(3), shear(3)
+    integer :: A, B, j
+    tau = lambda * (principal%e(1) + principal%e(2) + principal%e(3)) + 2 * G * principal%e
+    do A = 1, 3
+      B = NEXT_AXIS(A)
+      normal(A) = 2 * G - 2 * tau(A)
+      shear(A) = G * divided_coth(principal, A, B) - 0.5_DP * (tau(A) + tau(B))
+    end do
+    associate (m => principal%m, s => principal%s)
+      do j = 1, 6
+        c(:, j) = lambda * VOIGT_IDENTITY(j) * VOIGT_IDENTITY &
+          + (normal(1) * m(j, 1)) * m(:, 1) + (normal(2) * m(j, 2)) * m(:, 2) + (normal(3) * m(j, 3)) * m(:, 3) &
+          + (shear(1) * s(j, 1)) * s(:, 1) + (shear(2) * s(j, 2)) * s(:, 2) + (shear(3) * s(j, 3)) * s(:, 3)
+      end do
+    end associate
+  end function hencky_tangent
+
+
+  !> The push-forward of Hooke's tangent: c_ijkl = lambda b_ij b_kl + G (b_ik b_jl + b_il b_jk).
+  pure function saint_venant_tangent(lambda, G, H) result(c)
+    real(DP), intent(in) :: lambda, G              !< [stress]
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    real(DP) :: c(6, 6)                            !< [stress]
+    real(DP) :: b(3, 3)
+    integer :: p, q, i, j, k, l
+    b = IDENTITY + H + transpose(H) + matmul(H, transpose(H))
+    do q = 1, 6
+      k = VOIGT_ROW(q)
+      l = VOIGT_COLUMN(q)
+      do p = 1, 6
+        i = VOIGT_ROW(p)
+        j = VOIGT_COLUMN(p)
+        c(p, q) = lambda * b(i, j) * b(k, l) + G * (b(i, k) * b(j, l) + b(i, l) * b(j, k))
+      end do
+    end do
+  end function saint_venant_tangent
+
+
+  !> lambda tr(e) 1 + 2 G e.
+  pure function hooke(lambda, G, strain) result(stress)
+    real(DP), intent(in) :: lambda, G              !< [stress]
+    real(DP), intent(in) :: strain(6)              !< tensor components [-]
+    real(DP) :: stress(6)
+    stress = 2 * G * strain
+    stress(:3) = stress(:3) + lambda * (strain(1) + strain(2) + strain(3))
+  end function hooke
+
+
+  !> Hooke's matrix for engineering shears.
+  pure function isotropic_tangent(lambda, G) result(c)
+    real(DP), intent(in) :: lambda, G              !< [stress]
+    real(DP) :: c(6, 6)
+    integer :: i
+    c = 0
+    c(:3, :3) = lambda
+    do i = 1, 3
+      c(i, i) = lambda + 2 * G
+      c(i + 3, i + 3) = G
+    end do
+  end function isotropic_tangent
+
+end module amontons_elasticity

@@ -1,0 +1,254 @@
+!> Hyperelastic: rubber and foam: principal stresses and their derivatives from the principal logarithmic strains.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! | kind | strain energy per reference volume |
+!! |---|---|
+!! | polynomial | sum C_ij (I1 - 3)^i (I2 - 3)^j + sum (J - 1)^(2 i)/D_i |
+!! | Ogden | sum 2 mu_i/alpha_i^2 (l1^alpha_i + l2^alpha_i + l3^alpha_i - 3) + sum (J - 1)^(2 i)/D_i |
+!! | Arruda-Boyce | mu sum c_i/lambda_m^(2 i - 2) (I1^i - 3^i) + ((J^2 - 1)/2 - ln J)/D |
+!! | foam | sum 2 mu_i/alpha_i^2 (L1^alpha_i + L2^alpha_i + L3^alpha_i - 3 + (J^(-alpha_i beta_i) - 1)/beta_i) |
+!!
+!! Stretches l and invariants I1, I2 are isochoric (J^(-1/3) L); the foam takes the stretches L as they are,
+!! beta = nu/(1 - 2 nu). A D_i of 0 leaves its term out. Small strains and equal stretches cost no digits.
+!! References: R. W. Ogden, Non-Linear Elastic Deformations (1984), chapter 7; E. M. Arruda, M. C. Boyce, J. Mech. Phys.
+!! Solids 41 (1993) 389-412; B. Storakers, J. Mech. Phys. Solids 34 (1986) 125-145.
+module amontons_hyperelasticity
+  use amontons_kinds, only: DP
+  use amontons_materials, only: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE
+  use amontons_logarithmic_strain, only: exponential_m1, NEXT_AXIS
+  implicit none
+  private
+  public :: hyper_type, respond_rubber, respond_foam
+
+  !> Principal Kirchhoff stresses and what their tangent needs.
+  type :: hyper_type
+    real(DP) :: tau(3) = 0                         !< principal Kirchhoff stresses [stress]
+    real(DP) :: slope(3, 3) = 0                    !< d tau_A/d e_B [stress]
+    real(DP) :: secant(3) = 0                      !< (tau_A - tau_B)/(e_A - e_B) of pairs (1, 2), (2, 3), (3, 1) [stress]
+    real(DP) :: energy = 0                         !< per reference volume [stress]
+  end type hyper_type
+
+  !> Derivatives of the isochoric energy by the invariants.
+  type :: invariants_type
+    real(DP) :: w = 0, w1 = 0, w2 = 0, w11 = 0, w12 = 0, w22 = 0
+  end type invariants_type
+
+contains
+
+  !> Rubber: an isochoric part and a volumetric one.
+  pure subroutine respond_rubber(kind, order, constants, e, answer)
+    integer, intent(in) :: kind                    !< HYPER_...
+    integer, intent(in) :: order                   !< N
+    real(DP), intent(in) :: constants(:)           !< as HYPER_... says
+    real(DP), intent(in) :: e(3)                   !< principal logarithmic strains [-]
+    type(hyper_type), intent(out) :: answer
+    real(DP) :: volume
+    volume = e(1) + e(2) + e(3)
+    if (kind == HYPER_OGDEN) then
+      call add_ogden(order, constants, e - volume / 3, answer)
+    else
+      call add_invariants(kind, order, constants, e - volume / 3, answer)
+    end if
+    call make_deviator(answer)
+    call add_volume(kind, order, constants, volume, answer)
+  end subroutine respond_rubber
+
+
+  !> Foam.
+  pure subroutine respond_foam(order, constants, e, answer)
+    integer, intent(in) :: order                   !< N
+    real(DP), intent(in) :: constants(:)           !< mu_1 alpha_1 ... mu_N alpha_N nu_1 ... nu_N
+    real(DP), intent(in) :: e(3)                   !< principal logarithmic strains [-]
+    type(hyper_type), intent(out) :: answer
+    real(DP) :: volume, beta, power
+    integer :: i
+    call add_ogden(order, constants, e, answer)
+    volume = e(1) + e(2) + e(3)
+    do i = 1, order
+      associate (mu => constants(2 * i - 1), alpha => constants(2 * i), nu => constants(2 * order + i))
+        beta = nu / (1 - 2 * nu)
+        power = exponential_m1(-alpha * beta * volume)
+        answer%tau = answer%tau - 2 * mu / alpha * power
+        answer%slope = answer%slope + 2 * mu * beta * (1 + power)
+        if (abs(beta) > 0) then
+          answer%energy = answer%energy + 2 * mu / alpha**2 * (power / beta + alpha * volume)
+        end if
+      end associate
+    end do
+  end subroutine respond_foam
+
+
+  !> Powers of the stretches: adds sum 2 mu/alpha^2 (exp(alpha e_A) - 1 - alpha e_A); of the stress the part without the
+  !! constant 2 mu/alpha, which the deviator or the foam's volume term takes away.
+  pure subroutine add_ogden(order, constants, e, answer)
+    integer, intent(in) :: order
+    real(DP), intent(in) :: constants(:), e(3)
+    type(hyper_type), intent(inout) :: answer
+    integer :: i, A, B
+    do i = 1, order
+      associate (mu => constants(2 * i - 1), alpha => constants(2 * i))
+        do A = 1, 3
+          B = NEXT_AXIS(A)
+          answer%tau(A) = answer%tau(A) + 2 * mu / alpha * exponential_m1(alpha * e(A))
+          answer%slope(A, A) = answer%slope(A, A) + 2 * mu * exp(alpha * e(A))
+          answer%secant(A) = answer%secant(A) + 2 * mu * exp(0.5_DP * alpha * (e(A) + e(B))) &
+            * sinh_over(0.5_DP * alpha * (e(A) - e(B)))
+          answer%energy = answer%energy + 2 * mu / alpha**2 * exponential_m2(alpha * e(A))
+        end do
+      end associate
+    end do
+  end subroutine add_ogden
+
+
+  !> Functions of the isochoric invariants I1 = sum exp(2 e_A), I2 = sum exp(-2 e_A).
+  pure subroutine add_invariants(kind, order, constants, e, answer)
+    integer, intent(in) :: kind, order
+    real(DP), intent(in) :: constants(:)
+    real(DP), intent(in) :: e(3)                   !< isochoric: their sum is 0 [-]
+    type(hyper_type), intent(inout) :: answer
+    type(invariants_type) :: d
+    real(DP) :: p(3), m(3), i1, i2
+    integer :: A, B
+    i1 = sum(exponential_m2(2 * e))
+    i2 = sum(exponential_m2(-2 * e))
+    d = invariants_type()
+    if (kind == HYPER_POLYNOMIAL) call differentiate_polynomial(order, constants, i1, i2, d)
+    if (kind == HYPER_ARRUDA_BOYCE) call differentiate_chains(constants, i1, d)
+    p = exponential_m1(2 * e)                      ! the constant 1 goes out with the deviator
+    m = exponential_m1(-2 * e)
+    answer%energy = d%w
+    answer%tau = 2 * d%w1 * p - 2 * d%w2 * m
+    do A = 1, 3
+      B = NEXT_AXIS(A)
+      answer%slope(:, A) = 4 * (d%w11 * p(A) - d%w12 * m(A)) * p + 4 * (d%w22 * m(A) - d%w12 * p(A)) * m
+      answer%slope(A, A) = answer%slope(A, A) + 4 * d%w1 * (1 + p(A)) + 4 * d%w2 * (1 + m(A))
+      answer%secant(A) = 4 * (d%w1 * exp(e(A) + e(B)) + d%w2 * exp(-e(A) - e(B))) * sinh_over(e(A) - e(B))
+    end do
+  end subroutine add_invariants
+
+
+  !> The polynomial and its derivatives at i1 = I1 - 3, i2 = I2 - 3.
+  pure subroutine differentiate_polynomial(order, constants, i1, i2, d)
+    integer, intent(in) :: order
+    real(DP), intent(in) :: constants(:), i1, i2
+    type(invariants_type), intent(inout) :: d
+    real(DP) :: x(0:2), y(0:2), c
+    integer :: n, i, j, k
+    k = 0
+    do n = 1, order
+      do j = 0, n
+        i = n - j
+        k = k + 1
+        c = constants(k)
+        if (.not. abs(c) > 0) cycle
+        x = power_and_slopes(i1, i)
+        y = power_and_slopes(i2, j)
+        d%w = d%w + c * x(0) * y(0)
+        d%w1 = d%w1 + c * x(1) * y(0)
+        d%w2 = d%w2 + c * x(0) * y(1)
+        d%w11 = d%w11 + c * x(2) * y(0)
+        d%w12 = d%w12 + c * x(1) * y(1)
+        d%w22 = d%w22 + c * x(0) * y(2)
+      end do
+    end do
+  end subroutine differentiate_polynomial
+
+
+  !> x^n with its first and second derivative.
+  pure function power_and_slopes(x, n) result(y)
+    real(DP), intent(in) :: x
+    integer, intent(in) :: n
+    real(DP) :: y(0:2)
+    y = 0
+    y(0) = x**n
+    if (n > 0) y(1) = real(n, DP) * x**(n - 1)
+    if (n > 1) y(2) = real(n * (n - 1), DP) * x**(n - 2)
+  end function power_and_slopes
+
+
+  !> Arruda and Boyce's eight chains, five terms of the inverse Langevin function.
+  pure subroutine differentiate_chains(constants, i1, d)
+    real(DP), intent(in) :: constants(:), i1
+    type(invariants_type), intent(inout) :: d
+    real(DP), parameter :: C(5) = [1 / 2.0_DP, 1 / 20.0_DP, 11 / 1050.0_DP, 19 / 7000.0_DP, 519 / 673750.0_DP]
+    real(DP) :: factor, total
+    integer :: i, k
+    do i = 1, 5
+      factor = constants(1) * C(i) / constants(2)**(2 * i - 2)
+      total = 0                                    ! (I1^i - 3^i)/(I1 - 3)
+      do k = 0, i - 1
+        total = total + (3 + i1)**k * 3.0_DP**(i - 1 - k)
+      end do
+      d%w = d%w + factor * i1 * total
+      d%w1 = d%w1 + factor * real(i, DP) * (3 + i1)**(i - 1)
+      if (i > 1) d%w11 = d%w11 + factor * real(i * (i - 1), DP) * (3 + i1)**(i - 2)
+    end do
+  end subroutine differentiate_chains
+
+
+  !> Takes the mean out of stresses and derivatives: the isochoric strains are the deviator of the strains.
+  pure subroutine make_deviator(answer)
+    type(hyper_type), intent(inout) :: answer
+    integer :: A
+    answer%tau = answer%tau - sum(answer%tau) / 3
+    do A = 1, 3
+      answer%slope(:, A) = answer%slope(:, A) - sum(answer%slope(:, A)) / 3
+    end do
+    do A = 1, 3
+      answer%slope(A, :) = answer%slope(A, :) - sum(answer%slope(A, :)) / 3
+    end do
+  end subroutine make_deviator
+
+
+  !> The volumetric part.
+  pure subroutine add_volume(kind, order, constants, volume, answer)
+    integer, intent(in) :: kind, order
+    real(DP), intent(in) :: constants(:)
+    real(DP), intent(in) :: volume                 !< ln J [-]
+    type(hyper_type), intent(inout) :: answer
+    real(DP) :: J, j1, pressure, stiffness, power(0:2)
+    integer :: i, n
+    j1 = exponential_m1(volume)
+    J = 1 + j1
+    pressure = 0
+    stiffness = 0
+    if (kind == HYPER_ARRUDA_BOYCE) then
+      answer%energy = answer%energy + 0.5_DP * exponential_m2(2 * volume) / constants(3)
+      answer%tau = answer%tau + j1 * (1 + J) / constants(3)
+      answer%slope = answer%slope + 2 * J * J / constants(3)
+      return
+    end if
+    n = merge(2 * order, order * (order + 3) / 2, kind == HYPER_OGDEN)
+    do i = 1, order
+      if (.not. abs(constants(n + i)) > 0) cycle
+      power = power_and_slopes(j1, 2 * i) / constants(n + i)
+      answer%energy = answer%energy + power(0)
+      pressure = pressure + power(1) * J
+      stiffness = stiffness + power(2) * J * J + power(1) * J
+    end do
+    answer%tau = answer%tau + pressure
+    answer%slope = answer%slope + stiffness
+  end subroutine add_volume
+
+
+  !> sinh(x)/x.
+  pure elemental function sinh_over(x) result(y)
+    real(DP), intent(in) :: x
+    real(DP) :: y
+    y = 1 + x * x / 6
+    if (abs(x) > 1.0e-4_DP) y = sinh(x) / x
+  end function sinh_over
+
+
+  !> exp(x) - 1 - x, by its series where the terms would cancel.
+  pure elemental function exponential_m2(x) result(y)
+    real(DP), intent(in) :: x
+    real(DP) :: y
+    if (abs(x) > 0.1_DP) then
+      y = exponential_m1(x) - x
+    else
+      y = x * x / 2 * (1 + x / 3 * (1 + x / 4 * (1 + x / 5 * (1 + x / 6 * (1 + x / 7 * (1 + x / 8 * (1 + x / 9)))))))
+    end if
+  end function exponential_m2
+
+end module amontons_hyperelasticity

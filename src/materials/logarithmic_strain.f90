@@ -1,0 +1,318 @@
+!> Logarithmic strain: ln(C)/2 of a placement, and any law given in it turned to space.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! A law between the six components of E = ln(C)/2 and their conjugate stress T is objective at finite strain whatever
+!! its symmetry. Here T and dT/dE become Kirchhoff stress and spatial tangent, by the first and second derivative
+!! of the logarithm in the axes of C; divided differences are formed without cancellation.
+!! References: C. Miehe, N. Apel, M. Lambrecht, Anisotropic additive plasticity in the logarithmic strain space, Comput.
+!! Methods Appl. Mech. Engrg. 191 (2002) 5383-5425; R. Bhatia, Matrix Analysis (1997), section V.3 (second derivative).
+!!
+!! Laws that are isotropic are given in principal axes; they have their spatial tangent here too.
+!! Voigt order xx yy zz xy yz xz, tensor components; a tangent multiplies engineering shears. Pairs of axes are ordered
+!! (1, 2), (2, 3), (3, 1). Theory: doc/theory/materials.md.
+module amontons_logarithmic_strain
+  use amontons_kinds, only: DP
+  use amontons_tensor, only: IDENTITY, VOIGT_INDEX, VOIGT_ROW, VOIGT_COLUMN, pack_voigt, symmetric_eigen
+  implicit none
+  private
+  public :: log_axes_type, find_log_axes, push_log_law, transform_matrix, tensor_log, tensor_exp
+  public :: principal_type, find_principal, left_cauchy_green, principal_stress, principal_tangent, divided_coth
+  public :: logarithm_1p, exponential_m1, NEXT_AXIS
+
+  !> The axes of C and what hangs on them.
+  type :: log_axes_type
+    real(DP) :: x(3)                               !< eigenvalues of C - 1 [-]
+    real(DP) :: e(3)                               !< logarithmic strains [-]
+    real(DP) :: reference(3, 3)                    !< axes N_A in the reference placement, in columns
+    real(DP) :: space(3, 3)                        !< axes n_A = F N_A/lambda_A, in columns
+  end type log_axes_type
+
+  integer, parameter :: NEXT_AXIS(3) = [2, 3, 1]   !< the second axis of each pair
+
+  !> The principal logarithmic strains and their directions.
+  type :: principal_type
+    real(DP) :: x(3)                               !< eigenvalues of b - 1 [-]
+    real(DP) :: e(3)                               !< logarithmic strains 1/2 ln(1 + x) [-]
+    real(DP) :: m(6, 3)                            !< n_A n_A as Voigt vectors
+    real(DP) :: s(6, 3)                            !< n_A n_B + n_B n_A of the pairs
+  end type principal_type
+
+contains
+
+  !> Axes and logarithmic strains of F = 1 + H.
+  pure subroutine find_log_axes(H, axes, is_positive)
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    type(log_axes_type), intent(out) :: axes
+    logical, intent(out) :: is_positive            !< .false.: C is not positive definite, the rest is not set
+    integer :: A
+    call symmetric_eigen(pack_voigt(H + transpose(H) + matmul(transpose(H), H)), axes%x, axes%reference)
+    is_positive = minval(axes%x) > -1
+    if (.not. is_positive) return
+    axes%e = 0.5_DP * logarithm_1p(axes%x)
+    axes%space = matmul(IDENTITY + H, axes%reference)
+    do A = 1, 3
+      axes%space(:, A) = axes%space(:, A) / sqrt(1 + axes%x(A))
+    end do
+  end subroutine find_log_axes
+
+
+  !> Kirchhoff stress and spatial tangent from T and dT/dE.
+  !!
+  !! In the axes: tau_AB = T_AB g_AB, g_AB = d/sinh(d), d = e_A - e_B;
+  !! c_ABCD = g_AB D_ABCD g_CD + the curvature of the logarithm, as a form of two strains h and k
+  !! 2 T_AB l_A l_B x_C ln[x_A, x_C, x_B] (h_AC k_CB + k_AC h_CB), with the second divided difference of ln and the
+  !! stretches l, x = l^2.
+  pure subroutine push_log_law(axes, stress, tangent)
+    type(log_axes_type), intent(in) :: axes
+    real(DP), intent(inout) :: stress(6)           !< in: T, reference axes; out: tau [stress]
+    real(DP), intent(inout) :: tangent(6, 6)       !< in: dT/dE; out: spatial; engineering shears [stress]
+    real(DP) :: Q(6, 6), T(6), c(6, 6), g(6), d, xi
+    integer :: k, A, B, i, j
+    Q = transform_matrix(transpose(axes%reference))
+    T = matmul(Q, stress)
+    c = matmul(Q, matmul(tangent, transpose(Q)))
+    do k = 1, 6
+      d = axes%e(VOIGT_ROW(k)) - axes%e(VOIGT_COLUMN(k))
+      g(k) = 1
+      if (abs(d) > 1.0e-9_DP) g(k) = d / sinh(d)
+    end do
+    do k = 1, 6
+      c(:, k) = g * c(:, k) * g(k)
+    end do
+    do A = 1, 3
+      do B = 1, 3
+        do k = 1, 3
+          xi = 2 * T(VOIGT_INDEX(A, B)) * sqrt((1 + axes%x(A)) * (1 + axes%x(B))) * (1 + axes%x(k)) &
+            * second_difference(1 + axes%x(A), 1 + axes%x(k), 1 + axes%x(B))
+          i = VOIGT_INDEX(A, k)
+          j = VOIGT_INDEX(k, B)
+          if (A /= k) xi = 0.5_DP * xi
+          if (B /= k) xi = 0.5_DP * xi
+          c(i, j) = c(i, j) + xi
+          c(j, i) = c(j, i) + xi
+        end do
+      end do
+    end do
+    Q = transform_matrix(axes%space)
+    stress = matmul(Q, g * T)
+    tangent = matmul(Q, matmul(c, transpose(Q)))
+  end subroutine push_log_law
+
+
+  !> The second divided difference of ln at three positive numbers: where they are close, from the series of
+  !! ln(1 + d) = sum (-1)^(k+1) d^k/k, whose divided differences are the complete symmetric polynomials of the d.
+  pure function second_difference(x1, x2, x3) result(f)
+    real(DP), intent(in) :: x1, x2, x3
+    real(DP) :: f
+    real(DP), parameter :: NEAR = 0.03_DP
+    real(DP) :: mean, y(3), h1, h2, h3, low, high, middle, factor
+    integer :: k
+    mean = (x1 + x2 + x3) / 3
+    y = [x1, x2, x3] / mean - 1
+    if (maxval(abs(y)) > NEAR) then
+      low = min(x1, x2, x3)
+      high = max(x1, x2, x3)
+      middle = x1 + x2 + x3 - low - high
+      middle = min(max(middle, low), high)
+      f = (first_difference(high, middle) - first_difference(middle, low)) / (high - low)
+      return
+    end if
+    f = -0.5_DP
+    h1 = 1
+    h2 = 1
+    h3 = 1
+    factor = -1
+    do k = 1, 9
+      h1 = h1 * y(1)
+      h2 = h1 + y(2) * h2
+      h3 = h2 + y(3) * h3
+      factor = -factor
+      f = f + factor * h3 / real(k + 2, DP)
+    end do
+    f = f / mean**2
+  end function second_difference
+
+
+  !> The first divided difference of ln.
+  pure function first_difference(a, b) result(f)
+    real(DP), intent(in) :: a, b
+    real(DP) :: f
+    f = 1 / b
+    if (abs(a - b) > 0) f = logarithm_1p((a - b) / b) / (a - b)
+  end function first_difference
+
+
+  !> The matrix Q with tau = Q S and c = Q C Q^T for tau_ij = A_iI S_IJ A_jJ, c_ijkl = A_iI A_jJ C_IJKL A_kK A_lL.
+  pure function transform_matrix(A) result(Q)
+    real(DP), intent(in) :: A(3, 3)                !< F, or a rotation [-]
+    real(DP) :: Q(6, 6)
+    integer :: k, n, i, j, r, s
+    do n = 1, 6
+      r = VOIGT_ROW(n)
+      s = VOIGT_COLUMN(n)
+      do k = 1, 6
+        i = VOIGT_ROW(k)
+        j = VOIGT_COLUMN(k)
+        Q(k, n) = A(i, r) * A(j, s)
+        if (n > 3) Q(k, n) = Q(k, n) + A(i, s) * A(j, r)
+      end do
+    end do
+  end function transform_matrix
+
+
+  !> exp(a S) - 1 of a symmetric tensor.
+  pure function tensor_exp(S, a) result(y)
+    real(DP), intent(in) :: S(6)                   !< Voigt vector
+    real(DP), intent(in) :: a                      !< [-]
+    real(DP) :: y(6)
+    real(DP) :: values(3), n(3, 3)
+    call symmetric_eigen(S, values, n)
+    y = from_axes(exponential_m1(a * values), n)
+  end function tensor_exp
+
+
+  !> a ln(1 + S) of a symmetric tensor.
+  pure function tensor_log(S, a) result(y)
+    real(DP), intent(in) :: S(6)                   !< Voigt vector, eigenvalues more than -1
+    real(DP), intent(in) :: a                      !< [-]
+    real(DP) :: y(6)
+    real(DP) :: values(3), n(3, 3)
+    call symmetric_eigen(S, values, n)
+    y = from_axes(a * logarithm_1p(values), n)
+  end function tensor_log
+
+
+  !> The tensor with given eigenvalues and axes.
+  pure function from_axes(values, n) result(y)
+    real(DP), intent(in) :: values(3), n(3, 3)
+    real(DP) :: y(6)
+    integer :: k
+    do k = 1, 6
+      y(k) = sum(values * n(VOIGT_ROW(k), :) * n(VOIGT_COLUMN(k), :))
+    end do
+  end function from_axes
+
+
+  !> b - 1 = H + H^T + H H^T, formed so that nothing cancels.
+  pure function left_cauchy_green(H) result(x)
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient, F = 1 + H [-]
+    real(DP) :: x(6)                               !< Voigt vector [-]
+    integer :: k, i, j
+    do k = 1, 6
+      i = VOIGT_ROW(k)
+      j = VOIGT_COLUMN(k)
+      x(k) = H(i, j) + H(j, i) + H(i, 1) * H(j, 1) + H(i, 2) * H(j, 2) + H(i, 3) * H(j, 3)
+    end do
+  end function left_cauchy_green
+
+
+  !> Principal logarithmic strains and axes of b = 1 + x.
+  pure subroutine find_principal(x, principal, is_positive)
+    real(DP), intent(in) :: x(6)                   !< b - 1 as a Voigt vector [-]
+    type(principal_type), intent(out) :: principal
+    logical, intent(out) :: is_positive            !< .false.: b is not positive definite, the rest is not set
+    real(DP) :: n(3, 3)
+    integer :: k, i, j
+    call symmetric_eigen(x, principal%x, n)
+    is_positive = minval(principal%x) > -1
+    if (.not. is_positive) return
+    principal%e = 0.5_DP * logarithm_1p(principal%x)
+    do k = 1, 6
+      i = VOIGT_ROW(k)
+      j = VOIGT_COLUMN(k)
+      principal%m(k, :) = n(i, :) * n(j, :)
+      principal%s(k, 1) = n(i, 1) * n(j, 2) + n(i, 2) * n(j, 1)
+      principal%s(k, 2) = n(i, 2) * n(j, 3) + n(i, 3) * n(j, 2)
+      principal%s(k, 3) = n(i, 3) * n(j, 1) + n(i, 1) * n(j, 3)
+    end do
+  end subroutine find_principal
+
+
+  !> The tensor with given principal values.
+  pure function principal_stress(principal, values) result(tensor)
+    type(principal_type), intent(in) :: principal
+    real(DP), intent(in) :: values(3)              !< [stress]
+    real(DP) :: tensor(6)                          !< Voigt vector
+    tensor = values(1) * principal%m(:, 1) + values(2) * principal%m(:, 2) + values(3) * principal%m(:, 3)
+  end function principal_stress
+
+
+  !> The spatial tangent (L_v tau = c : d) of tau = sum tau_A(e) n_A n_A:
+  !! c_AABB = d tau_A/d e_B - 2 tau_A delta_AB, c_ABAB = 1/2 S_AB d coth(d) - 1/2 (tau_A + tau_B),
+  !! with d = e_A - e_B and the secants S_AB = (tau_A - tau_B)/(e_A - e_B), which the law gives without cancellation.
+  !! Reference: C. Miehe, M. Lambrecht, Algorithms for computation of stresses and elasticity moduli in terms of
+  !! Seth-Hill's family of generalized strain tensors, Commun. Numer. Meth. Engng 17 (2001) 337-353.
+  pure function principal_tangent(principal, tau, slope, secant) result(c)
+    type(principal_type), intent(in) :: principal
+    real(DP), intent(in) :: tau(3)                 !< [stress]
+    real(DP), intent(in) :: slope(3, 3)            !< d tau_A/d e_B [stress]
+    real(DP), intent(in) :: secant(3)              !< S_AB of the pairs [stress]
+    real(DP) :: c(6, 6)                            !< engineering shears [stress]
+    real(DP) :: g(3, 3), shear(3), along(6, 3), across(6, 3)
+    integer :: A, B, j
+    g = slope
+    do A = 1, 3
+      B = NEXT_AXIS(A)
+      g(A, A) = g(A, A) - 2 * tau(A)
+      shear(A) = 0.5_DP * secant(A) * divided_coth(principal, A, B) - 0.5_DP * (tau(A) + tau(B))
+    end do
+    do A = 1, 3
+      along(:, A) = g(1, A) * principal%m(:, 1) + g(2, A) * principal%m(:, 2) + g(3, A) * principal%m(:, 3)
+      across(:, A) = shear(A) * principal%s(:, A)
+    end do
+    associate (m => principal%m, s => principal%s)
+      do j = 1, 6
+        c(:, j) = m(j, 1) * along(:, 1) + m(j, 2) * along(:, 2) + m(j, 3) * along(:, 3) &
+          + s(j, 1) * across(:, 1) + s(j, 2) * across(:, 2) + s(j, 3) * across(:, 3)
+      end do
+    end associate
+  end function principal_tangent
+
+
+  !> d coth(d) of a pair of axes.
+  pure function divided_coth(principal, A, B) result(y)
+    type(principal_type), intent(in) :: principal
+    integer, intent(in) :: A, B                    !< axes
+    real(DP) :: y
+    y = d_coth_d(principal%e(A) - principal%e(B), (principal%x(A) - principal%x(B)) &
+      / (2 + principal%x(A) + principal%x(B)))
+  end function divided_coth
+
+
+  !> d coth(d) with t = tanh(d) given: d / t, and for small t the series of artanh(t) / t.
+  pure function d_coth_d(d, t) result(y)
+    real(DP), intent(in) :: d                      !< e_A - e_B [-]
+    real(DP), intent(in) :: t                      !< (b_A - b_B)/(b_A + b_B) [-]
+    real(DP) :: y
+    real(DP), parameter :: SERIES_LIMIT = 0.1_DP
+    real(DP) :: q
+    if (abs(t) > SERIES_LIMIT) then
+      y = d / t
+    else
+      q = t * t
+      y = 1 + q * (1 / 3.0_DP + q * (1 / 5.0_DP + q * (1 / 7.0_DP + q * (1 / 9.0_DP + q * (1 / 11.0_DP &
+        + q * (1 / 13.0_DP + q / 15))))))
+    end if
+  end function d_coth_d
+
+
+  !> ln(1 + x) for small and large x. Reference: W. Kahan; in D. Goldberg, What every computer scientist should know
+  !! about floating-point arithmetic, ACM Computing Surveys 23 (1991), theorem 4.
+  pure elemental function logarithm_1p(x) result(y)
+    real(DP), intent(in) :: x                      !< more than -1 [-]
+    real(DP) :: y
+    real(DP) :: u
+    u = 1 + x
+    y = x
+    if (abs(u - 1) > 0) y = log(u) * (x / (u - 1))
+  end function logarithm_1p
+
+
+  !> exp(x) - 1 for small and large x: 2 sinh(x/2) exp(x/2).
+  pure elemental function exponential_m1(x) result(y)
+    real(DP), intent(in) :: x                      !< [-]
+    real(DP) :: y
+    y = 2 * sinh(0.5_DP * x) * exp(0.5_DP * x)
+  end function exponential_m1
+
+end module amontons_logarithmic_strain

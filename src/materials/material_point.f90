@@ -1,0 +1,789 @@
+!> Material point: stress, tangent, energy and history of a point of any material, from its strain and its past.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Stress and history are updated from the committed history, never from a trial one. Plain materials (E and nu, nothing
+!! else) do not come here: module stress serves them. Every other law is of one of two sorts, whatever the placement:
+!!
+!! | sort | strain at finite strain |
+!! |---|---|
+!! | six strains to six stresses: linear elasticity with axes, kinematic hardening, deformation plasticity | ln(C)/2 |
+!! | the same for linear elasticity under LAW_SAINT_VENANT (calculix dialect) | Green's strain |
+!! | the same for deformation plasticity under LAW_SAINT_VENANT | Almansi's strain, with Cauchy's stress |
+!! | isotropic: linear elasticity, isotropic hardening, creep, rubber, foam | logarithms of the elastic stretches |
+!! | plasticity and creep under LAW_SAINT_VENANT | the isochoric elastic b (Simo), as CalculiX |
+!!
+!! Initial stresses and given plastic strains are inelastic strains that are there from the start. Theory:
+!! doc/theory/materials.md.
+module amontons_material_point
+  use amontons_kinds, only: DP
+  use amontons_hyperelasticity, only: hyper_type, respond_rubber, respond_foam
+  use amontons_logarithmic_strain, only: log_axes_type, find_log_axes, push_log_law, transform_matrix, tensor_log, tensor_exp, &
+    principal_type, find_principal, left_cauchy_green, principal_stress, principal_tangent, exponential_m1, logarithm_1p, &
+    divided_coth, NEXT_AXIS
+  use amontons_materials, only: material_type, orientation_type, evaluate_table, LAW_SAINT_VENANT, &
+    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
+    HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL
+  use amontons_plasticity, only: return_type, flow_type, return_radially, return_anisotropic, is_inelastic, &
+    deform_ramberg_osgood, RETURN_OK
+  use amontons_elasticity, only: hooke, isotropic_tangent, green_strain, gradient_status, STRESS_OK, STRESS_INVERTED, &
+    STRESS_NOT_FINITE
+  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, determinant_minus_one, double_dot, invert, &
+    pack_voigt, unpack_voigt, von_mises
+  use amontons_user_material, only: user_point_type, update_user
+  implicit none
+  private
+  public :: point_type, update_point, elastic_strain_of, thermal_strain_of, axes_at
+
+  !> What goes into a material point and what comes out. The past is committed: it is read, never written.
+  type :: point_type
+    ! comes in
+    real(DP) :: H(3, 3)                            !< finite strain: displacement gradient, F = 1 + H [-]
+    real(DP) :: strain(6)                          !< small strain: comes in; finite: goes out, ln(b)/2 or Green's [-]
+    real(DP) :: frame(3, 3)                        !< local axes of the material in its columns
+    real(DP) :: temperature                        !< at the end of the increment [temperature]
+    real(DP) :: initial_temperature                !< [temperature]
+    real(DP) :: time                               !< at the end of the increment, for laws that know it [time]
+    real(DP) :: time_increment                     !< [time]
+    real(DP) :: past(MAX_HISTORY)                  !< committed history
+    type(user_point_type), allocatable :: user     !< more of a user's material; not there: at rest
+    ! goes out
+    real(DP) :: stress(6)                          !< small strain: stress; finite: Kirchhoff stress [stress]
+    real(DP) :: tangent(6, 6)                      !< its derivative, spatial at finite strain [stress]
+    real(DP) :: energy                             !< elastic, per reference volume [stress]
+    real(DP) :: history(MAX_HISTORY)               !< at the end of the increment
+  end type point_type
+
+  !> What a material is at the temperature of a point.
+  type :: moduli_type
+    real(DP) :: lambda = 0                         !< Lame's first constant of isotropic materials [stress]
+    real(DP) :: G = 0                              !< shear modulus of isotropic materials [stress]
+    logical :: is_isotropic = .true.               !< lambda and G say all; else C
+    real(DP) :: C(6, 6) = 0                        !< elasticity in the global axes, engineering shears [stress]
+    real(DP) :: thermal(6) = 0                     !< thermal strain, tensor components in the global axes [-]
+    logical :: is_swelling = .true.                !< the thermal strain is the same in all directions
+    real(DP) :: constants(MAX_CONSTANTS) = 0       !< as the material has them
+  end type moduli_type
+
+  real(DP), parameter :: SQRT_2_3 = sqrt(2 / 3.0_DP), SQRT_3_2 = sqrt(1.5_DP)
+
+contains
+
+  !> Updates a point: stress, tangent, energy and history from strain, temperature and the committed history.
+  pure subroutine update_point(material, is_nlgeom, point, status)
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom
+    type(point_type), intent(inout) :: point       !< in and out as its type says
+    integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK nothing that goes out is to be used
+    type(moduli_type) :: moduli
+    real(DP) :: growth
+    point%history = point%past
+    if (material%is_user) then
+      call update_by_user(material, is_nlgeom, point, status)
+      return
+    end if
+    call find_moduli(material, point, moduli)
+    if (.not. is_nlgeom) then
+      call strain_law(material, moduli, point%strain, point, status)
+      return
+    end if
+    status = gradient_status(point%H)
+    if (status /= STRESS_OK) return
+    if (material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM) then
+      call update_principal(material, moduli, point, status)
+    else if (material%law == LAW_SAINT_VENANT .and. material%has_deformation_plasticity) then
+      call update_almansi(material, moduli, point, status)
+    else if (material%law == LAW_SAINT_VENANT .and. .not. is_inelastic(material)) then
+      call update_green(material, moduli, point, status)
+    else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material) .and. moduli%is_isotropic) then
+      call update_simo(material, moduli, point, status)
+      growth = (1 + moduli%thermal(1))**3           ! the law is that of a volume which has swollen
+      point%stress = growth * point%stress
+      point%tangent = growth * point%tangent
+      point%energy = growth * point%energy
+    else if (allocated(material%kinematic) .or. material%has_deformation_plasticity .or. &
+      .not. (moduli%is_isotropic .and. moduli%is_swelling)) then
+      call update_log(material, moduli, point, status)
+    else
+      call update_principal(material, moduli, point, status)
+    end if
+  end subroutine update_point
+
+
+  !> The law of a user. A point that brings nothing along is at rest: its tangent was found before the start.
+  pure subroutine update_by_user(material, is_nlgeom, point, status)
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    type(moduli_type) :: moduli
+    type(point_type) :: start
+    logical :: is_taken
+    status = STRESS_OK
+    if (.not. allocated(point%user)) then
+      point%stress = 0
+      point%tangent = material%at_rest
+      point%energy = 0
+      return
+    end if
+    if (is_nlgeom) status = gradient_status(point%H)
+    if (status /= STRESS_OK) return
+    if (allocated(material%expansion%value)) then
+      call find_thermal_strain(material, point, moduli)
+      point%user%thermal(:, 2) = moduli%thermal
+      start = point
+      start%temperature = point%user%values%temp
+      call find_thermal_strain(material, start, moduli)
+      point%user%thermal(:, 1) = moduli%thermal
+    end if
+    point%user%values%dtemp = point%temperature - point%user%values%temp
+    call update_user(material, is_nlgeom, point%H, point%strain, point%frame, point%user, point%stress, point%tangent, &
+      is_taken)
+    if (.not. is_taken) status = STRESS_NOT_FINITE
+    point%energy = point%user%values%energies(1)
+    if (is_nlgeom) point%strain = shown_strain(material, point%H)
+  end subroutine update_by_user
+
+
+  !> The constants at the temperature of a point, in the global axes.
+  pure subroutine find_moduli(material, point, moduli)
+    type(material_type), intent(in) :: material
+    type(point_type), intent(in) :: point
+    type(moduli_type), intent(out) :: moduli
+    type(hyper_type) :: rest
+    real(DP) :: Q(6, 6)
+    associate (constants => moduli%constants)
+      constants(:2) = [material%youngs_modulus, material%poissons_ratio]
+      if (allocated(material%elastic%value)) call evaluate_table(material%elastic, point%temperature, &
+        constants(:size(material%elastic%value, 1)))
+      if (material%has_deformation_plasticity) call evaluate_table(material%deformation, point%temperature, &
+        constants(:5))
+      select case (material%elastic_kind)
+      case (ELASTIC_ISOTROPIC)
+        moduli%G = constants(1) / (2 * (1 + constants(2)))
+        moduli%lambda = constants(1) * constants(2) / ((1 + constants(2)) * (1 - 2 * constants(2)))
+      case (ELASTIC_HYPER, ELASTIC_FOAM)
+        call respond(material, constants, [0.0_DP, 0.0_DP, 0.0_DP], rest)
+        moduli%G = 0.5_DP * rest%secant(1)
+        moduli%lambda = rest%slope(1, 2)
+      case default
+        moduli%is_isotropic = .false.
+        Q = transform_matrix(point%frame)
+        moduli%C = matmul(Q, matmul(elasticity_matrix(material%elastic_kind, constants), transpose(Q)))
+      end select
+    end associate
+    if (allocated(material%expansion%value)) call find_thermal_strain(material, point, moduli)
+  end subroutine find_moduli
+
+
+  !> Green's strain of the stretch 1 + e.
+  pure function stretched(e) result(strain)
+    real(DP), intent(in) :: e(6)                   !< tensor components [-]
+    real(DP) :: strain(6)
+    strain = 0
+    if (any(abs(e) > 0)) strain = green_strain(unpack_voigt(e))
+  end function stretched
+
+
+  !> Principal stresses of rubber or foam.
+  pure subroutine respond(material, constants, e, answer)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: constants(:)
+    real(DP), intent(in) :: e(3)                   !< principal logarithmic strains [-]
+    type(hyper_type), intent(out) :: answer
+    if (material%elastic_kind == ELASTIC_FOAM) then
+      call respond_foam(material%hyper_order, constants, e, answer)
+    else
+      call respond_rubber(material%hyper_kind, material%hyper_order, constants, e, answer)
+    end if
+  end subroutine respond
+
+
+  !> The elasticity matrix in the local axes from the constants in the order of the decks.
+  pure function elasticity_matrix(kind, constants) result(C)
+    integer, intent(in) :: kind                    !< ELASTIC_ORTHOTROPIC or ELASTIC_ANISOTROPIC
+    real(DP), intent(in) :: constants(:)           !< [stress]
+    real(DP) :: C(6, 6)
+    integer, parameter :: PLACE(6) = [1, 2, 3, 4, 6, 5]   !< the decks order the shears 12 13 23
+    integer :: i, j, k
+    C = 0
+    k = 0
+    do j = 1, 6
+      do i = 1, j
+        if (kind == ELASTIC_ORTHOTROPIC .and. j > 3 .and. i < j) cycle
+        k = k + 1
+        C(PLACE(i), PLACE(j)) = constants(k)
+        C(PLACE(j), PLACE(i)) = constants(k)
+      end do
+    end do
+  end function elasticity_matrix
+
+
+  !> The thermal strain since the start: a(T) (T - T0) - a(Ti) (Ti - T0), a the secant coefficient from T0 on.
+  pure function thermal_strain_of(material, temperature, initial_temperature, frame, is_nlgeom) result(strain)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: temperature, initial_temperature   !< [temperature]
+    real(DP), intent(in) :: frame(3, 3)            !< local axes of the material in its columns
+    logical, intent(in) :: is_nlgeom               !< Green's strain of it, if that is the strain of the law
+    real(DP) :: strain(6)                          !< tensor components in the global axes, xx yy zz xy yz xz [-]
+    type(point_type) :: point
+    type(moduli_type) :: moduli
+    strain = 0
+    if (.not. allocated(material%expansion%value)) return
+    point%temperature = temperature
+    point%initial_temperature = initial_temperature
+    point%frame = frame
+    call find_thermal_strain(material, point, moduli)
+    strain = moduli%thermal
+    if (is_nlgeom .and. material%law == LAW_SAINT_VENANT) strain = stretched(moduli%thermal)
+  end function thermal_strain_of
+
+
+  !> The thermal strain at the temperature of a point.
+  pure subroutine find_thermal_strain(material, point, moduli)
+    type(material_type), intent(in) :: material
+    type(point_type), intent(in) :: point
+    type(moduli_type), intent(inout) :: moduli
+    real(DP) :: now(6), start(6)
+    integer :: n
+    now = 0
+    start = 0
+    n = size(material%expansion%value, 1)
+    call evaluate_table(material%expansion, point%temperature, now(:n))
+    call evaluate_table(material%expansion, point%initial_temperature, start(:n))
+    now = now * (point%temperature - material%expansion_zero) &
+      - start * (point%initial_temperature - material%expansion_zero)
+    moduli%is_swelling = n == 1
+    if (n == 1) then
+      moduli%thermal = now(1) * VOIGT_IDENTITY
+    else                                           ! the decks order the shears 12 13 23
+      now(5:6) = now([6, 5])
+      moduli%thermal = matmul(transform_matrix(point%frame), now)
+    end if
+  end subroutine find_thermal_strain
+
+
+  !> The law between six strains and six stresses, of any strain measure.
+  pure subroutine strain_law(material, moduli, strain, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: strain(6)              !< tensor components [-]
+    type(point_type), intent(inout) :: point       !< out: stress, tangent, energy, history
+    integer, intent(out) :: status                 !< STRESS_...
+    real(DP) :: elastic(6), doubled(6)
+    status = STRESS_OK
+    elastic = strain - moduli%thermal - point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
+    if (material%has_deformation_plasticity) then
+      call deform_strains(moduli, elastic, point, status)
+    else if (moduli%is_isotropic) then
+      point%stress = hooke(moduli%lambda, moduli%G, elastic)
+      point%tangent = isotropic_tangent(moduli%lambda, moduli%G)
+      if (is_inelastic(material)) call return_strains(material, moduli, point, status)
+      elastic = strain - moduli%thermal - point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
+      point%energy = 0.5_DP * double_dot(point%stress, elastic)
+    else
+      doubled = elastic
+      doubled(4:) = 2 * elastic(4:)
+      point%stress = matmul(moduli%C, doubled)
+      point%tangent = moduli%C
+      if (is_inelastic(material)) call flow_strains(material, moduli, doubled, point, status)
+      elastic = strain - moduli%thermal - point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
+      point%energy = 0.5_DP * double_dot(point%stress, elastic)
+    end if
+  end subroutine strain_law
+
+
+  !> Turns a trial stress into the stress on the yield surface: stress = trial - 2 G sqrt(3/2) (dp + dc) N,
+  !! tangent = K 1 1 + 2 G theta (I - 1 1/3) + 2 G (kappa - theta) N N, N the unit tensor along the trial deviator.
+  pure subroutine return_strains(material, moduli, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    type(point_type), intent(inout) :: point       !< in: trial stress, elastic tangent
+    integer, intent(out) :: status                 !< STRESS_...
+    type(return_type) :: answer
+    real(DP) :: N(6), q
+    integer :: i, trouble
+    N = point%stress - (sum(point%stress(:3)) / 3) * VOIGT_IDENTITY - point%past(HISTORY_BACK:HISTORY_BACK + 5)
+    q = von_mises(N)
+    call return_radially(material, moduli%G, q, point%temperature, [point%time, point%time_increment], point%past, &
+      answer, trouble)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    if (status /= STRESS_OK .or. .not. answer%plastic + answer%creep > 0) return
+    N = N / (SQRT_2_3 * q)
+    point%stress = point%stress - (2 * moduli%G * SQRT_3_2 * (answer%plastic + answer%creep)) * N
+    point%tangent = answer%ratio * isotropic_tangent(0.0_DP, moduli%G)
+    point%tangent(:3, :3) = point%tangent(:3, :3) + moduli%lambda + 2 * moduli%G * (1 - answer%ratio) / 3
+    do i = 1, 6
+      point%tangent(:, i) = point%tangent(:, i) + (2 * moduli%G * (answer%slope - answer%ratio) * N(i)) * N
+    end do
+    associate (history => point%history)
+      history(HISTORY_PEEQ) = history(HISTORY_PEEQ) + answer%plastic
+      history(HISTORY_CEEQ) = history(HISTORY_CEEQ) + answer%creep
+      history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) &
+        + (SQRT_3_2 * (answer%plastic + answer%creep)) * N
+      history(HISTORY_BACK:HISTORY_BACK + 5) = history(HISTORY_BACK:HISTORY_BACK + 5) + (SQRT_2_3 * answer%back) * N
+    end associate
+  end subroutine return_strains
+
+
+  !> Plastic flow where the elasticity has axes; the reader lets only isotropic hardening come here.
+  pure subroutine flow_strains(material, moduli, elastic, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: elastic(6)             !< trial strain, engineering shears [-]
+    type(point_type), intent(inout) :: point       !< out: stress, tangent, history
+    integer, intent(out) :: status                 !< STRESS_...
+    type(flow_type) :: answer
+    integer :: trouble
+    call return_anisotropic(material, moduli%C, elastic, point%temperature, point%past(HISTORY_PEEQ), answer, trouble)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    point%stress = answer%stress
+    point%tangent = answer%tangent
+    point%history(HISTORY_PEEQ) = point%past(HISTORY_PEEQ) + answer%plastic
+    associate (inelastic => point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
+      inelastic(:3) = inelastic(:3) + answer%plastic * answer%flow(:3)
+      inelastic(4:) = inelastic(4:) + 0.5_DP * answer%plastic * answer%flow(4:)
+    end associate
+  end subroutine flow_strains
+
+
+  !> Deformation plasticity: the deviator of the stress follows the strain by Ramberg and Osgood's law, the pressure is
+  !! elastic. Its energy is that of the elastic part.
+  pure subroutine deform_strains(moduli, strain, point, status)
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: strain(6)              !< [-]
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    real(DP) :: N(6), e, ratio, slope, mean, bulk
+    integer :: i, trouble
+    mean = sum(strain(:3)) / 3
+    N = strain - mean * VOIGT_IDENTITY
+    e = SQRT_2_3 * sqrt(double_dot(N, N))
+    call deform_ramberg_osgood(moduli%constants(:5), moduli%G, e, ratio, slope, trouble)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    bulk = moduli%lambda + 2 * moduli%G / 3
+    point%stress = 2 * moduli%G * ratio * N + 3 * bulk * mean * VOIGT_IDENTITY
+    point%energy = double_dot(point%stress, point%stress) / (4 * moduli%G) &
+      + (1 / (18 * bulk) - 1 / (12 * moduli%G)) * sum(point%stress(:3))**2
+    point%tangent = ratio * isotropic_tangent(0.0_DP, moduli%G)
+    point%tangent(:3, :3) = point%tangent(:3, :3) + bulk - 2 * moduli%G * ratio / 3
+    if (e > 0) N = N / (SQRT_3_2 * e)
+    do i = 1, 6
+      point%tangent(:, i) = point%tangent(:, i) + (2 * moduli%G * (slope - ratio) * N(i)) * N
+    end do
+  end subroutine deform_strains
+
+
+  !> The strain that is shown: ln(b)/2, or Green's under LAW_SAINT_VENANT.
+  pure function shown_strain(material, H) result(strain)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    real(DP) :: strain(6)                          !< tensor components [-]
+    if (material%law == LAW_SAINT_VENANT) then
+      strain = green_strain(H)
+    else
+      strain = tensor_log(left_cauchy_green(H), 0.5_DP)
+    end if
+  end function shown_strain
+
+
+  !> The law of six strains between Green's strain and the second Piola-Kirchhoff stress, pushed forward. A thermal strain e
+  !! is a stretch 1 + e: what is left of Green's strain E is (E - e - e e/2)/(1 + e), with the mean of e below the line.
+  pure subroutine update_green(material, moduli, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    type(moduli_type) :: warm
+    real(DP) :: push(6, 6), growth
+    point%strain = shown_strain(material, point%H)
+    warm = moduli
+    warm%thermal = stretched(moduli%thermal)
+    growth = 1 + sum(moduli%thermal(:3)) / 3
+    call strain_law(material, warm, point%strain, point, status)
+    point%stress = point%stress / growth
+    point%tangent = point%tangent / growth
+    point%energy = point%energy / growth
+    push = transform_matrix(IDENTITY + point%H)
+    point%stress = matmul(push, point%stress)
+    point%tangent = matmul(push, matmul(point%tangent, transpose(push)))
+  end subroutine update_green
+
+
+  !> Deformation plasticity as CalculiX has it: the law of six strains between Almansi's strain e = (1 - inv(b))/2 and Cauchy's
+  !! stress s. With C = ds/de and the rate of deformation d the Kirchhoff stress changes, beside what it is carried along, by
+  !!
+  !!     J (C : (d - d e - e d) + s tr d - d s - s d),
+  !!
+  !! of which the symmetric part is taken: there is no potential.
+  pure subroutine update_almansi(material, moduli, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    real(DP) :: inverse(3, 3), rest(3, 3), e(3, 3), s(3, 3), d(3, 3), J, tangent(6, 6)
+    integer :: k
+    point%strain = almansi_strain(point%H)
+    call strain_law(material, moduli, point%strain, point, status)
+    call invert(IDENTITY + point%H, inverse, J)
+    e = unpack_voigt(point%strain)
+    s = unpack_voigt(point%stress)
+    do k = 1, 6
+      d = unpack_voigt(merge(1.0_DP, 0.0_DP, [1, 2, 3, 4, 5, 6] == k))
+      if (k > 3) d = 0.5_DP * d
+      rest = d - matmul(d, e) - matmul(e, d)
+      tangent(:, k) = matmul(point%tangent(:, :3), [rest(1, 1), rest(2, 2), rest(3, 3)]) &
+        + 2 * matmul(point%tangent(:, 4:), [rest(1, 2), rest(2, 3), rest(1, 3)])
+      rest = matmul(d, s) + matmul(s, d)
+      tangent(:, k) = tangent(:, k) - pack_voigt(rest)
+      if (k <= 3) tangent(:, k) = tangent(:, k) + point%stress
+    end do
+    point%tangent = 0.5_DP * J * (tangent + transpose(tangent))
+    point%stress = J * point%stress
+    point%energy = J * point%energy
+  end subroutine update_almansi
+
+
+  !> (1 - inv(b))/2 = -(h + h' + h'h)/2 with h = inv(F) - 1 = -inv(F) H, without loss of digits at small strain.
+  pure function almansi_strain(H) result(strain)
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    real(DP) :: strain(6)
+    real(DP) :: inverse(3, 3), det
+    call invert(IDENTITY + H, inverse, det)
+    strain = -green_strain(-matmul(inverse, H))
+  end function almansi_strain
+
+
+  !> The law of six strains between ln(C)/2 and its conjugate stress, turned to space.
+  pure subroutine update_log(material, moduli, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    type(log_axes_type) :: axes
+    logical :: is_positive
+    call find_log_axes(point%H, axes, is_positive)
+    status = STRESS_INVERTED
+    if (.not. is_positive) return
+    point%strain = shown_strain(material, point%H)
+    call strain_law(material, moduli, tensor_log(left_cauchy_green(transpose(point%H)), 0.5_DP), point, status)
+    if (status == STRESS_OK) call push_log_law(axes, point%stress, point%tangent)
+  end subroutine update_log
+
+
+  !> The isotropic laws in the principal logarithms of the elastic trial b = F exp(-2 E_inelastic) F^T, less swelling.
+  pure subroutine update_principal(material, moduli, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    type(principal_type) :: principal
+    type(hyper_type) :: answer
+    real(DP) :: e(3), flow(3), F(3, 3), x(6)
+    logical :: is_positive, has_past
+    status = STRESS_INVERTED
+    F = IDENTITY + point%H
+    x = left_cauchy_green(point%H)
+    associate (inelastic => point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
+      has_past = any(abs(inelastic) > 0)
+      if (has_past) then
+        call find_principal(x + pack_voigt(matmul(F, matmul(unpack_voigt(tensor_exp(inelastic, -2.0_DP)), &
+          transpose(F)))), principal, is_positive)
+      else
+        call find_principal(x, principal, is_positive)
+      end if
+    end associate
+    if (.not. is_positive) return
+    status = STRESS_OK
+    if (has_past .or. material%law == LAW_SAINT_VENANT) then
+      point%strain = shown_strain(material, point%H)
+    else
+      point%strain = principal_stress(principal, principal%e)
+    end if
+    if (material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM) then
+      call respond(material, moduli%constants, principal%e - logarithm_1p(moduli%thermal(1)), answer)
+    else
+      e = principal%e - moduli%thermal(1)
+      call respond_elastic(moduli, e, answer)
+      if (is_inelastic(material)) then
+        call return_principal(material, moduli, e, point, answer, flow, status)
+        if (status /= STRESS_OK) return
+        if (any(abs(flow) > 0)) call keep_flow(principal, flow, point)
+      end if
+    end if
+    point%stress = principal_stress(principal, answer%tau)
+    point%tangent = principal_tangent(principal, answer%tau, answer%slope, answer%secant)
+    point%energy = answer%energy
+  end subroutine update_principal
+
+
+  !> Hencky's law in principal values.
+  pure subroutine respond_elastic(moduli, e, answer)
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: e(3)                   !< elastic logarithmic strains [-]
+    type(hyper_type), intent(out) :: answer
+    integer :: A
+    answer%tau = 2 * moduli%G * e + moduli%lambda * (e(1) + e(2) + e(3))
+    answer%slope = moduli%lambda
+    do A = 1, 3
+      answer%slope(A, A) = moduli%lambda + 2 * moduli%G
+    end do
+    answer%secant = 2 * moduli%G
+    answer%energy = 0.5_DP * dot_product(answer%tau, e)
+  end subroutine respond_elastic
+
+
+  !> The return to the yield surface in principal values, as return_strains.
+  pure subroutine return_principal(material, moduli, e, point, answer, flow, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: e(3)                   !< elastic trial strains [-]
+    type(point_type), intent(inout) :: point       !< out: equivalent strains
+    type(hyper_type), intent(inout) :: answer      !< in: of the trial strains
+    real(DP), intent(out) :: flow(3)               !< inelastic strains of the increment [-]
+    integer, intent(out) :: status                 !< STRESS_...
+    type(return_type) :: back
+    real(DP) :: N(3), q
+    integer :: A, trouble
+    flow = 0
+    N = answer%tau - sum(answer%tau) / 3
+    q = SQRT_3_2 * norm2(N)
+    call return_radially(material, moduli%G, q, point%temperature, [point%time, point%time_increment], point%past, &
+      back, trouble)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    if (status /= STRESS_OK .or. .not. back%plastic + back%creep > 0) return
+    N = N / (SQRT_2_3 * q)
+    flow = (SQRT_3_2 * (back%plastic + back%creep)) * N
+    answer%tau = answer%tau - 2 * moduli%G * flow
+    answer%slope = moduli%lambda + 2 * moduli%G * (1 - back%ratio) / 3
+    do A = 1, 3
+      answer%slope(A, A) = answer%slope(A, A) + 2 * moduli%G * back%ratio
+      answer%slope(:, A) = answer%slope(:, A) + (2 * moduli%G * (back%slope - back%ratio) * N(A)) * N
+    end do
+    answer%secant = 2 * moduli%G * back%ratio
+    answer%energy = 0.5_DP * dot_product(answer%tau, e - flow)
+    point%history(HISTORY_PEEQ) = point%past(HISTORY_PEEQ) + back%plastic
+    point%history(HISTORY_CEEQ) = point%past(HISTORY_CEEQ) + back%creep
+  end subroutine return_principal
+
+
+  !> The inelastic strain after the flow: exp(-2 E) = F^-1 b F^-T with b the elastic one after it.
+  pure subroutine keep_flow(principal, flow, point)
+    type(principal_type), intent(in) :: principal  !< of the trial b
+    real(DP), intent(in) :: flow(3)                !< inelastic strains of the increment [-]
+    type(point_type), intent(inout) :: point       !< out: history
+    real(DP) :: inverse(3, 3), rest(3, 3), b(6), det
+    call invert(IDENTITY + point%H, inverse, det)
+    rest = -matmul(inverse, point%H)               ! F^-1 - 1
+    b = principal_stress(principal, exponential_m1(2 * (principal%e - flow)))
+    b = pack_voigt(matmul(inverse, matmul(unpack_voigt(b), transpose(inverse)))) + left_cauchy_green(rest)
+    point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = tensor_log(b, -0.5_DP)
+  end subroutine keep_flow
+
+
+  !> The local axes of an orientation at a place. Rectangular: x through a, y towards b. Cylindrical: z from a to b, x
+  !! radial (global x or y where the place is on the axis).
+  pure function axes_at(orientation, place) result(frame)
+    type(orientation_type), intent(in) :: orientation
+    real(DP), intent(in) :: place(3)               !< [length]
+    real(DP) :: frame(3, 3)                        !< axes in columns
+    real(DP) :: x(3), z(3), a(3), b(3), c, s
+    integer :: i, j
+    if (orientation%system == SYSTEM_CYLINDRICAL) then
+      z = (orientation%b - orientation%a) / norm2(orientation%b - orientation%a)
+      x = place - orientation%a
+      x = x - dot_product(x, z) * z
+      if (norm2(x) <= 1.0e-12_DP * norm2(orientation%b - orientation%a)) then
+        x = IDENTITY(:, minloc(abs(z), 1))
+        x = x - dot_product(x, z) * z
+      end if
+    else
+      x = orientation%a
+      z = cross_product(orientation%a, orientation%b)
+    end if
+    x = x / norm2(x)
+    z = z / norm2(z)
+    frame(:, 1) = x
+    frame(:, 2) = cross_product(z, x)
+    frame(:, 3) = z
+    if (orientation%turn_axis == 0) return
+    i = modulo(orientation%turn_axis, 3) + 1
+    j = modulo(orientation%turn_axis + 1, 3) + 1
+    c = cos(orientation%turn_angle)
+    s = sin(orientation%turn_angle)
+    a = frame(:, i)
+    b = frame(:, j)
+    frame(:, i) = c * a + s * b
+    frame(:, j) = c * b - s * a
+  end function axes_at
+
+
+  !> Plasticity as CalculiX has it, Simo's: b is the isochoric elastic b and k the back stress, both carried by F,
+  !! x = b - k/G, tau = K/2 (J^2 - 1) 1 + G dev b - 2 G' sqrt(3/2) (dp + dc) n, n along dev x, G' = G tr b/3; the yield
+  !! stress is one of Cauchy's. The tangent leaves out terms of the order of the elastic strains: symmetric, not exact.
+  !! Reference: J. C. Simo, T. J. R. Hughes, Computational Inelasticity (1998), box 9.1.
+  pure subroutine update_simo(material, moduli, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    type(point_type), intent(inout) :: point
+    integer, intent(out) :: status                 !< STRESS_...
+    type(principal_type) :: b, x
+    type(return_type) :: back
+    real(DP) :: F(3, 3), J, k(6), N(3), q, modulus, flow, correction(6)
+    logical :: is_positive
+    integer :: trouble
+    status = STRESS_INVERTED
+    F = (IDENTITY + point%H) / (1 + moduli%thermal(1))
+    J = 1 + determinant_minus_one(F - IDENTITY)
+    k = carried(F, point%past(HISTORY_BACK:HISTORY_BACK + 5)) * J**(-2 / 3.0_DP)
+    call find_principal(left_cauchy_green(F - IDENTITY) + carried(F, tensor_exp( &
+      point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5), -2.0_DP)), b, is_positive)
+    if (.not. is_positive) return
+    x = b
+    if (any(abs(k) > 0)) call find_principal(principal_stress(b, b%x) - (J**(2 / 3.0_DP) / moduli%G) * k, x, is_positive)
+    if (.not. is_positive) return
+    point%strain = shown_strain(material, point%H)
+    N = J**(-2 / 3.0_DP) * (x%x - sum(x%x) / 3)
+    q = SQRT_3_2 * moduli%G * norm2(N)
+    modulus = moduli%G * J**(-2 / 3.0_DP) * (3 + sum(b%x)) / 3
+    call return_radially(material, modulus / J, q / J, point%temperature, [point%time, point%time_increment], &
+      point%past, back, trouble)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    if (status /= STRESS_OK) return
+    call add_isochoric(b, moduli%G, moduli%lambda + 2 * moduli%G / 3, J, point)
+    flow = back%plastic + back%creep
+    if (flow > 0) call subtract_flow(x, moduli%G, J, back, point)
+    if (flow > 0 .or. any(abs(point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)) > 0)) &
+      point%energy = stored_energy(moduli%lambda + 2 * moduli%G / 3, modulus, J, point%stress)
+    if (.not. flow > 0) return
+    correction = (2 * SQRT_3_2 * modulus / moduli%G * flow / norm2(N)) * principal_stress(x, N)
+    call keep_simo(F, J, principal_stress(b, b%x) - J**(2 / 3.0_DP) * correction, k + (SQRT_2_3 * J * back%back / &
+      norm2(N)) * principal_stress(x, N), point)
+    point%history(HISTORY_PEEQ) = point%past(HISTORY_PEEQ) + back%plastic
+    point%history(HISTORY_CEEQ) = point%past(HISTORY_CEEQ) + back%creep
+  end subroutine update_simo
+
+
+  !> The elastic energy of a point that has flowed. Its b keeps the trace, which is no measure of it any more: the deviator
+  !! of the stress is.
+  pure real(DP) function stored_energy(bulk, modulus, J, tau) result(energy)
+    real(DP), intent(in) :: bulk, modulus          !< K and G' [stress]
+    real(DP), intent(in) :: J                      !< det F [-]
+    real(DP), intent(in) :: tau(6)                 !< Kirchhoff stress [stress]
+    energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) + von_mises(tau)**2 / (6 * modulus)
+  end function stored_energy
+
+
+  !> A symmetric tensor carried forward: F T F^T.
+  pure function carried(F, T) result(y)
+    real(DP), intent(in) :: F(3, 3)
+    real(DP), intent(in) :: T(6)
+    real(DP) :: y(6)
+    y = 0
+    if (any(abs(T) > 0)) y = pack_voigt(matmul(F, matmul(unpack_voigt(T), transpose(F))))
+  end function carried
+
+
+  !> K/2 (J^2 - 1) 1 + G dev b, b isochoric, with its tangent and energy.
+  pure subroutine add_isochoric(b, G, bulk, J, point)
+    type(principal_type), intent(in) :: b          !< of J^(2/3) b
+    real(DP), intent(in) :: G, bulk                !< [stress]
+    real(DP), intent(in) :: J                      !< det F [-]
+    type(point_type), intent(inout) :: point       !< out: stress, tangent, energy
+    real(DP) :: tau(3), slope(3, 3), secant(3)
+    call isochoric(b, G, J, tau, slope, secant)
+    tau = tau + 0.5_DP * bulk * (J - 1) * (J + 1)
+    slope = slope + bulk * J * J
+    point%stress = principal_stress(b, tau)
+    point%tangent = principal_tangent(b, tau, slope, secant)
+    point%energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) &
+      + 0.5_DP * G * (J**(-2 / 3.0_DP) * (3 + sum(b%x)) - 3)
+  end subroutine add_isochoric
+
+
+  !> G dev b, b isochoric, and its derivatives by the principal logarithms of J^(2/3) b.
+  pure subroutine isochoric(b, G, J, tau, slope, secant)
+    type(principal_type), intent(in) :: b          !< of J^(2/3) b
+    real(DP), intent(in) :: G, J
+    real(DP), intent(out) :: tau(3), slope(3, 3), secant(3)   !< [stress]
+    real(DP) :: stretch(3)
+    integer :: A, C
+    tau = G * J**(-2 / 3.0_DP) * (b%x - sum(b%x) / 3)
+    stretch = G * J**(-2 / 3.0_DP) * (1 + b%x)
+    do A = 1, 3
+      C = NEXT_AXIS(A)
+      slope(:, A) = -2 * tau(A) / 3 - 2 * tau / 3 - 2 * sum(stretch) / 9
+      slope(A, A) = slope(A, A) + 2 * stretch(A)
+      secant(A) = (stretch(A) + stretch(C)) / divided_coth(b, A, C)
+    end do
+  end subroutine isochoric
+
+
+  !> Takes the flow out of the stress: tau = ... - (1 - theta) G dev x, with its tangent.
+  pure subroutine subtract_flow(x, G, J, back, point)
+    type(principal_type), intent(in) :: x          !< of J^(2/3) x
+    real(DP), intent(in) :: G, J
+    type(return_type), intent(in) :: back
+    type(point_type), intent(inout) :: point       !< stress and tangent change
+    real(DP) :: tau(3), slope(3, 3), secant(3), N(3), along(3)
+    integer :: A
+    call isochoric(x, G, J, tau, slope, secant)
+    N = tau / norm2(tau)
+    along = matmul(N, slope)
+    slope = -(1 - back%ratio) * slope
+    do A = 1, 3
+      slope(:, A) = slope(:, A) + 0.5_DP * (back%slope - back%ratio) * (N * along(A) + along * N(A))
+    end do
+    tau = -(1 - back%ratio) * tau
+    point%stress = point%stress + principal_stress(x, tau)
+    point%tangent = point%tangent + principal_tangent(x, tau, slope, -(1 - back%ratio) * secant)
+  end subroutine subtract_flow
+
+
+  !> Carries b and the back stress back to the reference placement: the history.
+  pure subroutine keep_simo(F, J, b, k, point)
+    real(DP), intent(in) :: F(3, 3)
+    real(DP), intent(in) :: J
+    real(DP), intent(in) :: b(6)                   !< J^(2/3) b - 1 [-]
+    real(DP), intent(in) :: k(6)                   !< back stress [stress]
+    type(point_type), intent(inout) :: point
+    real(DP) :: inverse(3, 3), det
+    call invert(F, inverse, det)
+    point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = &
+      tensor_log(carried(inverse, b) + left_cauchy_green(-matmul(inverse, F - IDENTITY)), -0.5_DP)
+    point%history(HISTORY_BACK:HISTORY_BACK + 5) = J**(2 / 3.0_DP) * carried(inverse, k)
+  end subroutine keep_simo
+
+
+  !> The elastic strain of a stress: what initial stresses are taken as, with the sign turned, in the inelastic strain.
+  pure function elastic_strain_of(material, temperature, frame, stress) result(strain)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: temperature            !< [temperature]
+    real(DP), intent(in) :: frame(3, 3)            !< local axes in columns
+    real(DP), intent(in) :: stress(6)              !< [stress]
+    real(DP) :: strain(6)                          !< tensor components [-]
+    type(point_type) :: point
+    type(moduli_type) :: moduli
+    real(DP) :: rest(6), C(6, 6), factor
+    integer :: i, k
+    point%frame = frame
+    point%temperature = temperature
+    point%initial_temperature = temperature
+    call find_moduli(material, point, moduli)
+    C = moduli%C
+    if (moduli%is_isotropic) C = isotropic_tangent(moduli%lambda, moduli%G)
+    rest = stress
+    do k = 1, 6                                    ! C is positive definite: no pivots
+      do i = k + 1, 6
+        factor = C(i, k) / C(k, k)
+        C(i, :) = C(i, :) - factor * C(k, :)
+        rest(i) = rest(i) - factor * rest(k)
+      end do
+    end do
+    do k = 6, 1, -1
+      rest(k) = (rest(k) - dot_product(C(k, k + 1:), rest(k + 1:))) / C(k, k)
+    end do
+    strain = rest
+    strain(4:) = 0.5_DP * rest(4:)
+  end function elastic_strain_of
+
+end module amontons_material_point

@@ -1,0 +1,225 @@
+!> Materials: the parameters of a material, or of a spring, as the user gave them; no formulas but their tables.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_materials
+  use amontons_kinds, only: DP
+  use amontons_user_routines, only: routines_type
+  implicit none
+  private
+  public :: material_type, spring_type, table_type, curve_type, orientation_type, evaluate_table, evaluate_curves, &
+    evaluate_curve, find_interval
+  public :: law_of, LAW_HENCKY, LAW_SAINT_VENANT, LONGEST_LAW
+  public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM
+  public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
+  public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
+  public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK
+  public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_TURN, USER_STATE
+  public :: SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL
+
+  integer, parameter :: LONGEST_LAW = 64               !< longest name of a law
+  integer, parameter :: LAW_HENCKY = 1          !< Kirchhoff stress linear in the logarithmic strain (abaqus dialect)
+  integer, parameter :: LAW_SAINT_VENANT = 2    !< 2nd Piola-Kirchhoff stress linear in Green's strain (calculix dialect)
+
+  integer, parameter :: ELASTIC_ISOTROPIC = 1   !< E, nu
+  integer, parameter :: ELASTIC_ORTHOTROPIC = 2 !< D1111 D1122 D2222 D1133 D2233 D3333 D1212 D1313 D2323
+  integer, parameter :: ELASTIC_ANISOTROPIC = 3 !< the 21 D of the upper triangle, 11 22 33 12 13 23, column by column
+  integer, parameter :: ELASTIC_HYPER = 4       !< strain energy of the isochoric invariants or stretches
+  integer, parameter :: ELASTIC_FOAM = 5        !< strain energy of a compressible foam
+
+  integer, parameter :: HYPER_POLYNOMIAL = 1    !< C_ij, i + j = 1 to N, as 10 01 20 11 02 30 ..., then D_1 to D_N
+  integer, parameter :: HYPER_OGDEN = 2         !< mu_1 alpha_1 ... mu_N alpha_N, then D_1 to D_N; foam: nu_i for D_i
+  integer, parameter :: HYPER_ARRUDA_BOYCE = 3  !< mu, lambda_m, D
+  integer, parameter :: MAX_HYPER_ORDER = 6
+  integer, parameter :: MAX_CONSTANTS = 33      !< most constants of an elastic law: polynomial of order 6
+
+  integer, parameter :: CREEP_NONE = 0
+  integer, parameter :: CREEP_TIME_HARDENING = 1     !< rate = A q^n t^m
+  integer, parameter :: CREEP_STRAIN_HARDENING = 2   !< rate = (A q^n ((m + 1) e)^m)^(1/(m + 1))
+
+  ! The history of an integration point: all that it keeps from increment to increment beside its place.
+  integer, parameter :: HISTORY_PEEQ = 1        !< equivalent plastic strain [-]
+  integer, parameter :: HISTORY_CEEQ = 2        !< equivalent creep strain [-]
+  integer, parameter :: HISTORY_INELASTIC = 3   !< 3 to 8: plastic and creep strain, logarithmic, reference placement [-]
+  integer, parameter :: HISTORY_BACK = 9        !< 9 to 14: back stress in the reference placement [stress]
+  integer, parameter :: MAX_HISTORY = 14
+  ! After these, of a user's material alone; components 11 22 33 12 13 23, in its local axes if it has an orientation.
+  integer, parameter :: USER_STRESS = 15        !< 15 to 20: Cauchy stress [stress]
+  integer, parameter :: USER_STRAIN = 21        !< 21 to 26: STRAN, engineering shears [-]
+  integer, parameter :: USER_GRADIENT = 27      !< 27 to 35: displacement gradient, column by column [-]
+  integer, parameter :: USER_ENERGY = 36        !< 36 to 38: SSE, SPD, SCD [stress]
+  integer, parameter :: USER_TURN = 39          !< 39 to 47: rotation of the local axes since the start, less 1 [-]
+  integer, parameter :: USER_STATE = 48         !< from here on: STATEV
+
+  integer, parameter :: SYSTEM_RECTANGULAR = 1, SYSTEM_CYLINDRICAL = 2
+
+  !> Values over the temperature, linear in between and constant outside.
+  type :: table_type
+    real(DP), allocatable :: temperature(:)     !< (n) ascending [temperature]
+    real(DP), allocatable :: value(:, :)        !< (n_values, n)
+  end type table_type
+
+  !> Stress over the equivalent plastic strain at one temperature, linear in between and constant outside.
+  type :: curve_type
+    real(DP) :: temperature = 0                 !< [temperature]
+    real(DP), allocatable :: strain(:)          !< (n) ascending, the first 0 [-]
+    real(DP), allocatable :: stress(:)          !< (n) yield stress [stress]
+  end type curve_type
+
+  !> The law of the springs of one card.
+  type :: spring_type
+    type(table_type) :: constant                 !< over the temperature; not there: force, or the gap [force/length]
+    type(curve_type), allocatable :: force(:)    !< (temperatures) force (stress) over the elongation (strain)
+    logical :: is_gap = .false.
+    logical :: is_rope = .false.
+    integer :: length_node = 0                   !< of a rope: the node that tells its length; it moves nothing
+    real(DP) :: clearance = 0                    !< of a gap at the start, or of a rope: by how much it is slack [length]
+    real(DP) :: stiffness = 0                    !< of a closed gap, of a taut rope [force/length]
+    real(DP) :: pull = 0                         !< of a gap that is wide open [force]
+    real(DP) :: axes(3, 2) = 0                   !< directions at its nodes, in place of 1 to 3; zero: not given
+  end type spring_type
+
+  !> A local system of axes of a section.
+  type :: orientation_type
+    character(:), allocatable :: name
+    integer :: system = SYSTEM_RECTANGULAR
+    real(DP) :: a(3) = [1.0_DP, 0.0_DP, 0.0_DP]   !< rectangular: on local x; cylindrical: on the axis [length]
+    real(DP) :: b(3) = [0.0_DP, 1.0_DP, 0.0_DP]   !< rectangular: in local xy; cylindrical: on the axis too [length]
+    integer :: turn_axis = 0                    !< further rotation about this local axis; 0: none
+    real(DP) :: turn_angle = 0                  !< [rad]
+  end type orientation_type
+
+  !> One material. Under small displacements every linear elastic law is Hooke's.
+  type :: material_type
+    character(:), allocatable :: name
+    integer :: law = LAW_HENCKY                 !< law at finite strain, chosen by the dialect
+    logical :: is_plain = .true.                !< E and nu are all there is: no table, temperature, axes or history
+    logical :: has_elastic = .false.
+    integer :: elastic_kind = ELASTIC_ISOTROPIC
+    real(DP) :: youngs_modulus = 0              !< E, isotropic, at the first temperature [stress]
+    real(DP) :: poissons_ratio = 0              !< nu, isotropic, at the first temperature [-]
+    type(table_type) :: elastic                 !< constants as ELASTIC_... says; may be missing for a plain material
+    integer :: hyper_kind = 0                   !< HYPER_...
+    integer :: hyper_order = 0                  !< N
+    integer :: n_history = 0                    !< history variables used
+    logical :: has_density = .false.
+    real(DP) :: density = 0                     !< rho, at the first temperature [mass/volume]
+    type(table_type) :: densities               !< rho over the temperature; not there: the same at all [mass/volume]
+    type(table_type) :: expansion               !< 1, 3 or 6 coefficients, secant from expansion_zero [1/temperature]
+    real(DP) :: expansion_zero = 0              !< ZERO [temperature]
+    type(curve_type), allocatable :: isotropic(:)   !< size of the yield surface, ascending temperatures
+    type(curve_type), allocatable :: kinematic(:)   !< yield stress of monotonic tension of kinematic hardening
+    logical :: has_deformation_plasticity = .false.
+    type(table_type) :: deformation             !< E, nu, yield stress, n, alpha of Ramberg and Osgood's law
+    integer :: creep_law = CREEP_NONE
+    type(table_type) :: creep                   !< A, n, m
+    logical :: is_user = .false.                !< UMAT gives the stress
+    logical :: is_spatial = .false.             !< UMAT is called as in space for all elements
+    character(:), allocatable :: library        !< file that holds it; not there: that of the job
+    real(DP), allocatable :: props(:)           !< its PROPS
+    integer :: n_statev = 0                     !< number of its STATEV
+    real(DP) :: at_rest(6, 6) = 0               !< its DDSDDE at rest, set before the start [stress]
+    type(routines_type) :: routines             !< where it is; opened before the start
+  end type material_type
+
+contains
+
+  !> The values of a table at a temperature.
+  pure subroutine evaluate_table(table, temperature, values)
+    type(table_type), intent(in) :: table
+    real(DP), intent(in) :: temperature         !< [temperature]
+    real(DP), intent(out) :: values(:)          !< (n_values)
+    integer :: i
+    real(DP) :: s
+    call find_interval(table%temperature, temperature, i, s)
+    values = table%value(:size(values), i)
+    if (s > 0) values = values + s * (table%value(:size(values), i + 1) - values)
+  end subroutine evaluate_table
+
+
+  !> Stress and slope of a family of curves at a temperature and an equivalent plastic strain.
+  pure subroutine evaluate_curves(curves, temperature, strain, stress, slope)
+    type(curve_type), intent(in) :: curves(:)   !< ascending temperatures
+    real(DP), intent(in) :: temperature         !< [temperature]
+    real(DP), intent(in) :: strain              !< [-]
+    real(DP), intent(out) :: stress             !< [stress]
+    real(DP), intent(out) :: slope              !< d stress / d strain [stress]
+    integer :: i
+    real(DP) :: s, next_stress, next_slope
+    call find_interval(curves%temperature, temperature, i, s)
+    call evaluate_curve(curves(i), strain, stress, slope)
+    if (.not. s > 0) return
+    call evaluate_curve(curves(i + 1), strain, next_stress, next_slope)
+    stress = stress + s * (next_stress - stress)
+    slope = slope + s * (next_slope - slope)
+  end subroutine evaluate_curves
+
+
+  !> Stress and slope of one curve.
+  pure subroutine evaluate_curve(curve, strain, stress, slope)
+    type(curve_type), intent(in) :: curve
+    real(DP), intent(in) :: strain                 !< [-]
+    real(DP), intent(out) :: stress, slope         !< [stress]
+    integer :: i
+    real(DP) :: s
+    call find_interval(curve%strain, strain, i, s)
+    stress = curve%stress(i)
+    slope = 0
+    if (i == size(curve%strain)) return
+    slope = (curve%stress(i + 1) - stress) / (curve%strain(i + 1) - curve%strain(i))
+    stress = stress + slope * max(strain - curve%strain(i), 0.0_DP)
+  end subroutine evaluate_curve
+
+
+  !> The interval of an ascending list that a value lies in, and the fraction of it: 0 at the ends of the list.
+  pure subroutine find_interval(list, x, i, s)
+    real(DP), intent(in) :: list(:)             !< (n) ascending
+    real(DP), intent(in) :: x
+    integer, intent(out) :: i                   !< 1 to size(list)
+    real(DP), intent(out) :: s                  !< 0 to 1
+    integer :: low, high, middle
+    s = 0
+    low = 1
+    high = size(list)
+    if (x >= list(high)) low = high
+    do while (high - low > 1)
+      middle = (low + high) / 2
+      if (list(middle) <= x) then
+        low = middle
+      else
+        high = middle
+      end if
+    end do
+    i = low
+    if (low < high .and. x > list(low)) s = (x - list(low)) / (list(high) - list(low))
+  end subroutine find_interval
+
+
+  !> The law of a material in words.
+  pure function law_of(material) result(words)
+    type(material_type), intent(in) :: material
+    character(LONGEST_LAW) :: words
+    if (material%is_user) then
+      words = 'UMAT'
+      return
+    else if (material%has_deformation_plasticity) then
+      words = 'Ramberg-Osgood'
+      return
+    end if
+    words = merge('Hencky      ', 'Saint-Venant', material%law == LAW_HENCKY)
+    select case (material%elastic_kind)
+    case (ELASTIC_ORTHOTROPIC)
+      words = trim(words) // ', orthotropic'
+    case (ELASTIC_ANISOTROPIC)
+      words = trim(words) // ', anisotropic'
+    case (ELASTIC_FOAM)
+      words = 'hyperfoam'
+    case (ELASTIC_HYPER)
+      words = 'hyperelastic, polynomial'
+      if (material%hyper_kind == HYPER_OGDEN) words = 'hyperelastic, Ogden'
+      if (material%hyper_kind == HYPER_ARRUDA_BOYCE) words = 'hyperelastic, Arruda-Boyce'
+    end select
+    if (allocated(material%isotropic)) words = trim(words) // ', plastic'
+    if (allocated(material%kinematic)) words = trim(words) // ', kinematic hardening'
+    if (material%creep_law /= CREEP_NONE) words = trim(words) // ', creep'
+  end function law_of
+
+end module amontons_materials

@@ -1,0 +1,153 @@
+!> Model: everything that the deck says, resolved and frozen before the first step.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_model
+  use amontons_kinds, only: DP
+  use amontons_restart_file, only: label_type
+  use amontons_mesh, only: mesh_type
+  use amontons_materials, only: material_type, orientation_type, spring_type
+  use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
+  use amontons_loads, only: amplitude_type, equation_type
+  use amontons_mpc_data, only: bond_type, tie_type, spread_type
+  use amontons_steps, only: step_type
+  use amontons_user_routines, only: routines_type
+  implicit none
+  private
+  public :: model_type, origin_type, job_options_type, job_path, direction_of, n_bonds, with_twins, append_equation, &
+    DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
+
+  real(DP), parameter :: NOTHING = 1.0e-14_DP   !< a coefficient is nothing beside one that is so much larger [-]
+  integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
+  integer, parameter :: DIALECT_ABAQUS = 1
+  integer, parameter :: DIALECT_CALCULIX = 2
+
+  !> What the command line or a calling program says about a job.
+  type :: job_options_type
+    character(:), allocatable :: deck           !< path of the deck
+    character(:), allocatable :: job            !< name of the job: the deck's name without folder and .inp
+    character(:), allocatable :: outdir         !< folder of the result files
+    integer :: dialect = DIALECT_FROM_DECK
+    integer :: n_threads = 1                    !< 0: as many as OpenMP has, one for a small model
+    logical :: is_check = .false.               !< read, check, audit, stop
+    character(:), allocatable :: deck_text      !< the deck itself; then `deck` only names it in messages
+    character(:), allocatable :: old_job        !< the job that *RESTART, READ goes on from
+    character(:), allocatable :: user           !< file with routines of the user, Fortran or a shared library
+    logical :: has_files = .true.               !< write result files
+    logical :: has_frd = .false.                !< write all fields to job.frd, whatever the cards ask for
+    logical :: is_guarded = .false.             !< a checkpoint after each converged increment
+    logical :: is_resumed = .false.             !< go on after the checkpoint
+    logical :: heeds_signals = .false.          !< SIGINT and SIGTERM stop the job, SIGUSR1 asks for its status
+  end type job_options_type
+
+  !> The state of another job that this one goes on from.
+  type :: origin_type
+    character(:), allocatable :: path           !< its restart file; not there: the job starts from nothing
+    integer :: dialect = DIALECT_ABAQUS         !< of the old job
+    type(label_type) :: label                   !< the state
+    logical :: is_cut = .false.                 !< END STEP: its step ends there
+  end type origin_type
+
+  !> The model.
+  type :: model_type
+    integer :: dialect = DIALECT_ABAQUS
+    character(:), allocatable :: heading        !< text of *HEADING, lines joined by newline
+    character(:), allocatable :: deck_text      !< all lines read, includes in place, joined by newline
+    type(mesh_type) :: mesh
+    type(material_type), allocatable :: materials(:)
+    type(spring_type), allocatable :: springs(:)      !< laws that are more than a constant; not there: none
+    type(surface_type), allocatable :: surfaces(:)
+    type(interaction_type), allocatable :: interactions(:)
+    type(contact_pair_type), allocatable :: pairs(:)
+    type(amplitude_type), allocatable :: amplitudes(:)
+    type(equation_type), allocatable :: equations(:)
+    real(DP), allocatable :: initial_temperature(:)   !< (n_nodes) of INITIAL CONDITIONS; not there: 0 [temperature]
+    real(DP), allocatable :: initial_history(:, :)    !< (HISTORY_..., n_points) of INITIAL CONDITIONS; not there: 0
+    real(DP), allocatable :: initial_stress(:, :)     !< (6, n_points) of INITIAL CONDITIONS; not there: 0 [stress]
+    type(orientation_type), allocatable :: orientations(:)
+    integer, allocatable :: element_orientation(:)    !< (n_elements) index into orientations, 0: global; not there: 0
+    type(bond_type), allocatable :: bonds(:)    !< constraints that are not linear
+    type(tie_type), allocatable :: ties(:)      !< surfaces tied; they become equations before the start
+    type(spread_type), allocatable :: spreads(:)   !< distributing couplings; they become equations before the start
+    integer, allocatable :: rotation_of(:)      !< (n_nodes) rotation node of a reference node, 0
+    integer, allocatable :: twins(:, :)         !< (2, n) nodes of pre-tension sections, those across; not there: none
+    integer, allocatable :: frame_of(:)         !< (n_nodes) index into frames of a transformed node, 0; else not allocated
+    real(DP), allocatable :: frames(:, :, :)    !< (3, 3, n) directions of transformed nodes, columns
+    type(step_type), allocatable :: steps(:)
+    logical :: is_checked_only = .false.        !< NO ANALYSIS: the deck is read and checked, nothing is solved
+    type(routines_type) :: routines             !< of the user; opened before the start
+    real(DP), allocatable :: initial_statev(:, :)   !< (STATEV, n_points) of INITIAL CONDITIONS, TYPE=SOLUTION; not there: 0
+    logical :: has_sdvini = .false.             !< SDVINI gives them
+    type(origin_type) :: origin                 !< of a job that goes on from the restart file of another one
+    logical :: keeps_restart = .false.          !< RESTART, WRITE: the checkpoint stays when the job is done
+  end type model_type
+
+contains
+
+  !> The direction of a degree of freedom: a global axis, or an axis of the node's own frame.
+  pure function direction_of(model, node, dof) result(direction)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: node, dof
+    real(DP) :: direction(3)
+    direction = 0.0_DP
+    direction(dof) = 1.0_DP
+    if (.not. allocated(model%frame_of)) return
+    if (model%frame_of(node) > 0) direction = model%frames(:, dof, model%frame_of(node))
+  end function direction_of
+
+
+  !> The number of bonds; a model made by hand may have no list.
+  pure integer function n_bonds(model) result(n)
+    type(model_type), intent(in) :: model
+    n = 0
+    if (allocated(model%bonds)) n = size(model%bonds)
+  end function n_bonds
+
+
+  !> Nodes, and those that were made of them: what stands across a pre-tension section is at the same place.
+  pure function with_twins(model, nodes) result(all_nodes)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: nodes(:)
+    integer, allocatable :: all_nodes(:)
+    logical, allocatable :: is_member(:)
+    integer :: i
+    all_nodes = nodes
+    if (.not. allocated(model%twins)) return
+    allocate (is_member(model%mesh%n_nodes), source=.false.)
+    is_member(nodes) = .true.
+    do i = 1, size(model%twins, 2)                 ! a twin may have a twin, which comes later
+      if (.not. is_member(model%twins(1, i)) .or. is_member(model%twins(2, i))) cycle
+      is_member(model%twins(2, i)) = .true.
+      all_nodes = [all_nodes, model%twins(2, i)]
+    end do
+  end function with_twins
+
+
+  !> The path of a result file of the job: folder, name, extension.
+  pure function job_path(options, extension) result(path)
+    type(job_options_type), intent(in) :: options
+    character(*), intent(in) :: extension       !< with its dot, e.g. '.sta'
+    character(:), allocatable :: path
+    path = options%job // extension
+    if (.not. allocated(options%outdir)) return
+    if (len(options%outdir) > 0) path = options%outdir // '/' // path
+  end function job_path
+
+
+  !> Appends an equation, coefficients times displacements sum up to zero, without the terms that are nothing beside the largest.
+  subroutine append_equation(model, node, dof, coefficient, card, line)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: node(:), dof(:)         !< (terms) node, 1 to 3
+    real(DP), intent(in) :: coefficient(:)         !< (terms) [-]
+    character(*), intent(in) :: card               !< its name, for messages
+    integer, intent(in) :: line                    !< of the deck
+    type(equation_type) :: equation
+    logical :: is_kept(size(node))
+    is_kept = abs(coefficient) > NOTHING * maxval(abs(coefficient))
+    equation%node = pack(node, is_kept)
+    equation%dof = pack(dof, is_kept)
+    equation%coefficient = pack(coefficient, is_kept)
+    equation%card = card
+    equation%line = line
+    model%equations = [model%equations, equation]
+  end subroutine append_equation
+
+end module amontons_model

@@ -1,0 +1,292 @@
+!> Archive: the states that RESTART, WRITE keeps in job.res, one behind the other, with the deck that they belong to.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! The file is a row of records of 64-bit words in the machine's own order: magic, version, number of words, checksum of the
+!! words behind it, the label (step, increment, whether the step is done, step time, total time), then what it keeps. The first
+!! one keeps the deck. A record is appended and brought to the medium; one that was torn by a crash ends the row.
+module amontons_restart_file
+  use amontons_kinds, only: DP, I64
+  use amontons_errors, only: error_type, set_error, EXIT_IO
+  use amontons_posix, only: checksum_of_words, cut_file, sync_file
+  use amontons_text, only: text_of
+  implicit none
+  private
+  public :: archive_type, label_type, start_archive, reopen_archive, append_state, read_archived_deck, find_state, read_state
+
+  integer(I64), parameter :: MAGIC = transfer('AMONTRES', 0_I64)   !< as a number it tells the byte order too
+  integer(I64), parameter :: FORMAT_VERSION = 1
+  integer, parameter :: N_HEAD = 9                 !< words of a record before what it keeps
+
+  !> Which state a record keeps.
+  type :: label_type
+    integer :: step = 0, increment = 0             !< 0: the deck
+    logical :: is_step_done = .false.
+    real(DP) :: step_time = 0, total_time = 0      !< [time]
+    integer(I64) :: place = 0                      !< first byte of the record in the file, from 0
+  end type label_type
+
+  !> An archive that is being written.
+  type :: archive_type
+    character(:), allocatable :: path              !< not there: nothing is written
+    integer(I64) :: last = 0                       !< first byte of the last state, from 0
+    integer(I64) :: end = 0                        !< bytes of the file
+    integer :: step = 0                            !< of the last state
+  end type archive_type
+
+contains
+
+  !> Begins a file with the deck. Errors: EXIT_IO.
+  subroutine start_archive(archive, path, deck, dialect, error)
+    type(archive_type), intent(inout) :: archive
+    character(*), intent(in) :: path
+    character(*), intent(in) :: deck               !< whole, includes in place
+    integer, intent(in) :: dialect                 !< DIALECT_...
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64), allocatable :: letters(:)
+    integer :: unit, status
+    open (newunit=unit, file=path, status='replace', action='write', iostat=status)
+    if (status == 0) close (unit, iostat=status)
+    if (status /= 0) then
+      call set_error(error, EXIT_IO, 'Cannot write the file ' // path // '.')
+      return
+    end if
+    archive = archive_type(path=path)
+    letters = transfer(deck, [0_I64], (len(deck, I64) + 7_I64) / 8_I64)
+    call append_record(archive, label_type(), [int(dialect, I64), len(deck, I64), letters], error)
+    archive%last = archive%end
+  end subroutine start_archive
+
+
+  !> Goes on with a file that was so long at a checkpoint. What stands behind is cut off; so is a last state that is not whole.
+  subroutine reopen_archive(archive, path, counts, error)
+    type(archive_type), intent(inout) :: archive
+    character(*), intent(in) :: path
+    integer(I64), intent(in) :: counts(3)          !< last, end, step at the checkpoint
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64) :: n_bytes
+    archive = archive_type(path=path, last=counts(1), end=counts(2), step=int(counts(3)))
+    inquire (file=path, size=n_bytes)
+    if (n_bytes < archive%end .and. n_bytes >= archive%last) then   ! OVERLAY was at work there
+      archive%end = archive%last
+      archive%step = 0
+    end if
+    call cut_file(path, archive%end, error)
+  end subroutine reopen_archive
+
+
+  !> Appends a state; with OVERLAY in place of the one before if that is of the same step.
+  subroutine append_state(archive, label, words, is_overlay, error)
+    type(archive_type), intent(inout) :: archive
+    type(label_type), intent(in) :: label
+    integer(I64), intent(in) :: words(:)
+    logical, intent(in) :: is_overlay
+    type(error_type), allocatable, intent(out) :: error
+    if (is_overlay .and. archive%step == label%step) then
+      call cut_file(archive%path, archive%last, error)
+      if (allocated(error)) return
+      archive%end = archive%last
+    end if
+    archive%last = archive%end
+    archive%step = label%step
+    call append_record(archive, label, words, error)
+  end subroutine append_state
+
+
+  !> Appends a record and brings it to the medium.
+  subroutine append_record(archive, label, words, error)
+    type(archive_type), intent(inout) :: archive
+    type(label_type), intent(in) :: label
+    integer(I64), intent(in) :: words(:)
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64), allocatable :: record(:)
+    integer :: unit, status, status_of_close
+    record = [MAGIC, FORMAT_VERSION, size(words, kind=I64) + N_HEAD, 0_I64, int(label%step, I64), int(label%increment, I64), &
+      merge(1_I64, 0_I64, label%is_step_done), transfer(label%step_time, 0_I64), transfer(label%total_time, 0_I64), words]
+    record(4) = checksum_of_words(record(5:))
+    open (newunit=unit, file=archive%path, access='stream', form='unformatted', action='write', status='old', iostat=status)
+    if (status == 0) then
+      write (unit, pos=archive%end + 1_I64, iostat=status) record
+      close (unit, iostat=status_of_close)
+      if (status == 0) status = status_of_close
+    end if
+    if (status /= 0) then
+      call set_error(error, EXIT_IO, 'Cannot write the file ' // archive%path // ': there is no room, or it is not there.')
+      return
+    end if
+    archive%end = archive%end + 8_I64 * size(record, kind=I64)
+    call sync_file(archive%path, error)
+  end subroutine append_record
+
+
+  !> The deck of an archive. Errors (EXIT_IO): it is not there, damaged, or of another version of the program.
+  subroutine read_archived_deck(path, deck, dialect, error)
+    character(*), intent(in) :: path
+    character(:), allocatable, intent(out) :: deck
+    integer, intent(out) :: dialect                !< DIALECT_...
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64), allocatable :: words(:)
+    integer(I64) :: i, n
+    deck = ''
+    dialect = 0
+    call read_record(path, 0_I64, words, error)
+    if (allocated(error)) return
+    n = 0
+    if (size(words) >= 2) n = words(2)
+    if (n <= 0 .or. (n + 7_I64) / 8_I64 + 2_I64 /= size(words, kind=I64)) then
+      call damaged(path, error)
+      return
+    end if
+    dialect = int(words(1))
+    deallocate (deck)
+    allocate (character(n) :: deck)
+    do i = 1, (n + 7_I64) / 8_I64
+      deck(8 * i - 7:min(8 * i, n)) = letters_of(words(i + 2), int(min(8_I64, n - 8 * (i - 1))))
+    end do
+  end subroutine read_archived_deck
+
+
+  !> The first n letters of a word.
+  pure function letters_of(word, n) result(letters)
+    integer(I64), intent(in) :: word
+    integer, intent(in) :: n                       !< 8 at most
+    character(n) :: letters
+    character(8) :: all_letters
+    all_letters = transfer(word, all_letters)
+    letters = all_letters(:n)
+  end function letters_of
+
+
+  !> The state of a step and an increment; of a step without one (0) the last; without both the last of all.
+  !!
+  !! Errors (EXIT_IO): there is no such state; the message tells what there is.
+  subroutine find_state(path, step, increment, label, error)
+    character(*), intent(in) :: path
+    integer, intent(in) :: step, increment         !< 0: the last
+    type(label_type), intent(out) :: label
+    type(error_type), allocatable, intent(out) :: error
+    type(label_type) :: here, last
+    integer(I64) :: place, next, n_bytes
+    logical :: is_found, is_sound
+    inquire (file=path, size=n_bytes)
+    place = 0
+    is_found = .false.
+    do
+      call read_label(path, place, n_bytes, here, next, is_sound)
+      if (next == 0) exit
+      if (here%step > 0) last = here
+      if (here%step > 0 .and. (step == 0 .or. here%step == step) .and. (increment == 0 .or. here%increment == increment)) then
+        is_found = .true.
+        label = here
+      end if
+      place = next
+    end do
+    if (is_found .and. is_sound) return
+    if (.not. is_sound) then
+      call damaged(path, error)
+    else if (last%step == 0) then
+      call set_error(error, EXIT_IO, 'The restart file ' // path // ' holds no state.')
+    else if (increment > 0) then
+      call set_error(error, EXIT_IO, 'The restart file ' // path // ' holds no state of increment ' // text_of(increment) // &
+        ' of step ' // text_of(merge(step, last%step, step > 0)) // '. ' // last_state(last))
+    else
+      call set_error(error, EXIT_IO, 'The restart file ' // path // ' holds no state of step ' // text_of(step) // '. ' // &
+        last_state(last))
+    end if
+  end subroutine find_state
+
+
+  !> A sentence on the last state.
+  function last_state(label) result(sentence)
+    type(label_type), intent(in) :: label
+    character(:), allocatable :: sentence
+    sentence = 'Its last one is of step ' // text_of(label%step) // ', increment ' // text_of(label%increment) // '.'
+  end function last_state
+
+
+  !> The label of the record at a place, and the place of the next one; 0: there is no whole record.
+  subroutine read_label(path, place, n_bytes, label, next, is_sound)
+    character(*), intent(in) :: path
+    integer(I64), intent(in) :: place              !< [bytes]
+    integer(I64), intent(in) :: n_bytes            !< of the file
+    type(label_type), intent(out) :: label
+    integer(I64), intent(out) :: next              !< [bytes]
+    logical, intent(out) :: is_sound               !< .false.: what stands there is no record, not even a torn one
+    integer(I64) :: head(N_HEAD)
+    integer :: unit, status
+    next = 0
+    is_sound = .true.
+    if (n_bytes - place < 8_I64 * N_HEAD) return
+    open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
+    if (status /= 0) return
+    read (unit, pos=place + 1_I64, iostat=status) head
+    close (unit)
+    is_sound = status == 0 .and. head(1) == MAGIC .and. head(2) == FORMAT_VERSION .and. head(3) >= N_HEAD
+    if (.not. is_sound .or. head(3) > (n_bytes - place) / 8_I64) return
+    label%step = int(head(5))
+    label%increment = int(head(6))
+    label%is_step_done = head(7) /= 0
+    label%step_time = transfer(head(8), label%step_time)
+    label%total_time = transfer(head(9), label%total_time)
+    label%place = place
+    next = place + 8_I64 * head(3)
+  end subroutine read_label
+
+
+  !> What the record of a label keeps. Errors (EXIT_IO): it is damaged.
+  subroutine read_state(path, label, words, error)
+    character(*), intent(in) :: path
+    type(label_type), intent(in) :: label
+    integer(I64), allocatable, intent(out) :: words(:)
+    type(error_type), allocatable, intent(out) :: error
+    call read_record(path, label%place, words, error)
+  end subroutine read_state
+
+
+  !> Reads and checks a record.
+  subroutine read_record(path, place, words, error)
+    character(*), intent(in) :: path
+    integer(I64), intent(in) :: place              !< [bytes]
+    integer(I64), allocatable, intent(out) :: words(:)
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64), allocatable :: record(:)
+    integer(I64) :: head(N_HEAD), n_bytes
+    integer :: unit, status
+    inquire (file=path, size=n_bytes)
+    if (n_bytes < 0) then
+      call set_error(error, EXIT_IO, 'There is no restart file ' // path // '. A job writes one if its deck has ' // &
+        '*RESTART, WRITE.')
+      return
+    end if
+    head = 0
+    open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
+    if (status == 0) read (unit, pos=place + 1_I64, iostat=status) head
+    if (status /= 0 .or. head(1) /= MAGIC) then
+      call damaged(path, error)
+    else if (head(2) /= FORMAT_VERSION) then
+      call set_error(error, EXIT_IO, 'The restart file ' // path // ' is of another version of Amontons.')
+    else if (head(3) < N_HEAD .or. head(3) > (n_bytes - place) / 8_I64) then
+      call damaged(path, error)
+    else
+      allocate (record(head(3)))
+      read (unit, pos=place + 1_I64, iostat=status) record
+      if (status /= 0) then
+        call damaged(path, error)
+      else if (checksum_of_words(record(5:)) /= record(4)) then
+        call damaged(path, error)
+      else
+        words = record(N_HEAD + 1:)
+      end if
+    end if
+    close (unit)
+  end subroutine read_record
+
+
+  !> The error of a file that cannot be used.
+  subroutine damaged(path, error)
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(out) :: error
+    call set_error(error, EXIT_IO, 'The restart file ' // path // ' is damaged, or was not written by *RESTART, WRITE of ' // &
+      'Amontons.')
+  end subroutine damaged
+
+end module amontons_restart_file

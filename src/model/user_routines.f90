@@ -1,0 +1,366 @@
+!> User: the routines of a user in a shared library, with the argument lists of Abaqus; opened, and called by pure kernels.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! The calls are declared pure because their answers depend on nothing but their arguments as far as a job is concerned:
+!! a routine that remembers things between calls is called one call at a time, but in no fixed order.
+module amontons_user_routines
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, set_error, EXIT_IO, EXIT_SETUP, EXIT_SOLVER
+  use amontons_text, only: NEWLINE
+  implicit none
+  private
+  public :: routines_type, umat_type, uamp_type, open_routines, close_routines, has_routine, hear_routines, name_job_to
+  public :: fric_type, uinter_type, call_fric, call_uinter
+  public :: call_umat, call_sdvini, call_dload, call_disp, call_uamp
+  public :: USER_UMAT, USER_FRIC, USER_UINTER, USER_DLOAD, USER_DISP, USER_UAMP, USER_SDVINI, ROUTINE_NAMES, CALL_NAME
+
+  integer, parameter :: USER_UMAT = 0, USER_FRIC = 1, USER_UINTER = 2, USER_DLOAD = 3, USER_DISP = 4, USER_UAMP = 5, &
+    USER_SDVINI = 6
+  character(6), parameter :: ROUTINE_NAMES(0:6) = [character(6) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
+    'SDVINI']
+  integer, parameter :: CALL_NAME = 80             !< letters of a name that a routine is given
+  integer, parameter :: TEXT_ROOM = 8192           !< of what a compiler or a routine says
+
+  ! What opening can end with: the shim's numbers.
+  integer, parameter :: OPENED = 0, NO_FILE = 1, NOT_COMPILED = 2, NOT_LOADED = 3, NO_ROUTINE = 4
+
+  !> An open library; a copy is the same library.
+  type :: routines_type
+    private
+    type(c_ptr) :: handle = c_null_ptr
+  end type routines_type
+
+  !> What goes through UMAT beside STATEV and PROPS; components 11 22 33 12 13 23, engineering shears.
+  type, bind(C) :: umat_type
+    real(c_double) :: stress(6) = 0                !< in: at the start, rotated; out: at the end [stress]
+    real(c_double) :: ddsdde(6, 6) = 0             !< [stress]
+    real(c_double) :: energies(3) = 0              !< SSE SPD SCD [stress]
+    real(c_double) :: stran(6) = 0, dstran(6) = 0  !< [-]
+    real(c_double) :: time(2) = 0                  !< step, total, at the start of the increment [time]
+    real(c_double) :: dtime = 0                    !< [time]
+    real(c_double) :: temp = 0, dtemp = 0          !< [temperature]
+    real(c_double) :: celent = 0                   !< [length]
+    real(c_double) :: coords(3) = 0                !< of the point [length]
+    real(c_double) :: drot(3, 3) = 0, dfgrd0(3, 3) = 0, dfgrd1(3, 3) = 0   !< [-]
+    integer(c_int) :: noel = 0, npt = 0, step = 0, increment = 0
+    integer(c_int) :: is_taken = 0                 !< out; 1: take the answer; 2: PNEWDT < 1; 0: XIT
+    integer(c_int) :: ndi = 3, nshr = 3            !< normal and shear components that UMAT knows; the others are zero
+  end type umat_type
+
+  !> What goes through UAMP beside properties and variables.
+  type, bind(C) :: uamp_type
+    real(c_double) :: time(2) = 0                  !< step, total, at the end of the increment [time]
+    real(c_double) :: dt = 0                       !< [time]
+    real(c_double) :: old = 0                      !< ampValueOld [-]
+    real(c_double) :: value = 0                    !< AmpValueNew [-]
+    integer(c_int) :: is_first = 0                 !< 1: the call before the first increment
+    integer(c_int) :: step = 0, increment = 0
+    integer(c_int) :: is_taken = 0                 !< out; 0: XIT
+  end type uamp_type
+
+  !> What goes through FRIC beside names, STATEV and PROPS; in the plane only the first components count.
+  type, bind(C) :: fric_type
+    real(c_double) :: tau(2) = 0, ddtddg(2, 2) = 0, ddtddp(2) = 0   !< out [stress], [stress/length], [-]
+    real(c_double) :: dslip(2) = 0                 !< out: of the increment, that is not recovered [length]
+    real(c_double) :: sed = 0, sfd = 0             !< out [stress length]
+    real(c_double) :: dgam(2) = 0                  !< of the increment [length]
+    real(c_double) :: taulm(2) = 0                 !< that holds the point [stress]
+    real(c_double) :: press = 0, dpress = 0, ddpddh = 0   !< [stress], [stress], [stress/length]
+    real(c_double) :: slip(2) = 0                  !< at the start of the increment [length]
+    real(c_double) :: time(2) = 0, dtime = 0       !< step, total, at the end of the increment [time]
+    real(c_double) :: coords(3) = 0, length = 0    !< COORDS, CHRLNGTH [length]
+    real(c_double) :: temp(2) = 0                  !< [temperature]
+    integer(c_int) :: lm = 0                       !< in, out
+    integer(c_int) :: node = 0, nfdir = 2, mcrd = 3, step = 0, increment = 0
+    integer(c_int) :: is_taken = 0                 !< out; 0: XIT
+  end type fric_type
+
+  !> What goes through UINTER beside names, STATEV and PROPS; in the plane only the first two components count.
+  type, bind(C) :: uinter_type
+    real(c_double) :: stress(3) = 0, ddsddr(3, 3) = 0   !< in: at the start; out [stress], [stress/length]
+    real(c_double) :: sed = 0, sfd = 0             !< [stress length]
+    real(c_double) :: rdisp(3) = 0, drdisp(3) = 0  !< penetration, slip [length]
+    real(c_double) :: temp(2) = 0                  !< [temperature]
+    real(c_double) :: time(2) = 0, dtime = 0       !< step, total, at the end of the increment [time]
+    real(c_double) :: coords(3) = 0                !< [length]
+    real(c_double) :: axes(3, 3) = 0               !< ALOCALDIR
+    real(c_double) :: area = 0                     !< [length^2]
+    integer(c_int) :: node = 0, ndir = 3, mcrd = 3, step = 0, increment = 0
+    integer(c_int) :: is_closed = 0                !< LOPENCLOSE
+    integer(c_int) :: is_taken = 0                 !< out; 0: XIT
+  end type uinter_type
+
+  interface
+    pure subroutine fric_c(handle, names, props, nprops, statev, nstatv, values) bind(C, name='amontons_user_fric')
+      import :: c_char, c_double, c_int, c_ptr, fric_type
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: names(*)
+      real(c_double), intent(in) :: props(*)
+      integer(c_int), value :: nprops, nstatv
+      real(c_double), intent(inout) :: statev(*)
+      type(fric_type), intent(inout) :: values
+    end subroutine fric_c
+
+    pure subroutine uinter_c(handle, names, props, nprops, statev, nstatv, values) bind(C, name='amontons_user_uinter')
+      import :: c_char, c_double, c_int, c_ptr, uinter_type
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: names(*)
+      real(c_double), intent(in) :: props(*)
+      integer(c_int), value :: nprops, nstatv
+      real(c_double), intent(inout) :: statev(*)
+      type(uinter_type), intent(inout) :: values
+    end subroutine uinter_c
+
+    function open_c(path, message, room, handle) bind(C, name='amontons_user_open') result(status)
+      import :: c_char, c_int, c_ptr
+      character(kind=c_char), intent(in) :: path(*)
+      character(kind=c_char), intent(out) :: message(*)
+      integer(c_int), value :: room
+      type(c_ptr), intent(out) :: handle
+      integer(c_int) :: status
+    end function open_c
+
+    subroutine close_c(handle) bind(C, name='amontons_user_close')
+      import :: c_ptr
+      type(c_ptr), value :: handle
+    end subroutine close_c
+
+    pure function has_c(handle, which) bind(C, name='amontons_user_has') result(has)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: handle
+      integer(c_int), value :: which
+      integer(c_int) :: has
+    end function has_c
+
+    subroutine job_c(handle, folder, job) bind(C, name='amontons_user_job')
+      import :: c_char, c_ptr
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: folder(*), job(*)
+    end subroutine job_c
+
+    subroutine news_c(handle, smallest, is_stopped, text, room) bind(C, name='amontons_user_news')
+      import :: c_char, c_double, c_int, c_ptr
+      type(c_ptr), value :: handle
+      real(c_double), intent(out) :: smallest
+      integer(c_int), intent(out) :: is_stopped
+      character(kind=c_char), intent(out) :: text(*)
+      integer(c_int), value :: room
+    end subroutine news_c
+
+    pure subroutine umat_c(handle, cmname, props, nprops, statev, nstatv, values) bind(C, name='amontons_user_umat')
+      import :: c_char, c_double, c_int, c_ptr, umat_type
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: cmname(*)
+      real(c_double), intent(in) :: props(*)
+      integer(c_int), value :: nprops, nstatv
+      real(c_double), intent(inout) :: statev(*)
+      type(umat_type), intent(inout) :: values
+    end subroutine umat_c
+
+    pure subroutine sdvini_c(handle, statev, nstatv, coords, noel, npt, is_taken) bind(C, name='amontons_user_sdvini')
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: handle
+      real(c_double), intent(inout) :: statev(*)
+      integer(c_int), value :: nstatv, noel, npt
+      real(c_double), intent(in) :: coords(*)
+      integer(c_int), intent(out) :: is_taken
+    end subroutine sdvini_c
+
+    pure subroutine dload_c(handle, f, time, coords, sname, counts, is_taken) bind(C, name='amontons_user_dload')
+      import :: c_char, c_double, c_int, c_ptr
+      type(c_ptr), value :: handle
+      real(c_double), intent(inout) :: f
+      real(c_double), intent(in) :: time(*), coords(*)
+      character(kind=c_char), intent(in) :: sname(*)
+      integer(c_int), intent(in) :: counts(*)
+      integer(c_int), intent(out) :: is_taken
+    end subroutine dload_c
+
+    pure subroutine disp_c(handle, u, time, coords, counts, is_taken) bind(C, name='amontons_user_disp')
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: handle
+      real(c_double), intent(inout) :: u
+      real(c_double), intent(in) :: time(*), coords(*)
+      integer(c_int), intent(in) :: counts(*)
+      integer(c_int), intent(out) :: is_taken
+    end subroutine disp_c
+
+    pure subroutine uamp_c(handle, name, props, nprops, svars, nsvars, values) bind(C, name='amontons_user_uamp')
+      import :: c_char, c_double, c_int, c_ptr, uamp_type
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: name(*)
+      real(c_double), intent(in) :: props(*)
+      integer(c_int), value :: nprops, nsvars
+      real(c_double), intent(inout) :: svars(*)
+      type(uamp_type), intent(inout) :: values
+    end subroutine uamp_c
+  end interface
+
+contains
+
+  !> Opens a shared library, or compiles a Fortran file into one first.
+  !!
+  !! Errors: EXIT_IO (not there, does not compile, is no library for this machine), EXIT_SETUP (no known routine in it).
+  subroutine open_routines(path, routines, error)
+    character(*), intent(in) :: path
+    type(routines_type), intent(out) :: routines
+    type(error_type), allocatable, intent(out) :: error
+    character(TEXT_ROOM) :: message
+    character(:), allocatable :: who
+    who = 'The user routines ' // path // ' '
+    select case (open_c(path // c_null_char, message, len(message), routines%handle))
+    case (OPENED)
+    case (NO_FILE)
+      call set_error(error, EXIT_IO, who // 'are not there: no such file.')
+    case (NOT_COMPILED)
+      call set_error(error, EXIT_IO, who // 'do not compile:' // NEWLINE // up_to_null(message))
+    case (NOT_LOADED)
+      call set_error(error, EXIT_IO, who // 'cannot be loaded: ' // up_to_null(message) // '.')
+    case (NO_ROUTINE)
+      call set_error(error, EXIT_SETUP, who // 'hold none of UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI (as ' // &
+        'umat_, ..., the name that a Fortran compiler gives a SUBROUTINE UMAT).')
+    case default
+      call set_error(error, EXIT_SOLVER, who // 'cannot be opened: there is no memory.')
+    end select
+  end subroutine open_routines
+
+
+  !> A text of C up to its end.
+  pure function up_to_null(text) result(short)
+    character(*), intent(in) :: text
+    character(:), allocatable :: short
+    short = text(:index(text // c_null_char, c_null_char) - 1)
+  end function up_to_null
+
+
+  !> Closes a library; no call may follow.
+  subroutine close_routines(routines)
+    type(routines_type), intent(inout) :: routines
+    call close_c(routines%handle)
+    routines%handle = c_null_ptr
+  end subroutine close_routines
+
+
+  !> Whether a library is open and has a routine.
+  pure logical function has_routine(routines, which)
+    type(routines_type), intent(in) :: routines
+    integer, intent(in) :: which                   !< USER_...
+    has_routine = .false.
+    if (c_associated(routines%handle)) has_routine = has_c(routines%handle, which) /= 0
+  end function has_routine
+
+
+  !> Folder and name of the job, for GETOUTDIR and GETJOBNAME.
+  subroutine name_job_to(routines, folder, job)
+    type(routines_type), intent(in) :: routines
+    character(*), intent(in) :: folder, job
+    call job_c(routines%handle, folder // c_null_char, job // c_null_char)
+  end subroutine name_job_to
+
+
+  !> What the routines have to say since the last call of this: the smallest PNEWDT (1: none), the lines of STDB_ABQERR,
+  !! whether they called XIT.
+  subroutine hear_routines(routines, smallest, text, is_stopped)
+    type(routines_type), intent(in) :: routines
+    real(DP), intent(out) :: smallest              !< [-]
+    character(:), allocatable, intent(out) :: text
+    logical, intent(out) :: is_stopped
+    character(TEXT_ROOM) :: buffer
+    integer(c_int) :: stopped
+    smallest = 1
+    text = ''
+    is_stopped = .false.
+    if (.not. c_associated(routines%handle)) return
+    call news_c(routines%handle, smallest, stopped, buffer, len(buffer))
+    text = up_to_null(buffer)
+    is_stopped = stopped /= 0
+  end subroutine hear_routines
+
+
+  !> UMAT.
+  pure subroutine call_umat(routines, name, props, statev, values)
+    type(routines_type), intent(in) :: routines
+    character(CALL_NAME), intent(in) :: name       !< CMNAME
+    real(DP), intent(in) :: props(:)               !< PROPS
+    real(DP), intent(inout) :: statev(:)           !< STATEV
+    type(umat_type), intent(inout) :: values
+    call umat_c(routines%handle, name, props, size(props), statev, size(statev), values)
+  end subroutine call_umat
+
+
+  !> SDVINI.
+  pure subroutine call_sdvini(routines, statev, coordinates, element, point, is_taken)
+    type(routines_type), intent(in) :: routines
+    real(DP), intent(inout) :: statev(:)           !< STATEV
+    real(DP), intent(in) :: coordinates(3)         !< of the point [length]
+    integer, intent(in) :: element, point          !< label, number from 1
+    logical, intent(out) :: is_taken
+    integer(c_int) :: taken
+    call sdvini_c(routines%handle, statev, size(statev), coordinates, element, point, taken)
+    is_taken = taken /= 0
+  end subroutine call_sdvini
+
+
+  !> DLOAD.
+  pure subroutine call_dload(routines, magnitude, time, coordinates, name, counts, is_taken)
+    type(routines_type), intent(in) :: routines
+    real(DP), intent(inout) :: magnitude           !< F
+    real(DP), intent(in) :: time(2)                !< step, total, at the end of the increment [time]
+    real(DP), intent(in) :: coordinates(3)         !< of the point, now [length]
+    character(CALL_NAME), intent(in) :: name       !< SNAME
+    integer, intent(in) :: counts(5)               !< step, increment, NOEL, NPT, JLTYP
+    logical, intent(out) :: is_taken
+    integer(c_int) :: taken
+    call dload_c(routines%handle, magnitude, time, coordinates, name, counts, taken)
+    is_taken = taken /= 0
+  end subroutine call_dload
+
+
+  !> DISP.
+  pure subroutine call_disp(routines, u, time, coordinates, counts, is_taken)
+    type(routines_type), intent(in) :: routines
+    real(DP), intent(inout) :: u                   !< U(1) [length]
+    real(DP), intent(in) :: time(3)                !< step, total, at the end of the increment; its length [time]
+    real(DP), intent(in) :: coordinates(3)         !< of the node, now [length]
+    integer, intent(in) :: counts(4)               !< step, increment, NODE, JDOF
+    logical, intent(out) :: is_taken
+    integer(c_int) :: taken
+    call disp_c(routines%handle, u, time, coordinates, counts, taken)
+    is_taken = taken /= 0
+  end subroutine call_disp
+
+
+  !> UAMP.
+  pure subroutine call_uamp(routines, name, props, svars, values)
+    type(routines_type), intent(in) :: routines
+    character(CALL_NAME), intent(in) :: name       !< ampName
+    real(DP), intent(in) :: props(:)               !< props
+    real(DP), intent(inout) :: svars(:)            !< svars
+    type(uamp_type), intent(inout) :: values
+    call uamp_c(routines%handle, name, props, size(props), svars, size(svars), values)
+  end subroutine call_uamp
+
+
+  !> FRIC.
+  pure subroutine call_fric(routines, names, props, statev, values)
+    type(routines_type), intent(in) :: routines
+    character(CALL_NAME), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
+    real(DP), intent(in) :: props(:)               !< PROPS
+    real(DP), intent(inout) :: statev(:)           !< STATEV
+    type(fric_type), intent(inout) :: values
+    call fric_c(routines%handle, names(1) // names(2) // names(3), props, size(props), statev, size(statev), values)
+  end subroutine call_fric
+
+
+  !> UINTER.
+  pure subroutine call_uinter(routines, names, props, statev, values)
+    type(routines_type), intent(in) :: routines
+    character(CALL_NAME), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
+    real(DP), intent(in) :: props(:)               !< PROPS
+    real(DP), intent(inout) :: statev(:)           !< STATEV
+    type(uinter_type), intent(inout) :: values
+    call uinter_c(routines%handle, names(1) // names(2) // names(3), props, size(props), statev, size(statev), values)
+  end subroutine call_uinter
+
+end module amontons_user_routines

@@ -1,0 +1,614 @@
+!> Audit: whether a model can stand: free bodies, contact that cannot work, bad elements, constraints in conflict.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! All that is found is told at once, before the first step. Messages and remedies: doc/manual/messages.md.
+!!
+!! Bodies that nothing but contact from one side holds have to be pressed against it by a load.
+!! A force of contact lies within the cone of friction about its normal n. If for some direction t all normals on a body
+!! have n't > mu sqrt(1 - (n't)^2), every force of contact on it has a part along t, and without supports and loads there is
+!! no equilibrium but without contact. t is the mean of the normals. Cost: linear in nodes and slaves.
+module amontons_model_check
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, complaints_type, set_error, EXIT_SETUP
+  use amontons_text, only: text_of, plural, NEWLINE
+  use amontons_containers, only: integer_list_type
+  use amontons_topology, only: element_kind, kind_type, KIND_SPRINGA, N_KINDS
+  use amontons_element, only: element_volume, ELEMENT_OK
+  use amontons_loads, only: equation_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, &
+    DISTRIBUTED_BODY, DISTRIBUTED_TRACTION
+  use amontons_steps, only: step_type
+  use amontons_model, only: model_type, direction_of, n_bonds
+  use amontons_node_overrides, only: gives_way
+  use amontons_state, only: slave_type
+  use amontons_nonlinear_mpc, only: linear_equations
+  use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, ROW_REDUNDANT, &
+    ROW_CONFLICT
+  use amontons_contact_constraint_rows, only: contact_row_type
+  use amontons_contact_pairs, only: contact_type, touching_row
+  use amontons_model_check_bodies, only: complain, warn, number_of, label_list, bodies_type, find_bodies, body_name
+  use amontons_model_check_contact, only: check_contact, tally_pairs, pair_tally_type, is_closed
+  use amontons_model_check_motion, only: check_motions
+  implicit none
+  private
+  public :: audit_model, audit_summary
+
+  real(DP), parameter :: SAME = 1.0e-9_DP          !< displacements this near, over the largest, are equal [-]
+
+contains
+
+  !> All checks. Errors: EXIT_SETUP if the report holds an error; the report names each. Cost: linear, but for bodies
+  !! that contact couples (audit_motion).
+  subroutine audit_model(model, contact, slaves, report, error)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them: facet, gap and normal are set
+    type(complaints_type), intent(inout) :: report
+    type(error_type), allocatable, intent(out) :: error
+    type(model_type), allocatable :: linear        ! with the bonds as equations, if there are any
+    call check_volumes(model, report)
+    call check_materials(model, report)
+    call check_equations(model, report)
+    call check_contact(model, contact, slaves, report)
+    if (n_bonds(model) > 0) then
+      allocate (linear, source=model)
+      call append_bonds(linear)
+      call check_bodies(linear, contact, slaves, report)
+    else
+      call check_bodies(model, contact, slaves, report)
+    end if
+    if (report%n_errors > 0) call set_error(error, EXIT_SETUP, 'The model cannot stand as it is: the audit found ' // &
+      plural(report%n_errors, 'error') // '. No step was begun.')
+  end subroutine audit_model
+
+
+  !> The bonds of a model, linearised, among its equations.
+  subroutine append_bonds(model)
+    type(model_type), intent(inout) :: model
+    type(equation_type), allocatable :: equations(:)
+    call linear_equations(model, equations)
+    model%equations = [model%equations, equations]
+  end subroutine append_bonds
+
+
+  !> Lone nodes and free motions.
+  subroutine check_bodies(model, contact, slaves, report)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    type(complaints_type), intent(inout) :: report
+    type(bodies_type) :: bodies
+    call find_bodies(model, bodies)
+    call check_lone_nodes(model, bodies, report)
+    call check_motions(model, contact, slaves, bodies, report)
+    call check_pushes(model, contact, slaves, bodies, report)
+  end subroutine check_bodies
+
+
+  !> Elements whose volume is not positive everywhere.
+  subroutine check_volumes(model, report)
+    type(model_type), intent(in) :: model
+    type(complaints_type), intent(inout) :: report
+    type(integer_list_type) :: bad
+    real(DP) :: volume
+    integer :: e, status
+    logical :: has_volume
+    associate (mesh => model%mesh)
+      do e = 1, mesh%n_elements
+        associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
+          call element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section(e), volume, status)
+        end associate
+        has_volume = mesh%point_first(e + 1) > mesh%point_first(e)
+        if (status /= ELEMENT_OK .or. (has_volume .and. .not. volume > 0.0_DP)) call bad%add(mesh%element_label(e))
+      end do
+    end associate
+    if (bad%n > 0) call complain(report, 'The volume of ' // number_of('element', bad%trimmed(), 'is', 'is') // &
+      ' zero or negative at an integration point. Check the order of the nodes (the first face counts round the ' // &
+      'direction to the opposite one by the right-hand rule), and move nodes that make an element fold or collapse.')
+  end subroutine check_volumes
+
+
+  !> Sections without a material, materials without *ELASTIC, gravity on elements without density.
+  subroutine check_materials(model, report)
+    type(model_type), intent(in) :: model
+    type(complaints_type), intent(inout) :: report
+    type(integer_list_type) :: none
+    logical, allocatable :: is_used(:), is_heavy(:)
+    integer :: e, i, k, m
+    allocate (is_used(size(model%materials)), is_heavy(size(model%materials)), source=.false.)
+    do e = 1, model%mesh%n_elements
+      if (model%mesh%kind(e) >= KIND_SPRINGA) cycle      ! springs and masses have none
+      if (model%mesh%material(e) == 0) then
+        call none%add(model%mesh%element_label(e))
+      else
+        is_used(model%mesh%material(e)) = .true.
+      end if
+    end do
+    if (none%n > 0) call complain(report, 'No material is given for ' // plural(none%n, 'element') // ' (' // &
+      label_list(none%trimmed()) // '). Add a *SOLID SECTION for them.')
+    do i = 1, size(model%steps)
+      if (allocated(model%steps(i)%material)) then
+        associate (later => pack(model%steps(i)%material, model%steps(i)%material > 0))
+          is_used(later) = .true.
+        end associate
+      end if
+      do k = 1, size(model%steps(i)%distributed)
+        associate (load => model%steps(i)%distributed(k))
+          m = model%mesh%material(load%element)
+          if (any(load%kind == [DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN]) .and. m > 0) is_heavy(m) = .true.
+        end associate
+      end do
+    end do
+    do m = 1, size(model%materials)
+      if (is_used(m) .and. .not. (model%materials(m)%has_elastic .or. model%materials(m)%is_user)) &
+        call complain(report, 'The material ' // model%materials(m)%name // &
+        ' is used by a *SOLID SECTION but has no *ELASTIC. Give it E and nu.')
+      if (is_heavy(m) .and. .not. model%materials(m)%has_density) call complain(report, &
+        'Gravity (*DLOAD, GRAV) acts on elements of the material ' // model%materials(m)%name // &
+        ', which has no *DENSITY. Give it one.')
+    end do
+  end subroutine check_materials
+
+
+  !> Nodes without elements that carry loads or supports, and are in no equation: nothing comes of these.
+  subroutine check_lone_nodes(model, bodies, report)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(complaints_type), intent(inout) :: report
+    type(integer_list_type) :: loaded, held
+    logical, allocatable :: was_loaded(:), was_held(:)
+    integer :: i, k
+    allocate (was_loaded(model%mesh%n_nodes), was_held(model%mesh%n_nodes), source=.false.)
+    do i = 1, size(model%steps)
+      do k = 1, size(model%steps(i)%concentrated)
+        call note(model%steps(i)%concentrated(k)%node, was_loaded, loaded)
+      end do
+      do k = 1, size(model%steps(i)%prescribed)
+        call note(model%steps(i)%prescribed(k)%node, was_held, held)
+      end do
+    end do
+    if (loaded%n > 0) call warn(report, 'A force (*CLOAD) acts on ' // plural(loaded%n, 'node') // &
+      ' without elements (' // label_list(loaded%trimmed()) // '): no body feels it. Check the node labels of ' // &
+      'the load.')
+    if (held%n > 0) call warn(report, 'A displacement (*BOUNDARY) is given for ' // plural(held%n, 'node') // &
+      ' without elements (' // label_list(held%trimmed()) // '): it holds nothing. Check the node labels ' // &
+      'of the support.')
+
+  contains
+
+    !> Notes a node once if it belongs to no body.
+    subroutine note(node, was_noted, list)
+      integer, intent(in) :: node
+      logical, intent(inout) :: was_noted(:)
+      type(integer_list_type), intent(inout) :: list
+      if (bodies%of_node(node) > 0 .or. was_noted(node)) return
+      was_noted(node) = .true.
+      if (allocated(model%springs)) then
+        if (any(model%springs%length_node == node)) return   ! of a rope, which CalculiX wants held
+      end if
+      call list%add(model%mesh%node_label(node))
+    end subroutine note
+
+  end subroutine check_lone_nodes
+
+
+  !> Equations that contradict the supports at the end of a step or one another (errors), or only repeat them (notes).
+  subroutine check_equations(model, report)
+    type(model_type), intent(in) :: model
+    type(complaints_type), intent(inout) :: report
+    type(constraints_type) :: constraints
+    type(integer_list_type) :: idle
+    integer, allocatable :: told(:)                ! (n_equations) the strongest verdict told
+    real(DP), allocatable :: u(:, :)               ! prescribed displacements at the end of the step
+    logical, allocatable :: is_known(:, :)
+    real(DP) :: largest
+    integer :: i, k, verdict
+    logical :: is_whole
+    if (size(model%equations) == 0) return
+    allocate (told(size(model%equations)), source=0)
+    allocate (u(3, model%mesh%n_nodes), source=0.0_DP)
+    allocate (is_known(3, model%mesh%n_nodes), source=.false.)
+    do i = 1, size(model%steps)
+      call prescribe(model, i, u, is_known, is_whole, constraints)
+      largest = maxval(abs(u), mask=is_known)
+      idle = integer_list_type()
+      do k = 1, size(model%equations)
+        if (model%equations(k)%last_step < i) cycle
+        call add_equation(model, k, largest, constraints, verdict)
+        if (verdict == ROW_CONFLICT .and. .not. is_whole) cycle
+        if (verdict == ROW_CONFLICT .and. told(k) < ROW_CONFLICT) call complain(report, 'In step ' // text_of(i) // &
+          ' the *' // trim(model%equations(k)%card) // ' of line ' // &
+          text_of(model%equations(k)%line) // ' contradicts the prescribed displacements ' // &
+          'of its nodes or the equations before it. Release one of them.')
+        if (verdict == ROW_REDUNDANT .and. told(k) == 0) call idle%add(model%equations(k)%line)
+        told(k) = max(told(k), verdict)
+      end do
+      if (idle%n > 0) call warn(report, 'In step ' // text_of(i) // ' ' // plural(idle%n, 'equation') // &
+        ' (*EQUATION of line ' // label_list(idle%trimmed()) // ') dropped: supports and the equations before hold ' // &
+        'all terms already.')
+    end do
+  end subroutine check_equations
+
+
+  !> The constraints of a step without the equations.
+  subroutine prescribe(model, step, u, is_known, is_whole, constraints)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step
+    real(DP), intent(inout) :: u(:, :)             !< (3, n_nodes) at the end of this step, where known [length]
+    logical, intent(inout) :: is_known(:, :)       !< (3, n_nodes) prescribed, or was when it was held
+    logical, intent(out) :: is_whole               !< no unknown is held where the solution has brought it
+    type(constraints_type), intent(inout) :: constraints
+    logical, allocatable :: is_prescribed(:, :)
+    integer :: i
+    allocate (is_prescribed(3, model%mesh%n_nodes))
+    call start_constraints(constraints, 3 * model%mesh%n_nodes)
+    is_whole = .true.
+    is_prescribed = .false.
+    do i = 1, size(model%steps(step)%prescribed)
+      associate (load => model%steps(step)%prescribed(i), period => model%steps(step)%period)
+        if (maxval(direction_of(model, load%node, load%dof)) < 1.0_DP) cycle   ! in a direction of its own
+        if (load%is_held) then
+          if (step == 1) is_known(load%dof, load%node) = .true.
+          is_whole = is_whole .and. is_known(load%dof, load%node)
+        else
+          u(load%dof, load%node) = load_value(load, model%amplitudes, period, sum(model%steps(:step)%period), period)
+          is_known(load%dof, load%node) = .true.
+        end if
+        is_prescribed(load%dof, load%node) = is_known(load%dof, load%node)
+        call fix_unknown(constraints, 3 * (load%node - 1) + load%dof, u(load%dof, load%node))
+      end associate
+    end do
+    is_known = is_prescribed
+  end subroutine prescribe
+
+
+  !> Adds one equation and tells what becomes of it.
+  subroutine add_equation(model, k, largest, constraints, verdict)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: k
+    real(DP), intent(in) :: largest                !< prescribed displacement [length]
+    type(constraints_type), intent(inout) :: constraints
+    integer, intent(out) :: verdict                !< ROW_...
+    type(row_type) :: row
+    real(DP) :: tolerance
+    associate (equation => model%equations(k))
+      row%unknown = 3 * (equation%node - 1) + equation%dof
+      row%coefficient = equation%coefficient
+      tolerance = SAME * max(largest, 0.0_DP) * sum(abs(equation%coefficient)) + tiny(1.0_DP)
+      call add_row(constraints, row, equation%n_candidates, tolerance, verdict)
+    end associate
+  end subroutine add_equation
+
+
+  !> What the model holds, as tables for a person: mesh, materials, bodies, contact pairs, steps.
+  subroutine audit_summary(model, contact, slaves, text)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    character(:), allocatable, intent(out) :: text
+    type(bodies_type) :: bodies
+    call find_bodies(model, bodies)
+    text = mesh_table(model) // material_table(model) // body_table(model, bodies, contact, slaves)
+    if (size(model%pairs) > 0) text = text // pair_table(model, contact, slaves)
+    text = text // step_table(model)
+    text = text(:len(text) - len(NEWLINE))
+  end subroutine audit_summary
+
+
+  !> Nodes, elements by kind, unknowns.
+  function mesh_table(model) result(text)
+    type(model_type), intent(in) :: model
+    character(:), allocatable :: text
+    type(kind_type) :: kind
+    integer :: k, n
+    text = table_entry('nodes', model%mesh%n_nodes) // NEWLINE // table_entry('elements', model%mesh%n_elements)
+    do k = 1, N_KINDS
+      n = count(model%mesh%kind == k)
+      kind = element_kind(k)
+      if (n > 0) text = text // '   ' // trim(kind%name) // ' ' // text_of(n)
+    end do
+    text = text // NEWLINE // table_entry('unknowns', 3 * model%mesh%n_nodes)
+    if (size(model%steps) > 0) text = text // '   ' // text_of(size(model%steps(1)%prescribed)) // &
+      ' prescribed in step 1'
+    if (size(model%equations) > 0) text = text // ', ' // plural(size(model%equations), 'equation')
+    text = text // NEWLINE
+  end function mesh_table
+
+
+  !> One line for each material.
+  function material_table(model) result(text)
+    type(model_type), intent(in) :: model
+    character(:), allocatable :: text
+    integer :: m
+    text = table_entry('materials', size(model%materials)) // NEWLINE
+    do m = 1, size(model%materials)
+      associate (material => model%materials(m))
+        text = text // '    ' // material%name
+        if (material%has_elastic) text = text // ', E ' // text_of(material%youngs_modulus) // ', nu ' // &
+          text_of(material%poissons_ratio)
+        if (material%is_user) text = text // ', of the user, at rest as E ' // text_of(material%youngs_modulus) // ', nu ' // &
+          text_of(material%poissons_ratio)
+        if (material%has_density) text = text // ', density ' // text_of(material%density)
+        text = text // NEWLINE
+      end associate
+    end do
+  end function material_table
+
+
+  !> One line for each body.
+  function body_table(model, bodies, contact, slaves) result(text)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    character(:), allocatable :: text
+    integer, parameter :: MOST = 50                ! lines; the other bodies are counted
+    integer :: b
+    text = table_entry('bodies', bodies%n) // NEWLINE
+    do b = 1, min(bodies%n, MOST)
+      text = text // '    ' // body_name(model, bodies%list(b))
+      if (bodies%list(b)%n_elements > 0) text = text // ', volume ' // text_of(bodies%list(b)%volume)
+      if (bodies%list(b)%mass > 0.0_DP) text = text // ', mass ' // text_of(bodies%list(b)%mass)
+      if (size(model%steps) > 0) text = text // held_by(model, bodies, contact, slaves, b)
+      text = text // NEWLINE
+    end do
+    if (bodies%n > MOST) text = text // '    and ' // text_of(bodies%n - MOST) // ' more' // NEWLINE
+  end function body_table
+
+
+  !> What a body has in step 1 that may hold it: supports, equations and the like, contact.
+  function held_by(model, bodies, contact, slaves, b) result(text)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    integer, intent(in) :: b                       !< body
+    character(:), allocatable :: text
+    integer :: k, p, n, n_closed(size(model%pairs)), n_open(size(model%pairs))
+    text = ''
+    n = count(bodies%of_node(model%steps(1)%prescribed%node) == b)
+    if (n > 0) text = text // ', ' // plural(n, 'support')
+    n = count([(any(bodies%of_node(model%equations(k)%node) == b), k=1, size(model%equations))])
+    if (n > 0) text = text // ', ' // plural(n, 'equation')
+    n = count([(any(bodies%of_node(model%bonds(k)%node) == b), k=1, n_bonds(model))])
+    if (n > 0) text = text // ', ' // plural(n, 'bond')
+    call count_touching(bodies, contact, slaves, b, n_closed, n_open)
+    do p = 1, size(model%pairs)
+      if (n_closed(p) + n_open(p) == 0) cycle
+      text = text // ', contact ' // model%surfaces(model%pairs(p)%slave)%name // ' / ' // &
+        model%surfaces(model%pairs(p)%master)%name // ' (' // text_of(n_closed(p)) // ' closed, ' // text_of(n_open(p)) // ' open)'
+    end do
+    if (text == '') then
+      text = '; held by nothing'
+    else
+      text = '; held by ' // text(3:)
+    end if
+  end function held_by
+
+
+  !> The slave nodes of each pair that are on a body, or face it, closed and open.
+  subroutine count_touching(bodies, contact, slaves, b, n_closed, n_open)
+    type(bodies_type), intent(in) :: bodies
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    integer, intent(in) :: b                       !< body
+    integer, intent(out) :: n_closed(:), n_open(:) !< (n_pairs)
+    type(contact_row_type) :: row
+    integer :: s
+    n_closed = 0
+    n_open = 0
+    do s = 1, size(slaves)
+      if (slaves(s)%facet == 0 .or. gives_way(slaves(s)%overrides)) cycle
+      call touching_row(contact, slaves(s), row)
+      if (.not. any(bodies%of_node(row%nodes) == b)) cycle
+      if (is_closed(contact, slaves(s))) then
+        n_closed(slaves(s)%pair) = n_closed(slaves(s)%pair) + 1
+      else
+        n_open(slaves(s)%pair) = n_open(slaves(s)%pair) + 1
+      end if
+    end do
+  end subroutine count_touching
+
+
+  !> One line for each contact pair.
+  function pair_table(model, contact, slaves) result(text)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    character(:), allocatable :: text
+    type(pair_tally_type), allocatable :: tallies(:)
+    character(110) :: line
+    integer :: p
+    call tally_pairs(model, contact, slaves, tallies)
+    text = table_entry('contact pairs', size(tallies)) // NEWLINE // &
+      '      slaves projected    closed   flipped      held    least gap  largest gap  friction  slave / master' // NEWLINE
+    do p = 1, size(tallies)
+      write (line, '(2x,5i10,2(1x,a12),a10,2x)') tallies(p)%n_slaves, tallies(p)%n_projected, tallies(p)%n_closed, &
+        merge(tallies(p)%n_turned, tallies(p)%n_flipped, tallies(p)%n_turned == tallies(p)%n_projected), tallies(p)%n_held, &
+        gap_text(tallies(p), tallies(p)%least_gap, contact%edge(p)), &
+        gap_text(tallies(p), tallies(p)%largest_gap, contact%edge(p)), &
+        text_of(model%interactions(model%pairs(p)%interaction)%friction)
+      text = text // line(:90) // model%surfaces(model%pairs(p)%slave)%name // ' / ' // &
+        model%surfaces(model%pairs(p)%master)%name // NEWLINE
+    end do
+  end function pair_table
+
+
+  !> A gap, or '-' where no node has one; rounding is told as 0.
+  pure function gap_text(tally, gap, edge) result(text)
+    type(pair_tally_type), intent(in) :: tally
+    real(DP), intent(in) :: gap, edge              !< [length]
+    character(12) :: text
+    text = '-'
+    if (tally%largest_gap >= tally%least_gap) text = text_of(merge(gap, 0.0_DP, abs(gap) > SAME * edge))
+    text = adjustr(text)
+  end function gap_text
+
+
+  !> Two lines for each step: times and loads.
+  function step_table(model) result(text)
+    type(model_type), intent(in) :: model
+    character(:), allocatable :: text
+    integer :: i
+    text = table_entry('steps', size(model%steps)) // NEWLINE
+    do i = 1, size(model%steps)
+      associate (step => model%steps(i))
+        text = text // '    ' // text_of(i) // ': '
+        if (allocated(step%title)) then
+          if (len_trim(step%title) > 0) text = text // trim(step%title) // ', '
+        end if
+        text = text // trim(merge('NLGEOM             ', 'small displacements', step%is_nlgeom)) // ', period ' // &
+          text_of(step%period) // ', first increment ' // text_of(step%dt_initial)
+        if (step%is_direct) text = text // ' (fixed)'
+        text = text // ', at most ' // plural(step%max_increments, 'increment') // NEWLINE // &
+          '       ' // loads_text(step) // NEWLINE
+      end associate
+    end do
+  end function step_table
+
+
+  !> '48 prescribed displacements, 3 forces'.
+  pure function loads_text(step) result(text)
+    type(step_type), intent(in) :: step
+    character(:), allocatable :: text
+    integer :: n
+    text = plural(size(step%prescribed), 'prescribed displacement')
+    if (size(step%concentrated) > 0) text = text // ', ' // plural(size(step%concentrated), 'force')
+    n = count(step%distributed%kind == DISTRIBUTED_PRESSURE)
+    if (n > 0) text = text // ', ' // plural(n, 'face') // ' under pressure'
+    n = count(step%distributed%kind == DISTRIBUTED_TRACTION)
+    if (n > 0) text = text // ', ' // plural(n, 'face') // ' under traction'
+    n = count(step%distributed%kind == DISTRIBUTED_GRAVITY)
+    if (n > 0) text = text // ', ' // plural(n, 'element') // ' under gravity'
+    n = count(step%distributed%kind == DISTRIBUTED_SPIN)
+    if (n > 0) text = text // ', ' // plural(n, 'turning element')
+    n = count(step%distributed%kind == DISTRIBUTED_BODY)
+    if (n > 0) text = text // ', ' // plural(n, 'element') // ' with a body force'
+  end function loads_text
+
+
+  !> A name and a number in columns.
+  pure function table_entry(name, value) result(text)
+    character(*), intent(in) :: name
+    integer, intent(in) :: value
+    character(:), allocatable :: text
+    character(16) :: left
+    character(10) :: right
+    left = name
+    write (right, '(i10)') value
+    text = '  ' // left // right
+  end function table_entry
+
+
+  !> Warns of each such body.
+  subroutine check_pushes(model, contact, slaves, bodies, report)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(bodies_type), intent(in) :: bodies
+    type(complaints_type), intent(inout) :: report
+    real(DP), allocatable :: way(:, :)             ! (3, n_bodies) mean of the normals that push
+    logical, allocatable :: is_pushed(:)           ! (n_bodies) by contact alone, from one side
+    integer :: b
+    if (size(slaves) == 0) return
+    allocate (way(3, bodies%n), source=0.0_DP)
+    allocate (is_pushed(bodies%n), source=.true.)
+    call leave_out(model, slaves, bodies, is_pushed)
+    call look_at_pushes(model, contact, slaves, bodies, .false., way, is_pushed)
+    do b = 1, bodies%n
+      if (norm2(way(:, b)) > 0.0_DP) way(:, b) = way(:, b) / norm2(way(:, b))
+    end do
+    call look_at_pushes(model, contact, slaves, bodies, .true., way, is_pushed)
+    do b = 1, bodies%n
+      if (is_pushed(b) .and. norm2(way(:, b)) > 0.5_DP) call warn(report, 'Nothing but contact holds the ' // &
+        body_name(model, bodies%list(b)) // ', no load acts on it, and all contact pushes it one way: it will move off. ' // &
+        'Hold it by *BOUNDARY, or load it against what it touches.')
+    end do
+  end subroutine check_pushes
+
+
+  !> Bodies with a support, an equation, a spring or a load in some step; and those of pairs that are apart: they may be caught.
+  subroutine leave_out(model, slaves, bodies, is_pushed)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)
+    type(bodies_type), intent(in) :: bodies
+    logical, intent(inout) :: is_pushed(:)
+    logical, allocatable :: is_apart(:)            ! (n_pairs)
+    integer :: i, k, s, p
+    where (bodies%list%n_elements == 0) is_pushed = .false.
+    do i = 1, size(model%steps)
+      associate (step => model%steps(i))
+        call drop(bodies%of_node(step%prescribed%node))
+        call drop(bodies%of_node(step%concentrated%node))
+        call drop(bodies%of_element(step%distributed%element))
+      end associate
+    end do
+    do k = 1, size(model%equations)
+      call drop(bodies%of_node(model%equations(k)%node))
+    end do
+    call drop(pack(bodies%of_element, model%mesh%kind >= KIND_SPRINGA))
+    allocate (is_apart(size(model%pairs)), source=.true.)
+    do s = 1, size(slaves)
+      if (slaves(s)%facet > 0) is_apart(slaves(s)%pair) = .false.
+    end do
+    do p = 1, size(model%pairs)
+      if (.not. is_apart(p)) cycle
+      call drop(bodies%of_node(model%surfaces(model%pairs(p)%slave)%nodes))
+      call drop(bodies%of_node(model%surfaces(model%pairs(p)%master)%nodes))
+    end do
+
+  contains
+
+    !> These bodies are held or loaded.
+    subroutine drop(list)
+      integer, intent(in) :: list(:)               !< bodies; 0: none
+      integer :: j
+      do j = 1, size(list)
+        if (list(j) > 0) is_pushed(list(j)) = .false.
+      end do
+    end subroutine drop
+
+  end subroutine leave_out
+
+
+  !> Adds up the normals on each body, or judges them against their mean.
+  subroutine look_at_pushes(model, contact, slaves, bodies, is_judging, way, is_pushed)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    type(bodies_type), intent(in) :: bodies
+    logical, intent(in) :: is_judging
+    real(DP), intent(inout) :: way(:, :)           !< (3, n_bodies)
+    logical, intent(inout) :: is_pushed(:)
+    type(contact_row_type) :: row
+    real(DP) :: push(3)
+    integer :: s, i, b
+    do s = 1, size(slaves)
+      if (slaves(s)%facet == 0 .or. gives_way(slaves(s)%overrides)) cycle
+      call touching_row(contact, slaves(s), row)
+      do i = 1, size(row%nodes)
+        b = bodies%of_node(row%nodes(i))
+        if (b == 0) cycle
+        push = row%weights(i) * slaves(s)%normal
+        if (.not. is_judging) way(:, b) = way(:, b) + push
+        if (is_judging .and. .not. goes_along(model, slaves(s)%pair, push, way(:, b))) is_pushed(b) = .false.
+      end do
+    end do
+  end subroutine look_at_pushes
+
+
+  !> Whether every force of a contact has a part along a direction, whatever its friction.
+  pure logical function goes_along(model, pair, push, way)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: pair
+    real(DP), intent(in) :: push(3)                !< along the normal, of any length
+    real(DP), intent(in) :: way(3)                 !< unit vector
+    real(DP) :: along
+    goes_along = .true.
+    if (.not. norm2(push) > 0.0_DP) return
+    along = dot_product(push, way) / norm2(push)
+    associate (law => model%interactions(model%pairs(pair)%interaction))
+      goes_along = .not. law%is_user_friction .and. along > law%friction * sqrt(max(0.0_DP, 1.0_DP - along**2))
+    end associate
+  end function goes_along
+
+end module amontons_model_check

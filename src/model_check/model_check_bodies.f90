@@ -1,0 +1,260 @@
+!> Audit bodies: which elements hang together, their boxes, volumes and masses, and how the audit names bodies, nodes and steps.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_model_check_bodies
+  use amontons_kinds, only: DP
+  use amontons_text, only: text_of, plural
+  use amontons_element, only: element_volume
+  use amontons_mesh, only: is_out
+  use amontons_model, only: model_type
+  use amontons_topology, only: KIND_MASS
+  use amontons_errors, only: complaints_type
+  implicit none
+  private
+  public :: body_type, bodies_type, find_bodies, body_name, find_root, unite
+  public :: complain, warn, label_list, step_list, joined, number_of
+
+  !> Elements that hang together by their nodes, or one node without elements that an equation names.
+  type :: body_type
+    integer :: n_elements = 0                      !< 0: a node without elements
+    integer :: element = 0                         !< its first element
+    integer :: node = 0                            !< its first node
+    real(DP) :: low(3) = huge(1.0_DP)              !< the box around it [length]
+    real(DP) :: high(3) = -huge(1.0_DP)
+    real(DP) :: centre(3) = 0                      !< of the box [length]
+    real(DP) :: size = 1                           !< half the diagonal of the box [length]
+    real(DP) :: volume = 0                         !< [length^3]
+    real(DP) :: mass = 0                           !< of the elements with a density [mass]
+    character(:), allocatable :: set               !< an element set that is this body; '' if there is none
+  end type body_type
+
+  !> All bodies, in the order of their first elements.
+  type :: bodies_type
+    integer :: n = 0
+    integer, allocatable :: of_node(:)             !< (n_nodes) 0: none
+    integer, allocatable :: of_element(:)          !< (n_elements)
+    type(body_type), allocatable :: list(:)        !< (n)
+  end type bodies_type
+
+  integer, parameter :: LABELS_SHOWN = 10      !< labels of a list; the others are counted
+
+contains
+
+  !> Finds the bodies, their boxes, volumes and masses. Method: union-find over the nodes. Cost: linear.
+  subroutine find_bodies(model, bodies)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(out) :: bodies
+    integer, allocatable :: parent(:)
+    integer :: e, i, k
+    associate (mesh => model%mesh)
+      allocate (parent(mesh%n_nodes), source=0)
+      do e = 1, mesh%n_elements
+        if (is_out(mesh, e)) cycle
+        do k = mesh%first(e), mesh%first(e + 1) - 1
+          if (parent(mesh%nodes(k)) == 0) parent(mesh%nodes(k)) = mesh%nodes(k)
+          call unite(parent, mesh%nodes(mesh%first(e)), mesh%nodes(k))
+        end do
+      end do
+      allocate (bodies%of_node(mesh%n_nodes), bodies%of_element(mesh%n_elements), source=0)
+      do e = 1, mesh%n_elements
+        if (is_out(mesh, e)) cycle
+        call number_body(bodies, find_root(parent, mesh%nodes(mesh%first(e))))
+      end do
+      do i = 1, mesh%n_nodes
+        if (parent(i) > 0) bodies%of_node(i) = bodies%of_node(find_root(parent, i))
+      end do
+      do i = 1, size(model%equations)
+        do k = 1, size(model%equations(i)%node)
+          call number_body(bodies, model%equations(i)%node(k))
+        end do
+      end do
+      bodies%of_element = bodies%of_node(mesh%nodes(mesh%first(:mesh%n_elements)))
+      if (allocated(mesh%is_absent)) where (mesh%is_absent) bodies%of_element = 0
+    end associate
+    call measure_bodies(model, bodies)
+    call name_bodies(model, bodies)
+  end subroutine find_bodies
+
+
+  !> A new body for a node that has none.
+  subroutine number_body(bodies, node)
+    type(bodies_type), intent(inout) :: bodies
+    integer, intent(in) :: node
+    if (bodies%of_node(node) > 0) return
+    bodies%n = bodies%n + 1
+    bodies%of_node(node) = bodies%n
+  end subroutine number_body
+
+
+  !> The root of a node; the path to it is halved on the way.
+  integer function find_root(parent, node) result(root)
+    integer, intent(inout) :: parent(:)
+    integer, intent(in) :: node
+    root = node
+    do while (parent(root) /= root)
+      parent(root) = parent(parent(root))
+      root = parent(root)
+    end do
+  end function find_root
+
+
+  !> Puts two nodes into one tree; the smaller number is the root.
+  subroutine unite(parent, a, b)
+    integer, intent(inout) :: parent(:)
+    integer, intent(in) :: a, b
+    integer :: root_a, root_b
+    root_a = find_root(parent, a)
+    root_b = find_root(parent, b)
+    parent(max(root_a, root_b)) = min(root_a, root_b)
+  end subroutine unite
+
+
+  !> Boxes, elements, volumes and masses.
+  subroutine measure_bodies(model, bodies)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(inout) :: bodies
+    real(DP) :: volume
+    integer :: i, e, status
+    allocate (bodies%list(bodies%n))
+    do i = 1, model%mesh%n_nodes
+      if (bodies%of_node(i) == 0) cycle
+      associate (body => bodies%list(bodies%of_node(i)))
+        if (body%node == 0) body%node = i
+        body%low = min(body%low, model%mesh%coordinates(:, i))
+        body%high = max(body%high, model%mesh%coordinates(:, i))
+      end associate
+    end do
+    do e = 1, model%mesh%n_elements
+      if (bodies%of_element(e) == 0) cycle
+      associate (body => bodies%list(bodies%of_element(e)), mesh => model%mesh)
+        if (body%n_elements == 0) body%element = e
+        body%n_elements = body%n_elements + 1
+        associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
+          call element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section(e), volume, status)
+        end associate
+        body%volume = body%volume + volume
+        if (mesh%kind(e) == KIND_MASS) body%mass = body%mass + mesh%section(e)
+        if (mesh%material(e) > 0) body%mass = body%mass + model%materials(mesh%material(e))%density * volume
+      end associate
+    end do
+    do i = 1, bodies%n
+      associate (body => bodies%list(i))
+        body%centre = 0.5_DP * (body%low + body%high)
+        if (body%n_elements > 0) body%size = max(0.5_DP * norm2(body%high - body%low), tiny(1.0_DP))
+      end associate
+    end do
+  end subroutine measure_bodies
+
+
+  !> The element set that is exactly a body, if there is one: the first in the deck.
+  subroutine name_bodies(model, bodies)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(inout) :: bodies
+    integer :: i, b
+    do b = 1, bodies%n
+      bodies%list(b)%set = ''
+    end do
+    if (.not. allocated(model%mesh%element_sets)) return
+    do i = size(model%mesh%element_sets), 1, -1
+      associate (set => model%mesh%element_sets(i))
+        if (size(set%members) == 0) cycle
+        b = bodies%of_element(set%members(1))
+        if (b == 0) cycle
+        if (size(set%members) /= bodies%list(b)%n_elements) cycle
+        if (all(bodies%of_element(set%members) == b)) bodies%list(b)%set = set%name
+      end associate
+    end do
+  end subroutine name_bodies
+
+
+  !> 'body of element 17 (set BLOCK, 240 elements)', 'node 5 (without elements)'.
+  function body_name(model, body) result(text)
+    type(model_type), intent(in) :: model
+    type(body_type), intent(in) :: body
+    character(:), allocatable :: text
+    if (body%n_elements == 0) then
+      text = 'node ' // text_of(model%mesh%node_label(body%node)) // ' (without elements)'
+    else
+      text = 'body of element ' // text_of(model%mesh%element_label(body%element)) // ' ('
+      if (len(body%set) > 0) text = text // 'set ' // body%set // ', '
+      text = text // plural(body%n_elements, 'element') // ')'
+    end if
+  end function body_name
+
+
+  !> Puts an error into the report.
+  subroutine complain(report, text)
+    type(complaints_type), intent(inout) :: report
+    character(*), intent(in) :: text           !< whole sentences: what is wrong, and the remedy
+    call report%add('', 0, '', text)
+  end subroutine complain
+
+
+  !> Puts a warning or a note into the report.
+  subroutine warn(report, text)
+    type(complaints_type), intent(inout) :: report
+    character(*), intent(in) :: text           !< whole sentences
+    call report%add('', 0, '', text, is_warning=.true.)
+  end subroutine warn
+
+
+  !> '3, 5 and 8'; of more than ten labels '3, 5, ..., 12 and 7 more'.
+  pure function label_list(labels) result(text)
+    integer, intent(in) :: labels(:)           !< of nodes or elements
+    character(:), allocatable :: text
+    integer :: i, n_shown
+    n_shown = min(size(labels), LABELS_SHOWN)
+    text = ''
+    do i = 1, n_shown
+      text = joined(text, text_of(labels(i)), i == size(labels))
+    end do
+    if (n_shown < size(labels)) text = joined(text, text_of(size(labels) - n_shown) // ' more', .true.)
+  end function label_list
+
+
+  !> 'step 2', 'steps 1 and 3', 'steps 2 to 5'.
+  pure function step_list(steps) result(text)
+    integer, intent(in) :: steps(:)            !< numbers, ascending, at least one
+    character(:), allocatable :: text
+    integer :: n
+    n = size(steps)
+    if (n == 1) then
+      text = 'step ' // text_of(steps(1))
+    else if (n > 2 .and. steps(n) - steps(1) == n - 1) then
+      text = 'steps ' // text_of(steps(1)) // ' to ' // text_of(steps(n))
+    else
+      text = 'steps ' // label_list(steps)
+    end if
+  end function step_list
+
+
+  !> The text with one more item of an enumeration.
+  pure function joined(text, item, is_last) result(longer)
+    character(*), intent(in) :: text           !< the items so far, empty at first
+    character(*), intent(in) :: item
+    logical, intent(in) :: is_last             !< 'and' stands before it
+    character(:), allocatable :: longer
+    if (text == '') then
+      longer = item
+    else if (is_last) then
+      longer = text // ' and ' // item
+    else
+      longer = text // ', ' // item
+    end if
+  end function joined
+
+
+  !> 'node 7 is', 'nodes 7 and 9 are': the subject of a sentence with its verb.
+  pure function number_of(noun, labels, singular, plural) result(text)
+    character(*), intent(in) :: noun           !< 'node', 'element'
+    integer, intent(in) :: labels(:)
+    character(*), intent(in) :: singular       !< verb after one
+    character(*), intent(in) :: plural         !< verb after several
+    character(:), allocatable :: text
+    if (size(labels) == 1) then
+      text = noun // ' ' // label_list(labels) // ' ' // singular
+    else
+      text = text_of(size(labels)) // ' ' // noun // 's (' // label_list(labels) // ') ' // plural
+    end if
+  end function number_of
+
+end module amontons_model_check_bodies

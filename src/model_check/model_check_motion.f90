@@ -1,0 +1,689 @@
+!> Audit of motion: which rigid motions of the bodies nothing holds in a step, in words.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! A body can move rigidly in six ways, u = t + r x (x - centre)/size. A support, an equation, or a contact that is
+!! closed or can close is a row a'u = 0 on these. The supports leave each body a basis of motions (the null space of its
+!! 6 x 6 Gram matrix); equations and contacts are rows on these bases, and couple bodies. Each cluster of coupled bodies
+!! gets a Gram matrix R'R, whose null space is what is free. Cost: linear in nodes and rows, cubic in the free motions
+!! of one cluster.
+module amontons_model_check_motion
+  use amontons_kinds, only: DP
+  use amontons_errors, only: complaints_type
+  use amontons_text, only: text_of
+  use amontons_containers, only: integer_list_type
+  use amontons_tensor, only: cross_product
+  use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
+  use amontons_null_space, only: find_null_space, find_null_vectors
+  use amontons_surfaces, only: BEHAVIOR_USER
+  use amontons_steps, only: step_type
+  use amontons_model, only: model_type, direction_of
+  use amontons_state, only: slave_type, STATUS_OPEN, STATUS_SLIP
+  use amontons_contact_constraint_rows, only: contact_row_type
+  use amontons_contact_pairs, only: contact_type, touching_row
+  use amontons_model_check_bodies, only: complain, warn, step_list, joined, body_type, bodies_type, body_name, &
+    find_bodies, find_root, unite
+  use amontons_model_check_contact, only: is_closed, may_meet_later
+  use amontons_rigid_modes, only: simplify, motion_list, is_translation, CLEAN
+  implicit none
+  private
+  public :: check_motions, free_motion
+
+  ! An eigenvalue or pivot of a Gram matrix that is a smaller part of the largest than this counts as 0 [-]. With
+  ! contacts it is the square of a slope: the normals carry the rounding of the coordinates in the deck.
+  real(DP), parameter :: SUPPORT_TOLERANCE = 1.0e-12_DP
+  real(DP), parameter :: CONTACT_TOLERANCE = 1.0e-10_DP
+
+  !> The motions that the supports of a step leave to each body.
+  type :: bases_type
+    integer, allocatable :: n(:)                   !< (n_bodies) 0 to 6
+    real(DP), allocatable :: motion(:, :, :)       !< (6, 6, n_bodies) the first n are orthonormal: t, r
+  end type bases_type
+
+  !> Rows of equations and contacts on the motions of the bodies, one after the other.
+  type :: rows_type
+    integer :: n = 0
+    integer :: n_entries = 0
+    integer, allocatable :: first(:)               !< (n + 1) start of a row's entries
+    logical, allocatable :: is_open(:)             !< (n) of a contact that is open at the start
+    integer, allocatable :: body(:)                !< (n_entries)
+    real(DP), allocatable :: value(:, :)           !< (6, n_entries) on the motions of that body's basis
+    real(DP), allocatable :: work(:, :)            !< (6, n_bodies) the row in the making on t and r; 0 between rows
+    integer, allocatable :: touched(:)             !< bodies of the row in the making
+    integer :: n_touched = 0
+  end type rows_type
+
+  !> A sentence about some bodies, and the steps in which it is true.
+  type :: finding_type
+    character(:), allocatable :: text
+    logical :: is_warning = .false.
+    type(integer_list_type) :: steps
+  end type finding_type
+
+contains
+
+  !> Tells which rigid motions nothing holds, step by step (errors), and which only open contact holds at the start.
+  subroutine check_motions(model, contact, slaves, bodies, report)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(bodies_type), intent(in) :: bodies
+    type(complaints_type), intent(inout) :: report
+    type(finding_type), allocatable :: findings(:)
+    integer :: i
+    allocate (findings(0))
+    do i = 1, size(model%steps)
+      call check_step(model, contact, slaves, bodies, i, findings)
+    end do
+    do i = 1, size(findings)
+      associate (finding => findings(i))
+        if (finding%is_warning) then
+          call warn(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%text)
+        else
+          call complain(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%text)
+        end if
+      end associate
+    end do
+  end subroutine check_motions
+
+
+  !> A motion that supports, equations and the closed slave nodes leave to a body in a step, in words; empty if there is none.
+  !! Slave nodes that slip hold their bodies along the normal alone.
+  function free_motion(model, contact, slaves, step) result(text)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    integer, intent(in) :: step                    !< its number
+    character(:), allocatable :: text
+    type(bodies_type) :: bodies
+    type(bases_type) :: bases
+    type(rows_type) :: rows
+    type(finding_type), allocatable :: findings(:)
+    integer :: s
+    text = ''
+    call find_bodies(model, bodies)
+    call find_bases(model, bodies, model%steps(step), bases)
+    if (all(bases%n == 0)) return
+    allocate (findings(0))
+    call begin_rows(bodies, rows)
+    call add_equations(model, bodies, bases, rows)
+    do s = 1, size(slaves)
+      if (slaves(s)%status == STATUS_OPEN .or. slaves(s)%facet == 0) cycle
+      call add_contact(model, contact, slaves(s), bodies, bases, rows)
+    end do
+    call check_clusters(model, bodies, bases, rows, step, .false., findings)
+    if (size(findings) == 0) return
+    text = findings(1)%text
+    text = text(:scan(text // ':', ':') - 1)
+    if (index(text, ' as the deck places it') > 0) text = text(:index(text, ' as the deck places it') - 1)
+  end function free_motion
+
+
+  !> Room for rows.
+  subroutine begin_rows(bodies, rows)
+    type(bodies_type), intent(in) :: bodies
+    type(rows_type), intent(out) :: rows
+    allocate (rows%work(6, bodies%n), source=0.0_DP)
+    allocate (rows%touched(bodies%n), rows%first(65), rows%is_open(64), rows%body(128), rows%value(6, 128))
+    rows%first(1) = 1
+  end subroutine begin_rows
+
+
+  !> The free motions of one step.
+  subroutine check_step(model, contact, slaves, bodies, step, findings)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: step                    !< its number
+    type(finding_type), allocatable, intent(inout) :: findings(:)
+    type(bases_type) :: bases
+    type(rows_type) :: rows
+    call find_bases(model, bodies, model%steps(step), bases)
+    if (all(bases%n == 0)) return
+    call begin_rows(bodies, rows)
+    call add_equations(model, bodies, bases, rows)
+    call add_contacts(model, contact, slaves, bodies, bases, rows)
+    call check_clusters(model, bodies, bases, rows, step, .false., findings)
+    if (step > 1 .or. size(findings) > 0) return
+    if (any(rows%is_open(:rows%n))) call check_clusters(model, bodies, bases, rows, step, .true., findings)
+  end subroutine check_step
+
+
+  !> The displacement of a point by the six motions of a body: u_k = sum row(k, :) (t, r).
+  pure function rigid_motion(body, x) result(rows)
+    type(body_type), intent(in) :: body
+    real(DP), intent(in) :: x(3)                   !< [length]
+    real(DP) :: rows(3, 6)
+    real(DP) :: arm(3)
+    arm = (x - body%centre) / body%size
+    rows = reshape([1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, &
+      0.0_DP, -arm(3), arm(2), arm(3), 0.0_DP, -arm(1), -arm(2), arm(1), 0.0_DP], [3, 6])
+  end function rigid_motion
+
+
+  !> What the supports of a step leave free.
+  subroutine find_bases(model, bodies, step, bases)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(step_type), intent(in) :: step
+    type(bases_type), intent(out) :: bases
+    real(DP), allocatable :: gram(:, :, :)
+    real(DP) :: row(6)
+    integer :: i, b
+    allocate (gram(6, 6, bodies%n), source=0.0_DP)
+    allocate (bases%n(bodies%n), source=0)
+    allocate (bases%motion(6, 6, bodies%n), source=0.0_DP)
+    do b = 1, bodies%n
+      if (bodies%list(b)%n_elements == 0) call hold_unused(model, bodies%list(b)%node, gram(:, :, b))
+    end do
+    do i = 1, size(step%prescribed)
+      associate (load => step%prescribed(i))
+        b = bodies%of_node(load%node)
+        if (b == 0) cycle
+        row = matmul(direction_of(model, load%node, load%dof), &
+          rigid_motion(bodies%list(b), model%mesh%coordinates(:, load%node)))
+        call add_product(row, row, gram(:, :, b))
+      end associate
+    end do
+    call hold_by_elements(model, bodies, gram)
+    call hold_lines(model, bodies, gram)
+    do b = 1, bodies%n
+      call find_null_space(gram(:, :, b), SUPPORT_TOLERANCE, bases%n(b), bases%motion(:, :, b))
+    end do
+  end subroutine find_bases
+
+
+  !> Motions that the elements themselves rule out: displacements that nothing resists are held at zero (the third of plane
+  !! models), an axisymmetric element resists its radial displacement, a spring to the ground its own.
+  subroutine hold_by_elements(model, bodies, gram)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    real(DP), intent(inout) :: gram(:, :, :)       !< (6, 6, n_bodies)
+    type(kind_type) :: entry
+    integer :: e, i, k
+    associate (mesh => model%mesh)
+      if (.not. allocated(mesh%is_idle)) return
+      do i = 1, mesh%n_nodes
+        do k = 1, 3
+          if (mesh%is_idle(k, i)) call hold(i, k)
+        end do
+      end do
+      do e = 1, mesh%n_elements
+        entry = element_kind(mesh%kind(e))
+        do i = mesh%first(e), mesh%first(e + 1) - 1
+          if (entry%family == FAMILY_AXISYMMETRIC) call hold(mesh%nodes(i), 1)
+          if (mesh%kind(e) /= KIND_SPRING1) cycle
+          do k = 1, 3                              ! 0: it acts in a direction that is no axis
+            if (mesh%directions(1, e) == k .or. mesh%directions(1, e) == 0) call hold(mesh%nodes(i), k)
+          end do
+        end do
+      end do
+    end associate
+
+  contains
+
+    !> A support of one displacement of a node.
+    subroutine hold(node, dof)
+      integer, intent(in) :: node, dof
+      real(DP) :: rows(3, 6)
+      integer :: b
+      b = bodies%of_node(node)
+      if (b == 0) return
+      rows = rigid_motion(bodies%list(b), model%mesh%coordinates(:, node))
+      call add_product(rows(dof, :), rows(dof, :), gram(:, :, b))
+    end subroutine hold
+
+  end subroutine hold_by_elements
+
+
+  !> A body of trusses, springs or masses may be a line or a point: a turn about it moves nothing, and is held.
+  subroutine hold_lines(model, bodies, gram)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    real(DP), intent(inout) :: gram(:, :, :)       !< (6, 6, n_bodies)
+    real(DP), allocatable :: moved(:, :, :)
+    logical :: is_thin(bodies%n)
+    real(DP) :: rows(3, 6), vectors(6, 6)
+    integer :: i, k, b, n
+    is_thin = .false.
+    do i = 1, model%mesh%n_elements
+      if (model%mesh%kind(i) >= KIND_T3D2 .and. bodies%of_element(i) > 0) is_thin(bodies%of_element(i)) = .true.
+    end do
+    if (.not. any(is_thin)) return
+    allocate (moved(6, 6, bodies%n), source=0.0_DP)
+    do i = 1, model%mesh%n_nodes
+      b = bodies%of_node(i)
+      if (b == 0) cycle
+      if (.not. is_thin(b)) cycle
+      rows = rigid_motion(bodies%list(b), model%mesh%coordinates(:, i))
+      do k = 1, 3
+        call add_product(rows(k, :), rows(k, :), moved(:, :, b))
+      end do
+    end do
+    do b = 1, bodies%n
+      if (.not. is_thin(b)) cycle
+      call find_null_space(moved(:, :, b), SUPPORT_TOLERANCE, n, vectors)
+      do k = 1, n
+        call add_product(vectors(:, k), vectors(:, k), gram(:, :, b))
+      end do
+    end do
+  end subroutine hold_lines
+
+
+  !> A node without elements does not turn, and moves only in the directions that equations name.
+  subroutine hold_unused(model, node, gram)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: node
+    real(DP), intent(inout) :: gram(6, 6)
+    logical :: is_used(6)
+    integer :: i, k
+    is_used = .false.
+    do i = 1, size(model%equations)
+      do k = 1, size(model%equations(i)%node)
+        if (model%equations(i)%node(k) == node) is_used(model%equations(i)%dof(k)) = .true.
+      end do
+    end do
+    do k = 1, 6
+      if (.not. is_used(k)) gram(k, k) = 1.0_DP
+    end do
+  end subroutine hold_unused
+
+
+  !> Adds a'u(node) to the row in the making.
+  subroutine add_term(model, bodies, node, a, rows)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: node
+    real(DP), intent(in) :: a(3)
+    type(rows_type), intent(inout) :: rows
+    integer :: b
+    b = bodies%of_node(node)
+    if (b == 0) return
+    if (.not. any(rows%touched(:rows%n_touched) == b)) then
+      rows%n_touched = rows%n_touched + 1
+      rows%touched(rows%n_touched) = b
+    end if
+    rows%work(:, b) = rows%work(:, b) + matmul(a, rigid_motion(bodies%list(b), model%mesh%coordinates(:, node)))
+  end subroutine add_term
+
+
+  !> Ends the row in the making: what of it falls on motions that supports leave free is kept.
+  subroutine end_row(bases, is_open, rows)
+    type(bases_type), intent(in) :: bases
+    logical, intent(in) :: is_open                 !< of a contact that is open at the start
+    type(rows_type), intent(inout) :: rows
+    real(DP) :: value(6), largest
+    integer :: i, b, n_before
+    n_before = rows%n_entries
+    largest = 0.0_DP
+    do i = 1, rows%n_touched
+      largest = max(largest, maxval(abs(rows%work(:, rows%touched(i)))))
+    end do
+    do i = 1, rows%n_touched
+      b = rows%touched(i)
+      value = 0.0_DP
+      value(:bases%n(b)) = matmul(rows%work(:, b), bases%motion(:, :bases%n(b), b))
+      rows%work(:, b) = 0.0_DP
+      if (norm2(value) <= 1.0e-12_DP * largest .or. bases%n(b) == 0) cycle
+      if (rows%n_entries == size(rows%body)) call enlarge_entries(rows)
+      rows%n_entries = rows%n_entries + 1
+      rows%body(rows%n_entries) = b
+      rows%value(:, rows%n_entries) = value
+    end do
+    rows%n_touched = 0
+    if (rows%n_entries == n_before) return
+    if (rows%n == size(rows%is_open)) then
+      rows%is_open = [rows%is_open, rows%is_open]
+      rows%first = [rows%first, rows%first]
+    end if
+    rows%n = rows%n + 1
+    rows%is_open(rows%n) = is_open
+    rows%first(rows%n + 1) = rows%n_entries + 1
+  end subroutine end_row
+
+
+  !> Doubles the room for entries.
+  subroutine enlarge_entries(rows)
+    type(rows_type), intent(inout) :: rows
+    real(DP), allocatable :: larger(:, :)
+    integer :: n
+    n = size(rows%body)
+    rows%body = [rows%body, rows%body]
+    allocate (larger(6, 2 * n))
+    larger(:, :n) = rows%value
+    call move_alloc(larger, rows%value)
+  end subroutine enlarge_entries
+
+
+  !> The rows of all equations.
+  subroutine add_equations(model, bodies, bases, rows)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(inout) :: rows
+    real(DP) :: a(3)
+    integer :: i, k
+    do i = 1, size(model%equations)
+      associate (equation => model%equations(i))
+        do k = 1, size(equation%node)
+          a = 0.0_DP
+          a(equation%dof(k)) = equation%coefficient(k) / maxval(abs(equation%coefficient))
+          call add_term(model, bodies, equation%node(k), a, rows)
+        end do
+      end associate
+      call end_row(bases, .false., rows)
+    end do
+  end subroutine add_equations
+
+
+  !> The rows of all slave nodes that are or may come into contact.
+  subroutine add_contacts(model, contact, slaves, bodies, bases, rows)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slaves(:)
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(inout) :: rows
+    type(slave_type) :: slave
+    logical, allocatable :: is_later(:)            ! (n_pairs) apart now, may be driven together
+    integer :: s, p
+    allocate (is_later(size(model%pairs)), source=.true.)
+    do s = 1, size(slaves)
+      if (slaves(s)%facet > 0) is_later(slaves(s)%pair) = .false.
+    end do
+    do p = 1, size(model%pairs)
+      if (is_later(p)) is_later(p) = may_meet_later(model, contact, p)
+    end do
+    do s = 1, size(slaves)
+      slave = slaves(s)
+      if (is_later(slave%pair)) then               ! where it will touch is not known: take any facet
+        slave%facet = 1
+        slave%row = 0
+        slave%normal = -contact%slave_normal(:, s)
+      end if
+      if (slave%facet == 0 .or. norm2(slave%normal) < 0.5_DP) cycle
+      call add_contact(model, contact, slave, bodies, bases, rows)
+    end do
+  end subroutine add_contacts
+
+
+  !> The normal row of one slave node, and with friction the two tangential ones.
+  subroutine add_contact(model, contact, slave, bodies, bases, rows)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_type), intent(in) :: slave
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(inout) :: rows
+    type(contact_row_type) :: row
+    real(DP) :: direction(3, 3)
+    integer :: i, k, n_directions
+    logical :: is_open
+    call touching_row(contact, slave, row)
+    is_open = .not. is_closed(contact, slave)
+    associate (law => model%interactions(model%pairs(slave%pair)%interaction))
+      n_directions = merge(3, 1, law%friction > 0.0_DP .or. law%is_user_friction .or. law%behavior == BEHAVIOR_USER)
+    end associate
+    if (slave%status == STATUS_SLIP) n_directions = 1
+    direction(:, 1) = slave%normal
+    direction(:, 2) = 0.0_DP
+    direction(minloc(abs(slave%normal), dim=1), 2) = 1.0_DP
+    direction(:, 2) = cross_product(slave%normal, direction(:, 2))
+    direction(:, 2) = direction(:, 2) / norm2(direction(:, 2))
+    direction(:, 3) = cross_product(slave%normal, direction(:, 2))
+    do k = 1, n_directions
+      do i = 1, size(row%nodes)
+        call add_term(model, bodies, row%nodes(i), row%weights(i) * direction(:, k), rows)
+      end do
+      call end_row(bases, is_open, rows)
+    end do
+  end subroutine add_contact
+
+
+  !> Clusters of bodies that the rows couple: what is free in each.
+  subroutine check_clusters(model, bodies, bases, rows, step, is_start, findings)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(in) :: rows
+    integer, intent(in) :: step
+    logical, intent(in) :: is_start                !< .true.: without the contacts that are open at the start
+    type(finding_type), allocatable, intent(inout) :: findings(:)
+    integer, allocatable :: parent(:)
+    type(integer_list_type), allocatable :: members(:), rows_of(:)   ! of a cluster, at its root
+    integer :: b, r, i, root
+    allocate (members(bodies%n), rows_of(bodies%n))
+    parent = [(b, b=1, bodies%n)]
+    do r = 1, rows%n
+      if (is_start .and. rows%is_open(r)) cycle
+      do i = rows%first(r) + 1, rows%first(r + 1) - 1
+        call unite(parent, rows%body(rows%first(r)), rows%body(i))
+      end do
+    end do
+    do b = 1, bodies%n
+      if (bases%n(b) == 0) cycle
+      root = find_root(parent, b)
+      call members(root)%add(b)
+    end do
+    do r = 1, rows%n
+      if (is_start .and. rows%is_open(r)) cycle
+      root = find_root(parent, rows%body(rows%first(r)))
+      call rows_of(root)%add(r)
+    end do
+    do b = 1, bodies%n
+      if (members(b)%n == 0) cycle
+      call check_cluster(model, bodies, bases, rows, members(b)%trimmed(), rows_of(b), step, is_start, findings)
+    end do
+  end subroutine check_clusters
+
+
+  !> One cluster: the null space of its Gram matrix, told as motions.
+  subroutine check_cluster(model, bodies, bases, rows, members, rows_of, step, is_start, findings)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(in) :: rows
+    integer, intent(in) :: members(:)              !< bodies
+    type(integer_list_type), intent(in) :: rows_of
+    integer, intent(in) :: step
+    logical, intent(in) :: is_start
+    type(finding_type), allocatable, intent(inout) :: findings(:)
+    real(DP), allocatable :: gram(:, :), vectors(:, :), motions(:, :)
+    real(DP) :: motion(6)
+    integer, allocatable :: place(:)               ! (n_bodies) of a member's first motion, less one
+    integer :: i, k, l, m, n, b
+    allocate (place(bodies%n), source=0)
+    m = 0
+    do i = 1, size(members)
+      place(members(i)) = m
+      m = m + bases%n(members(i))
+    end do
+    allocate (gram(m, m), vectors(m, m))
+    call fill_gram(bases, rows, rows_of, place, gram)
+    call find_scaled_null_space(members, bases, gram, n, vectors)
+    if (n == 0) return
+    allocate (motions(6 * size(members), n))
+    do i = 1, size(members)
+      b = members(i)
+      do k = 1, n
+        motion = 0.0_DP
+        do l = 1, bases%n(b)
+          motion = motion + vectors(place(b) + l, k) * bases%motion(:, l, b)
+        end do
+        motions(6 * i - 5:6 * i, k) = motion
+      end do
+    end do
+    call simplify(motions)
+    call tell_motions(model, bodies, members, motions, step, is_start, findings)
+  end subroutine check_cluster
+
+
+  !> R'R of a cluster.
+  subroutine fill_gram(bases, rows, rows_of, place, gram)
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(in) :: rows
+    type(integer_list_type), intent(in) :: rows_of !< the rows of the cluster
+    integer, intent(in) :: place(:)                !< (n_bodies) of a body's first motion, less one
+    real(DP), intent(out) :: gram(:, :)
+    integer :: k, i, j, r, a, b
+    gram = 0.0_DP
+    do k = 1, rows_of%n
+      r = rows_of%items(k)
+      do j = rows%first(r), rows%first(r + 1) - 1
+        b = rows%body(j)
+        do i = rows%first(r), rows%first(r + 1) - 1
+          a = rows%body(i)
+          call add_product(rows%value(:bases%n(a), i), rows%value(:bases%n(b), j), &
+            gram(place(a) + 1:place(a) + bases%n(a), place(b) + 1:place(b) + bases%n(b)))
+        end do
+      end do
+    end do
+  end subroutine fill_gram
+
+
+  !> G = G + a b'.
+  pure subroutine add_product(a, b, gram)
+    real(DP), intent(in) :: a(:), b(:)
+    real(DP), intent(inout) :: gram(:, :)          !< (size of a, size of b)
+    integer :: j
+    do j = 1, size(b)
+      gram(:, j) = gram(:, j) + b(j) * a
+    end do
+  end subroutine add_product
+
+
+  !> The null space after the motions of each body have been scaled by its strongest one, so that bodies with few rows
+  !! count as those with many.
+  subroutine find_scaled_null_space(members, bases, gram, n, vectors)
+    integer, intent(in) :: members(:)              !< bodies of the cluster
+    type(bases_type), intent(in) :: bases
+    real(DP), intent(inout) :: gram(:, :)          !< used up
+    integer, intent(out) :: n
+    real(DP), intent(out) :: vectors(:, :)         !< the first n columns
+    real(DP) :: scale(size(gram, 1)), largest
+    integer :: i, k, first, last
+    last = 0
+    do k = 1, size(members)
+      first = last + 1
+      last = last + bases%n(members(k))
+      largest = 0.0_DP
+      do i = first, last
+        largest = max(largest, gram(i, i))
+      end do
+      if (largest <= 0.0_DP) largest = 1.0_DP
+      scale(first:last) = 1.0_DP / sqrt(largest)
+    end do
+    do i = 1, size(scale)
+      gram(:, i) = scale * scale(i) * gram(:, i)
+    end do
+    call find_null_vectors(gram, CONTACT_TOLERANCE, n, vectors)
+    do i = 1, n
+      vectors(:, i) = scale * vectors(:, i)
+      vectors(:, i) = vectors(:, i) / maxval(abs(vectors(:, i)))
+    end do
+  end subroutine find_scaled_null_space
+
+
+  !> One finding for each set of bodies that moves together.
+  subroutine tell_motions(model, bodies, members, motions, step, is_start, findings)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: members(:)              !< bodies
+    real(DP), intent(in) :: motions(:, :)          !< (6 members, n)
+    integer, intent(in) :: step
+    logical, intent(in) :: is_start
+    type(finding_type), allocatable, intent(inout) :: findings(:)
+    logical :: is_moved(size(members), size(motions, 2)), is_told(size(motions, 2)), is_same(size(motions, 2))
+    character(:), allocatable :: text
+    integer :: i, j, first
+    logical :: is_turned
+    do j = 1, size(motions, 2)
+      do i = 1, size(members)
+        is_moved(i, j) = maxval(abs(motions(6 * i - 5:6 * i, j))) > CLEAN * maxval(abs(motions(:, j)))
+      end do
+    end do
+    is_told = .false.
+    do j = 1, size(motions, 2)
+      if (is_told(j)) cycle
+      is_same = [(all(is_moved(:, i) .eqv. is_moved(:, j)), i=1, size(motions, 2))]
+      is_told = is_told .or. is_same
+      first = findloc(is_moved(:, j), .true., dim=1)
+      text = body_name(model, bodies%list(members(first)))
+      if (count(is_moved(:, j)) > 1) text = text // ' and with it ' // &
+        other_bodies(model, bodies, pack(members, is_moved(:, j)))
+      text = text // ' can ' // motion_list(bodies%list(members(first)), motions(6 * first - 5:6 * first, :), is_same)
+      is_turned = may_be_held_later(model, step, motions(6 * first - 5:6 * first, :), is_same)
+      call add_finding(text // remedy(is_start, is_turned), step, is_start .or. is_turned, findings)
+    end do
+  end subroutine tell_motions
+
+
+  !> The second and third body by name, the others by number.
+  function other_bodies(model, bodies, moved) result(text)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: moved(:)                !< bodies; the first is named already
+    character(:), allocatable :: text
+    text = 'the ' // body_name(model, bodies%list(moved(2)))
+    if (size(moved) == 3) text = joined(text, 'the ' // body_name(model, bodies%list(moved(3))), .true.)
+    if (size(moved) > 3) text = joined(text, text_of(size(moved) - 2) // ' more', .true.)
+  end function other_bodies
+
+
+  !> Whether a body that can turn where it lies in the deck may be held where an earlier step under NLGEOM has brought it.
+  !! What can move along without turning can so everywhere.
+  pure logical function may_be_held_later(model, step, motions, is_told) result(may_be)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step
+    real(DP), intent(in) :: motions(:, :)          !< (6, n) of one body
+    logical, intent(in) :: is_told(:)              !< (n) those in question
+    integer :: i
+    may_be = step > 1 .and. any(model%steps(:step)%is_nlgeom) .and. .not. any([(is_told(i) .and. &
+      is_translation(motions(:, i)), i=1, size(is_told))])
+  end function may_be_held_later
+
+
+  !> What is missing and what to do.
+  pure function remedy(is_start, is_turned) result(text)
+    logical, intent(in) :: is_start
+    logical, intent(in) :: is_turned               !< it may be held where the steps before have brought it
+    character(:), allocatable :: text
+    if (is_turned) then
+      text = ' as the deck places it: no support, no equation and no contact holds it there. Under NLGEOM it may be ' // &
+        'held where the steps before have brought it.'
+    else if (is_start) then
+      text = ' until its contact closes: what could hold it is open at the start. It will be carried to where it ' // &
+        'touches; a body that shall not move so is to be driven by a prescribed displacement.'
+    else
+      text = ': no support, no equation and no contact holds it. Hold it by *BOUNDARY, or let it touch a body ' // &
+        'that is held (only friction holds it along the surface).'
+    end if
+  end function remedy
+
+
+  !> Adds a finding, or its step to one that says the same.
+  subroutine add_finding(text, step, is_warning, findings)
+    character(*), intent(in) :: text
+    integer, intent(in) :: step
+    logical, intent(in) :: is_warning
+    type(finding_type), allocatable, intent(inout) :: findings(:)
+    type(finding_type), allocatable :: longer(:)
+    integer :: i, n
+    n = size(findings)
+    do i = 1, n
+      if (findings(i)%text == text) then
+        call findings(i)%steps%add(step)
+        return
+      end if
+    end do
+    allocate (longer(n + 1))
+    do i = 1, n
+      longer(i) = findings(i)
+    end do
+    longer(n + 1)%text = text
+    longer(n + 1)%is_warning = is_warning
+    call longer(n + 1)%steps%add(step)
+    call move_alloc(longer, findings)
+  end subroutine add_finding
+
+end module amontons_model_check_motion

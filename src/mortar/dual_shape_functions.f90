@@ -1,0 +1,186 @@
+!> Dual: shape functions of slave faces that suit a mortar method, and the functions dual to them on the part in contact.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/contact.md, "Mortar". Quadratic faces have corner functions whose integral is negative or zero, and a
+!! pressure from their duals would be none. Their basis is therefore transformed (A. Popp, B. Wohlmuth, M. Gee, W. Wall, SIAM J.
+!! Sci. Comput. 34 (2012) B421-B446): a corner takes alpha of each mid-side function beside it, a mid-side keeps the rest,
+!!
+!!     N~_corner = N_corner + alpha (N_mid + N_mid'),    N~_mid = (1 - 2 alpha) N_mid,    alpha = 1/5,
+!!
+!! all with positive integrals. sum N~_j x^_j is the same surface with x^_corner = x_corner and
+!! x^_mid = (x_mid - alpha (x_a + x_b))/(1 - 2 alpha).
+module amontons_dual_shape_functions
+  use amontons_kinds, only: DP
+  use amontons_topology, only: facet_kind, facet_kind_type, FACET_TRI3, FACET_TRI6, FACET_QUAD4, FACET_QUAD8, &
+    FACET_LINE2, FACET_LINE3, MAX_FACE_NODES
+  use amontons_dense, only: solve_small, DENSE_OK
+  implicit none
+  private
+  public :: is_transformed, full_part, transform_shapes, transform_nodes, whole_share, dual_functions
+  public :: ALPHA
+
+  real(DP), parameter :: ALPHA = 0.2_DP            !< of the transformation of quadratic faces [-]
+  real(DP), parameter :: FULL(6) = [2.0_DP, 2.0_DP, 1.2_DP, 1.2_DP, 2.0_DP, 2.0_DP]   !< times this cover they have all of it,
+                                                   !< by kind [-]
+  real(DP), parameter :: ENOUGH(6) = [0.0_DP, 0.05_DP, 0.25_DP, 0.25_DP, 0.0_DP, 0.1_DP]   !< cover of a facet, by kind,
+                                                   !< that carries all its duals [-]
+
+contains
+
+  !> Whether the basis of a kind of facets is transformed: quadratic faces, but not lines, whose functions have positive integrals.
+  elemental logical function is_transformed(kind)
+    integer, intent(in) :: kind                    !< FACET_...
+    is_transformed = kind == FACET_TRI6 .or. kind == FACET_QUAD8
+  end function is_transformed
+
+
+  !> Which part the full dual functions have, those of linear functions having the rest: 0 where too little of a facet is covered, 1
+  !! from somewhat more on, so that nothing jumps in between.
+  pure subroutine full_part(kind, cover, part, slope)
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP), intent(in) :: cover                  !< covered area over that of the facet [-]
+    real(DP), intent(out) :: part                  !< [-]
+    real(DP), intent(out) :: slope                 !< d part/d cover [-]
+    real(DP) :: t
+    part = 1.0_DP
+    slope = 0.0_DP
+    if (cover >= FULL(kind) * ENOUGH(kind)) return
+    t = max((cover / ENOUGH(kind) - 1) / (FULL(kind) - 1), 0.0_DP)
+    part = t**2 * (3 - 2 * t)
+    slope = 6 * t * (1 - t) / ((FULL(kind) - 1) * ENOUGH(kind))
+  end subroutine full_part
+
+
+  !> The transformed functions from those of the facet.
+  pure subroutine transform_shapes(kind, N)
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP), intent(inout) :: N(MAX_FACE_NODES)   !< in: N_j; out: N~_j [-]
+    type(facet_kind_type) :: shape
+    real(DP) :: mid(4)
+    integer :: m
+    shape = facet_kind(kind)
+    m = shape%n_corners
+    if (.not. is_transformed(kind)) return
+    mid(:m) = N(m + 1:2 * m)
+    N(:m) = N(:m) + ALPHA * (mid(:m) + cshift(mid(:m), -1))
+    N(m + 1:2 * m) = (1 - 2 * ALPHA) * mid(:m)
+  end subroutine transform_shapes
+
+
+  !> The nodes x^_j that go with the transformed functions.
+  pure subroutine transform_nodes(kind, x)
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP), intent(inout) :: x(:, :)             !< (:, n) in: x_j; out: x^_j [length]
+    type(facet_kind_type) :: shape
+    integer :: i, m
+    shape = facet_kind(kind)
+    m = shape%n_corners
+    if (.not. is_transformed(kind)) return
+    do i = 1, m
+      x(:, m + i) = (x(:, m + i) - ALPHA * (x(:, i) + x(:, modulo(i, m) + 1))) / (1 - 2 * ALPHA)
+    end do
+  end subroutine transform_nodes
+
+
+  !> The integral of each N~_j over a flat whole facet, as a part of its area.
+  pure function whole_share(kind) result(share)
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP) :: share(MAX_FACE_NODES)              !< [-]
+    share = 0.0_DP
+    select case (kind)
+    case (FACET_TRI3)
+      share(:3) = 1.0_DP / 3
+    case (FACET_QUAD4)
+      share(:4) = 0.25_DP
+    case (FACET_TRI6)
+      share(:3) = 2 * ALPHA / 3
+      share(4:6) = (1 - 2 * ALPHA) / 3
+    case (FACET_QUAD8)
+      share(:4) = (8 * ALPHA - 1) / 12
+      share(5:8) = (1 - 2 * ALPHA) / 3
+    case (FACET_LINE2)
+      share(:2) = 0.5_DP
+    case (FACET_LINE3)
+      share(:3) = [1.0_DP, 1.0_DP, 4.0_DP] / 6
+    case default
+    end select
+  end function whole_share
+
+
+  !> The dual functions phi_j at the points of the part of a facet that is integrated, and d_j, the integral of N~_j over it.
+  !!
+  !! Biorthogonal on that part: integral of phi_j N~_k = d_j delta_jk; with M = integral of N~ N~', phi = diag(d) inv(M) N~.
+  !! The sum of all phi_j is 1. On a part too small for that (M is nearly singular) biorthogonal to linear functions of the
+  !! place only: phi_j = d_j (1, y_j)' inv(G) (1, y), with G = integral of (1, y)(1, y)'; the sum is 1 again. In between a mean of
+  !! both, by `full_part`.
+  subroutine dual_functions(kind, area, at_node, weight, at, shapes, phi, d)
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP), intent(in) :: area                   !< of the whole facet [length^2]
+    real(DP), intent(in) :: at_node(:, :)          !< (2, n) x^_j in the plane of the facet [length]
+    real(DP), intent(in) :: weight(:)              !< (n_points) [length^2]
+    real(DP), intent(in) :: at(:, :)               !< (2, n_points) places in the plane [length]
+    real(DP), intent(in) :: shapes(:, :)           !< (n, n_points) N~_j [-]
+    real(DP), intent(out) :: phi(:, :)             !< (n, n_points) [-]
+    real(DP), intent(out) :: d(:)                  !< (n) [length^2]
+    real(DP) :: mass(size(d), size(d)), inverse(size(d), size(d)), unit(size(d), size(d)), part, slope
+    real(DP), allocatable :: affine(:, :)
+    integer :: i, q, status
+    mass = 0.0_DP
+    unit = 0.0_DP
+    do i = 1, size(d)
+      unit(i, i) = 1.0_DP
+    end do
+    do q = 1, size(weight)
+      do i = 1, size(d)
+        mass(:, i) = mass(:, i) + weight(q) * shapes(i, q) * shapes(:, q)
+      end do
+    end do
+    d = matmul(shapes, weight)
+    call full_part(kind, sum(weight) / area, part, slope)
+    status = -1
+    if (part > 0.0_DP) call solve_small(mass, unit, inverse, status)
+    if (status /= DENSE_OK) then
+      call affine_duals(area, at_node, weight, at, d, phi)
+      return
+    end if
+    phi = spread(d, 2, size(weight)) * matmul(inverse, shapes)
+    if (part >= 1.0_DP) return
+    allocate (affine, mold=phi)
+    call affine_duals(area, at_node, weight, at, d, affine)
+    phi = part * phi + (1 - part) * affine
+  end subroutine dual_functions
+
+
+  !> The functions that are dual to the linear functions of the place only; on a part like a needle, to the constant.
+  subroutine affine_duals(area, at_node, weight, at, d, phi)
+    real(DP), intent(in) :: area                   !< [length^2]
+    real(DP), intent(in) :: at_node(:, :), weight(:), at(:, :), d(:)
+    real(DP), intent(out) :: phi(:, :)
+    real(DP) :: centre(2), y(3, size(weight)), y_node(3, size(d)), gram(3, 3), inverse(3, 3), unit(3, 3)
+    integer :: i, q, status
+    centre = matmul(at, weight) / sum(weight)
+    y(1, :) = 1.0_DP
+    y_node(1, :) = 1.0_DP
+    do i = 1, 2
+      y(i + 1, :) = (at(i, :) - centre(i)) / sqrt(area)
+      y_node(i + 1, :) = (at_node(i, :) - centre(i)) / sqrt(area)
+    end do
+    gram = 0.0_DP
+    unit = 0.0_DP
+    do i = 1, 3
+      unit(i, i) = 1.0_DP
+    end do
+    do q = 1, size(weight)
+      do i = 1, 3
+        gram(:, i) = gram(:, i) + weight(q) * y(i, q) * y(:, q)
+      end do
+    end do
+    call solve_small(gram, unit, inverse, status)
+    if (status == DENSE_OK) then
+      phi = spread(d, 2, size(weight)) * matmul(transpose(y_node), matmul(inverse, y))
+    else
+      phi = spread(d / sum(weight), 2, size(weight))
+    end if
+  end subroutine affine_duals
+
+end module amontons_dual_shape_functions

@@ -1,0 +1,137 @@
+!> Stepper: steps, increments and cut-backs: what time comes next, from what happened before.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! The rules and the names of the numbers are those of CONTROLS, PARAMETERS=TIME INCREMENTATION (doc/manual).
+module amontons_increment_control
+  use amontons_kinds, only: DP
+  use amontons_steps, only: step_type, next_stop
+  use amontons_convergence, only: VERDICT_DIVERGES
+  implicit none
+  private
+  public :: stepper_type, effort_type, open_step, propose_time, accept_increment, reject_increment, may_cut
+  public :: STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
+
+  integer, parameter :: STEP_GOES_ON = 0           !< after an accepted increment: more to come in this step
+  integer, parameter :: STEP_DONE = 1              !< the end of the step is reached
+  integer, parameter :: STEP_OUT_OF_INCREMENTS = 2 !< INC increments were not enough
+  integer, parameter :: CUT_BACK = 3               !< after a failed attempt: try again with the smaller increment
+  integer, parameter :: GIVE_UP = 4                !< no smaller increment is allowed
+
+  integer, parameter :: FEW = 4                    !< iterations
+  real(DP), parameter :: SNAP = 1.0e-6_DP          !< an increment that ends this near to the end of the step ends there [-]
+
+  !> What happened in an attempt that converged.
+  type :: effort_type
+    integer :: n_iterations = 0
+    integer :: n_unforeseen = 0                    !< slave nodes whose status at the end was not that after the first iteration
+    integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
+  end type effort_type
+
+  !> Where the job is in time. Times are those committed.
+  type :: stepper_type
+    integer :: step = 0                            !< index into model%steps
+    integer :: increment = 0                       !< number of the increment, counted from 1 in each step
+    integer :: attempt = 1                         !< number of the attempt at it
+    real(DP) :: step_time = 0                      !< [time]
+    real(DP) :: total_time = 0                     !< [time]
+    real(DP) :: dt = 0                             !< wanted for the next increment [time]
+    integer :: n_fast = 0                          !< increments running that converged within i_g iterations
+    logical :: has_failed = .false.                !< an attempt failed in this step
+  end type stepper_type
+
+contains
+
+  !> The next step begins.
+  pure subroutine open_step(stepper, step)
+    type(stepper_type), intent(inout) :: stepper
+    type(step_type), intent(in) :: step
+    stepper%step = stepper%step + 1
+    stepper%increment = 1
+    stepper%attempt = 1
+    stepper%step_time = 0.0_DP
+    if (step%is_clock_set) stepper%total_time = step%clock
+    stepper%dt = min(step%dt_initial, step%period)
+    stepper%n_fast = 0
+    stepper%has_failed = .false.
+  end subroutine open_step
+
+
+  !> Length of the next attempt: as wanted, but ending at the end of the step or at a time point if that is near.
+  pure real(DP) function propose_time(stepper, step) result(dt)
+    type(stepper_type), intent(in) :: stepper
+    type(step_type), intent(in) :: step
+    real(DP) :: left
+    left = next_stop(step, stepper%step_time) - stepper%step_time
+    dt = stepper%dt
+    if (dt >= left - SNAP * step%period) dt = left
+  end function propose_time
+
+
+  !> A converged increment: time goes on, and the next one may be longer or shorter.
+  pure subroutine accept_increment(stepper, step, dt, effort, outcome)
+    type(stepper_type), intent(inout) :: stepper
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: dt                     !< length of the increment [time]
+    type(effort_type), intent(in) :: effort
+    integer, intent(out) :: outcome                !< STEP_...
+    stepper%total_time = stepper%total_time + dt
+    stepper%step_time = stepper%step_time + dt
+    if (abs(step%period - stepper%step_time) <= SNAP * step%period) stepper%step_time = step%period
+    if (.not. step%is_direct) call adapt(stepper, step, effort)
+    stepper%attempt = 1
+    outcome = STEP_DONE
+    if (stepper%step_time >= step%period) return
+    stepper%increment = stepper%increment + 1
+    outcome = merge(STEP_OUT_OF_INCREMENTS, STEP_GOES_ON, stepper%increment > step%max_increments)
+  end subroutine accept_increment
+
+
+  !> Length of the next increment from what happened in the last one. It grows after two fast ones running, and shrinks after a slow
+  !! one. After cycles it does not grow, nor, in a step in which an attempt failed, where contact was not as foreseen: statuses
+  !! changed after the first iteration, and it took more than a FEW.
+  pure subroutine adapt(stepper, step, effort)
+    type(stepper_type), intent(inout) :: stepper
+    type(step_type), intent(in) :: step
+    type(effort_type), intent(in) :: effort
+    logical :: is_fast, is_foreseen
+    is_foreseen = effort%n_unforeseen == 0 .or. effort%n_iterations <= FEW
+    is_fast = effort%n_iterations <= step%controls%i_g .and. effort%n_cycles == 0 .and. (is_foreseen .or. .not. stepper%has_failed)
+    stepper%n_fast = merge(stepper%n_fast + 1, 0, is_fast)
+    if (effort%n_iterations > step%controls%i_l) then
+      stepper%dt = max(step%dt_min, step%controls%d_b * stepper%dt)
+    else if (stepper%n_fast >= 2) then
+      stepper%dt = min(step%dt_max, step%controls%d_d * stepper%dt)
+    end if
+  end subroutine adapt
+
+
+  !> Whether an attempt that fails can be tried again with a smaller increment, and more than once.
+  pure logical function may_cut(stepper, step, dt)
+    type(stepper_type), intent(in) :: stepper
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: dt                     !< length of the attempt [time]
+    may_cut = .not. step%is_direct .and. stepper%attempt < step%controls%i_a .and. step%controls%d_f * dt > step%dt_min
+  end function may_cut
+
+
+  !> A failed attempt: cut back, or give up when the step says DIRECT, after i_a cut-backs, or below the least increment.
+  pure subroutine reject_increment(stepper, step, dt, verdict, outcome)
+    type(stepper_type), intent(inout) :: stepper
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: dt                     !< length of the attempt [time]
+    integer, intent(in) :: verdict                 !< VERDICT_...
+    integer, intent(out) :: outcome                !< CUT_BACK or GIVE_UP
+    outcome = GIVE_UP
+    if (step%is_direct .or. stepper%attempt > step%controls%i_a) return
+    stepper%has_failed = .true.
+    stepper%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
+    if (stepper%dt < step%dt_min) then
+      if (dt <= step%dt_min * (1.0_DP + SNAP)) return
+      stepper%dt = step%dt_min
+    end if
+    stepper%n_fast = 0
+    stepper%attempt = stepper%attempt + 1
+    outcome = CUT_BACK
+  end subroutine reject_increment
+
+end module amontons_increment_control

@@ -1,0 +1,705 @@
+!> Frd: job.frd, mesh and nodal fields in CalculiX's text form, for CGX, PrePoMax and other programs that read it.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Written when FILE or OUTPUT cards ask for it under the calculix dialect, or when the user does (`--frd`). It is a copy
+!! for such programs, with six digits; the doubles are in job.vtkhdf. One frame per written increment, one block per
+!! field. No date stands in it, so that the same job gives the same file.
+!!
+!! As in CalculiX's own file, nodes without elements are left out, and of a frame those whose elements are all taken out
+!! (MODEL CHANGE); elements of one node are, too. Nodes and elements come by their numbers, whatever their order in the deck.
+!!
+!! Reference: CGX manual, "Result Format": fixed columns, long form; element types 1 to 12 with their order of nodes,
+!! in which the mid-side nodes of the upright edges come before those of the top.
+module amontons_frd_output
+  use amontons_kinds, only: DP, I64
+  use amontons_dense, only: least_squares
+  use amontons_errors, only: error_type, set_error, EXIT_IO
+  use amontons_posix, only: cut_file, sync_file
+  use amontons_text, only: rows_as_text, text_of
+  use amontons_containers, only: sort_integers
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, FACET_TRI3, &
+    FAMILY_MASS, FAMILY_SOLID, MAX_FACE_NODES
+  use amontons_mesh, only: mesh_type, is_out
+  use amontons_shape_functions, only: facet_shapes
+  use amontons_steps, only: frd_request_type, is_output_due, step_type, FRD_CELS, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_ERROR, &
+    FRD_FORC, FRD_MESTRAIN, FRD_NDTEMP, FRD_PE, FRD_SDV, FRD_STRESS, FRD_THSTRAIN, FRD_TOSTRAIN, N_FRD
+  use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
+  use amontons_iteration_records, only: increment_record_type
+  use amontons_state, only: inelastic_strain, inner_variables, n_inner_variables, fields_type, slave_type, STATUS_OPEN
+  use amontons_postprocess, only: average_at_nodes, estimate_error, list_followers, mechanical_strain, nodal_slaves, &
+    n_nodal_slaves, &
+    show_sides, shown_density, shown_energy, shown_slip, turn_trusses
+  use amontons_dat_output, only: in_axes, in_directions, printed_forces
+  use amontons_dat_contact_output, only: contact_axes
+  use amontons_version, only: VERSION
+  implicit none
+  private
+  public :: frd_type, open_frd, resume_frd, write_frd, measure_frd, sync_frd, close_frd
+
+  real(DP), parameter :: EQUAL = 1.0e-6_DP         !< two pressures are one within this [-]
+  integer, parameter :: IN_A_LINE = 6              !< values
+  integer, parameter :: KIND_SCALAR = 1, KIND_VECTOR = 2, KIND_TENSOR = 4   !< of CGX
+
+  !> A file that is being written; the unit is 0 if none is.
+  type :: frd_type
+    private
+    integer :: unit = 0
+    character(:), allocatable :: path
+    integer :: n_frames = 0
+    integer :: n_blocks = 0
+    logical :: is_all = .false.                    !< all fields, whatever the cards ask for
+    integer, allocatable :: nodes(:)               !< those that are written: with elements
+    integer, allocatable :: present(:)             !< those of them that have elements in the present frame
+    integer :: status = 0                          !< of the first line that could not be written
+  end type frd_type
+
+  !> The head of a block: a scalar or several, a vector with its length, or a symmetric tensor.
+  type :: head_type
+    character(8) :: name = ''
+    integer :: n = 1                               !< components that are written
+    integer :: kind = KIND_SCALAR                  !< KIND_...
+    character(8) :: components(6) = ''
+  end type head_type
+
+  type(head_type), parameter :: HEADS(N_FRD) = [ &
+    head_type('DISP', 3, KIND_VECTOR, [character(8) :: 'D1', 'D2', 'D3', 'ALL', '', '']), &
+    head_type('NDTEMP', 1, KIND_SCALAR, [character(8) :: 'T', '', '', '', '', '']), &
+    head_type('STRESS', 6, KIND_TENSOR, [character(8) :: 'SXX', 'SYY', 'SZZ', 'SXY', 'SYZ', 'SZX']), &
+    head_type('TOSTRAIN', 6, KIND_TENSOR, [character(8) :: 'EXX', 'EYY', 'EZZ', 'EXY', 'EYZ', 'EZX']), &
+    head_type('MESTRAIN', 6, KIND_TENSOR, [character(8) :: 'MEXX', 'MEYY', 'MEZZ', 'MEXY', 'MEYZ', 'MEZX']), &
+    head_type('THSTRAIN', 6, KIND_TENSOR, [character(8) :: 'THXX', 'THYY', 'THZZ', 'THXY', 'THYZ', 'THZX']), &
+    head_type('FORC', 3, KIND_VECTOR, [character(8) :: 'F1', 'F2', 'F3', 'ALL', '', '']), &
+    head_type('PE', 1, KIND_SCALAR, [character(8) :: 'PE', '', '', '', '', '']), &
+    head_type('ENER', 1, KIND_SCALAR, [character(8) :: 'ENER', '', '', '', '', '']), &
+    head_type('CONTACT', 6, KIND_TENSOR, [character(8) :: 'COPEN', 'CSLIP1', 'CSLIP2', 'CPRESS', 'CSHEAR1', 'CSHEAR2']), &
+    head_type('CELS', 1, KIND_SCALAR, [character(8) :: 'CELS', '', '', '', '', '']), &
+    head_type('SDV', 0, KIND_SCALAR, ''), &
+    head_type('ERROR', 1, KIND_SCALAR, [character(8) :: 'STR(%)', '', '', '', '', ''])]
+
+contains
+
+  !> Creates job.frd with the mesh, if it is asked for.
+  subroutine open_frd(frd, model, options, error)
+    type(frd_type), intent(out) :: frd
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    call prepare(frd, model, options)
+    if (.not. is_wanted(model, options)) return
+    call open_file(frd, 'replace', error)
+    if (allocated(error)) return
+    call write_head(frd, model)
+    call write_nodes(frd, model%mesh)
+    call write_elements(frd, model%mesh)
+    call check(frd, error)
+  end subroutine open_frd
+
+
+  !> Goes on with the file of a job after its checkpoint: it is cut off where it was then.
+  subroutine resume_frd(frd, model, options, counts, error)
+    type(frd_type), intent(out) :: frd
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    integer(I64), intent(in) :: counts(3)          !< bytes, frames, blocks that it had (measure_frd)
+    type(error_type), allocatable, intent(out) :: error
+    call prepare(frd, model, options)
+    if (counts(1) == 0) then
+      call open_frd(frd, model, options, error)
+      return
+    end if
+    frd%is_all = frd%is_all .or. .not. is_wanted(model, options)
+    frd%n_frames = int(counts(2))
+    frd%n_blocks = int(counts(3))
+    call cut_file(frd%path, counts(1), error)
+    if (.not. allocated(error)) call open_file(frd, 'old', error)
+  end subroutine resume_frd
+
+
+  !> Path, nodes, and whether the cards are asked.
+  subroutine prepare(frd, model, options)
+    type(frd_type), intent(inout) :: frd
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    frd%path = job_path(options, '.frd')
+    frd%is_all = options%has_frd
+    frd%nodes = nodes_of(model%mesh, .false.)
+  end subroutine prepare
+
+
+  !> The nodes of elements, by their numbers (has_elements of the mesh does not know those of pre-tension sections).
+  pure function nodes_of(mesh, is_by_frame) result(nodes)
+    type(mesh_type), intent(in) :: mesh
+    logical, intent(in) :: is_by_frame             !< of those alone that are not taken out
+    integer, allocatable :: nodes(:)
+    logical :: is_used(mesh%n_nodes)
+    integer :: e, i
+    is_used = .false.
+    do e = 1, mesh%n_elements
+      if (is_by_frame .and. is_out(mesh, e)) cycle
+      is_used(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
+    end do
+    nodes = pack([(i, i=1, mesh%n_nodes)], is_used)
+    nodes = nodes(places_by_number(mesh%node_label(nodes)))
+  end function nodes_of
+
+
+  !> The places of numbers when these ascend.
+  pure function places_by_number(numbers) result(places)
+    integer, intent(in) :: numbers(:)
+    integer :: places(size(numbers)), ascending(size(numbers)), i
+    places = [(i, i=1, size(numbers))]
+    ascending = numbers
+    call sort_integers(ascending, places)
+  end function places_by_number
+
+
+  !> Whether the job has such a file.
+  pure logical function is_wanted(model, options)
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    integer :: i
+    is_wanted = options%has_frd
+    if (model%dialect /= DIALECT_CALCULIX) return
+    do i = 1, size(model%steps)
+      is_wanted = is_wanted .or. any(model%steps(i)%frd%is_wanted)
+    end do
+  end function is_wanted
+
+
+  !> Opens the file, new or behind its end.
+  subroutine open_file(frd, status_word, error)
+    type(frd_type), intent(inout) :: frd
+    character(*), intent(in) :: status_word
+    type(error_type), allocatable, intent(out) :: error
+    character(200) :: reason
+    integer :: status
+    open (newunit=frd%unit, file=frd%path, status=status_word, action='write', form='formatted', position='append', &
+      iostat=status, iomsg=reason)
+    if (status == 0) return
+    frd%unit = 0
+    call set_error(error, EXIT_IO, 'Cannot open the file ' // frd%path // ': ' // trim(reason) // '.')
+  end subroutine open_file
+
+
+  !> The head: who wrote it, the heading, the names of the materials.
+  subroutine write_head(frd, model)
+    type(frd_type), intent(inout) :: frd
+    type(model_type), intent(in) :: model
+    character(5) :: number
+    integer :: i
+    call put(frd, '    1C')
+    if (allocated(model%heading)) then
+      if (len(model%heading) > 0) call put(frd, '    1U' // first_line(model%heading))
+    end if
+    call put(frd, '    1UPGM               Amontons')
+    call put(frd, '    1UVERSION           ' // VERSION)
+    do i = 1, size(model%materials)
+      write (number, '(i5)') i
+      call put(frd, '    1UMAT' // number // model%materials(i)%name)
+    end do
+  end subroutine write_head
+
+
+  !> The first line of a text, at most 66 letters of it.
+  pure function first_line(text) result(line)
+    character(*), intent(in) :: text
+    character(:), allocatable :: line
+    integer :: n
+    n = scan(text, new_line('a')) - 1
+    if (n < 0) n = len(text)
+    line = text(:min(n, 66))
+  end function first_line
+
+
+  !> Block 2C: reference coordinates.
+  subroutine write_nodes(frd, mesh)
+    type(frd_type), intent(inout) :: frd
+    type(mesh_type), intent(in) :: mesh
+    character(90) :: line
+    write (line, '(a,18x,i12,37x,i1)') '    2C', size(frd%nodes), 1
+    call put(frd, line)
+    call put_rows(frd, frd%nodes, mesh%node_label, mesh%coordinates)
+    call put(frd, ' -3')
+  end subroutine write_nodes
+
+
+  !> Block 3C: elements of two nodes or more.
+  subroutine write_elements(frd, mesh)
+    type(frd_type), intent(inout) :: frd
+    type(mesh_type), intent(in) :: mesh
+    type(kind_type) :: entry
+    character(120) :: line
+    integer :: e, k, n, i, shape
+    integer, allocatable :: labels(:), order(:)
+    n = count([(cgx_shape(element_kind(mesh%kind(e))) > 0, e=1, mesh%n_elements)])
+    write (line, '(a,18x,i12,37x,i1)') '    3C', n, 1
+    call put(frd, line)
+    order = places_by_number(mesh%element_label)
+    do k = 1, size(order)
+      e = order(k)
+      entry = element_kind(mesh%kind(e))
+      shape = cgx_shape(entry)
+      if (shape == 0) cycle
+      labels = in_cgx_order(mesh%node_label(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)))
+      write (line, '(a,i10,3i5)') ' -1', mesh%element_label(e), shape, 0, mesh%material(e)
+      call put(frd, line)
+      do i = 1, size(labels), 10
+        write (line, '(a,10i10)') ' -2', labels(i:min(i + 9, size(labels)))
+        call put(frd, line)
+      end do
+    end do
+    call put(frd, ' -3')
+  end subroutine write_elements
+
+
+  !> The type number of CGX; 0 for elements of one node.
+  pure integer function cgx_shape(entry) result(shape)
+    type(kind_type), intent(in) :: entry
+    shape = 0
+    if (entry%family == FAMILY_MASS) return
+    if (entry%family == FAMILY_SOLID) then
+      select case (entry%n_nodes)
+      case (4); shape = 3
+      case (6); shape = 2
+      case (8); shape = 1
+      case (10); shape = 6
+      case (15); shape = 5
+      case (20); shape = 4
+      end select
+    else if (entry%n_faces > 0) then               ! plane and axisymmetric
+      select case (entry%n_nodes)
+      case (3); shape = 7
+      case (6); shape = 8
+      case (4); shape = 9
+      case (8); shape = 10
+      end select
+    else if (entry%n_nodes == 2) then
+      shape = 11
+    else if (entry%n_nodes == 3) then
+      shape = 12
+    end if
+  end function cgx_shape
+
+
+  !> The nodes of an element in the order of CGX: of hexahedra and wedges with mid-side nodes the upright edges come
+  !! before those of the top.
+  pure function in_cgx_order(labels) result(ordered)
+    integer, intent(in) :: labels(:)               !< in the order of the deck
+    integer :: ordered(size(labels))
+    ordered = labels
+    if (size(labels) == 20) ordered(13:) = labels([17, 18, 19, 20, 13, 14, 15, 16])
+    if (size(labels) == 15) ordered(10:) = labels([13, 14, 15, 10, 11, 12])
+  end function in_cgx_order
+
+
+  !> Writes a converged increment, if its step wants it; nothing for increment 0.
+  subroutine write_frd(frd, model, fields, record, error)
+    type(frd_type), intent(inout) :: frd
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields        !< committed
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    logical :: shown(N_FRD)
+    type(frd_request_type) :: request
+    type(head_type) :: head
+    integer :: i
+    if (frd%unit == 0 .or. record%increment == 0) return
+    associate (step => model%steps(record%step))
+      if (.not. is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times)) return
+      shown = is_shown(frd, model, step, fields, n_nodal_slaves(model, fields%slaves))
+    end associate
+    if (.not. any(shown)) return
+    frd%n_frames = frd%n_frames + 1
+    do i = 1, N_FRD
+      if (.not. shown(i)) cycle
+      request = model%steps(record%step)%frd(i)
+      frd%present = nodes_of(model%mesh, .true.)
+      if (request%set > 0 .and. .not. frd%is_all) frd%present = those_in(model%mesh, frd%present, request%set)
+      head = HEADS(i)
+      if (i == FRD_SDV) head%n = n_inner_variables(model, fields)
+      if (i == FRD_CONTACT .and. any(model%pairs%is_mortar .and. .not. model%pairs%is_pointwise)) head%kind = KIND_SCALAR
+      call write_block(frd, head, model%mesh%node_label, block_values(model, fields, i, request%is_local), fields%total_time, &
+        record)
+    end do
+    call check(frd, error)
+  end subroutine write_frd
+
+
+  !> The fields of a frame: those that the cards ask for, or all that the job has.
+  pure function is_shown(frd, model, step, fields, n_slaves)
+    type(frd_type), intent(in) :: frd
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: n_slaves                !< nodes that may touch
+    logical :: is_shown(N_FRD)
+    is_shown = step%frd%is_wanted
+    if (frd%is_all) then
+      is_shown = .true.
+      is_shown(FRD_NDTEMP) = any(fields%temperature /= 0) .or. step%frd(FRD_NDTEMP)%is_wanted
+      is_shown(FRD_MESTRAIN) = is_shown(FRD_NDTEMP) .or. step%frd(FRD_MESTRAIN)%is_wanted
+      is_shown(FRD_THSTRAIN) = step%frd(FRD_THSTRAIN)%is_wanted
+      is_shown(FRD_PE) = size(fields%history, 1) > 0 .or. step%frd(FRD_PE)%is_wanted
+      is_shown(FRD_CELS) = step%frd(FRD_CELS)%is_wanted
+    end if
+    is_shown(FRD_SDV) = is_shown(FRD_SDV) .and. n_inner_variables(model, fields) > 0
+    is_shown([FRD_CONTACT, FRD_CELS]) = is_shown([FRD_CONTACT, FRD_CELS]) .and. n_slaves > 0
+  end function is_shown
+
+
+  !> Of some nodes those of a set.
+  pure function those_in(mesh, nodes, set) result(chosen)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: nodes(:)
+    integer, intent(in) :: set                     !< index
+    integer, allocatable :: chosen(:)
+    logical :: is_in(mesh%n_nodes)
+    is_in = .false.
+    is_in(mesh%node_sets(set)%members) = .true.
+    chosen = pack(nodes, is_in(nodes))
+  end function those_in
+
+
+  !> The values of a field at all nodes.
+  function block_values(model, fields, field, is_local) result(values)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: field                   !< FRD_...
+    logical, intent(in) :: is_local                !< in the directions of TRANSFORM or ORIENTATION
+    real(DP), allocatable :: values(:, :)          !< (components, n_nodes)
+    integer :: n_components
+    n_components = HEADS(field)%n
+    if (field == FRD_SDV) n_components = n_inner_variables(model, fields)
+    allocate (values(n_components, model%mesh%n_nodes))
+    associate (is_nlgeom => model%steps(max(1, fields%step))%is_nlgeom)
+      select case (field)
+      case (FRD_DISP)
+        values = in_directions(model, fields%u, is_local)
+      case (FRD_FORC)
+        values = in_directions(model, printed_forces(model, fields, is_field=.true.), is_local)
+      case (FRD_NDTEMP)
+        values(1, :) = fields%temperature
+      case (FRD_STRESS)
+        call bring_tensors(turn_trusses(model, fields, is_nlgeom, fields%stress))
+      case (FRD_TOSTRAIN)
+        call bring_tensors(turn_trusses(model, fields, .false., fields%strain))
+      case (FRD_MESTRAIN)
+        call bring_tensors(turn_trusses(model, fields, .false., mechanical_strain(model, fields)))
+      case (FRD_THSTRAIN)
+        call bring_tensors(turn_trusses(model, fields, .false., fields%strain - mechanical_strain(model, fields)))
+      case (FRD_PE)
+        call bring(reshape(inelastic_strain(model, fields), [1, model%mesh%n_points]))
+      case (FRD_ENER)
+        call bring(reshape(shown_density(model, fields), [1, model%mesh%n_points]))
+      case (FRD_SDV)
+        call bring(inner_variables(model, fields))
+      case (FRD_ERROR)
+        call estimate_error(model%mesh, fields%stress, values(1, :))
+      case (FRD_CONTACT)
+        values = contact_values(model, nodal_slaves(model, fields%slaves))
+        if (any(fields%slaves%side > 0)) call show_points(model, fields%slaves, values)
+      case (FRD_CELS)
+        values(1, :) = contact_energies(model, nodal_slaves(model, fields%slaves))
+      end select
+    end associate
+
+  contains
+
+    !> Means at the nodes, as CalculiX takes them under its dialect.
+    subroutine bring(at_points)
+      real(DP), intent(in) :: at_points(:, :)      !< (components, n_points)
+      call average_at_nodes(model%mesh, at_points, values, model%dialect == DIALECT_CALCULIX)
+    end subroutine bring
+
+    !> The same of tensors.
+    subroutine bring_tensors(at_points)
+      real(DP), intent(in) :: at_points(:, :)      !< (6, n_points) global
+      call bring(in_axes(fields, at_points, is_local))
+    end subroutine bring_tensors
+
+  end function block_values
+
+
+  !> The energies of the springs of contact at the closed slave nodes, 0 elsewhere.
+  pure function contact_energies(model, slaves) result(energy)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)
+    real(DP) :: energy(model%mesh%n_nodes)         !< [energy]
+    integer :: i
+    energy = 0
+    do i = 1, size(slaves)
+      if (slaves(i)%status == STATUS_OPEN) cycle
+      energy(slaves(i)%node) = energy(slaves(i)%node) + shown_energy(model, slaves(i))
+    end do
+  end function contact_energies
+
+
+  !> Gap, slip, pressure and shear stress of the closed slave nodes in the axes of the .dat file; 0 elsewhere. Of two
+  !! pairs at a node the one with the larger pressure is shown, of two equal ones the later.
+  function contact_values(model, slaves) result(values)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)
+    real(DP) :: values(6, model%mesh%n_nodes)
+    real(DP) :: row(6)
+    integer, allocatable :: followers(:, :)
+    integer :: i
+    values = 0
+    do i = 1, size(slaves)
+      if (slaves(i)%status == STATUS_OPEN) cycle
+      row = table_row(model, slaves(i))
+      if (abs(row(4)) >= (1 - EQUAL) * abs(values(4, slaves(i)%node))) values(:, slaves(i)%node) = row
+    end do
+    call show_sides(model, slaves, 4, 6, values)
+    call list_followers(model, slaves, followers)
+    do i = 1, size(followers, 2)
+      values(:, followers(1, i)) = 0.5_DP * sum(values(:, followers(2:3, i)), dim=2)
+    end do
+  end function contact_values
+
+
+  !> Gap, two slips, pressure and two shear stresses of a slave in the axes of the .dat file.
+  pure function table_row(model, slave) result(row)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slave
+    real(DP) :: row(6), axes(3, 3)
+    axes = contact_axes(slave%normal)
+    row(:3) = matmul(shown_slip(model, slave), axes)
+    row(1) = slave%gap
+    row(4:) = matmul(slave%force - slave%shear, axes)
+    if (slave%area > 0) row(4:) = row(4:) / slave%area
+  end function table_row
+
+
+  !> Of pairs with points the nodes show what CalculiX shows there (found by experiment, verify/verification/test_points.py): on
+  !! each face the closed points are fitted by the functions of its corners, least squares, and what comes out at a corner is kept
+  !! between the least and the largest value of these points; a mid-side node takes the mean of its corners, and a node shows the
+  !! mean of its faces that have closed points.
+  subroutine show_points(model, slaves, values)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: slaves(:)      !< points stand facet by facet, pair by pair
+    real(DP), intent(inout) :: values(:, :)        !< (6, n_nodes) of nodes with points they are set anew
+    integer :: counts(model%mesh%n_nodes), first, last, n
+    counts = 0
+    first = findloc(slaves%side > 0, .true., dim=1)
+    do while (first <= size(slaves))
+      last = first
+      do while (last < size(slaves))
+        if (slaves(last + 1)%side /= slaves(first)%side .or. slaves(last + 1)%pair /= slaves(first)%pair) exit
+        last = last + 1
+      end do
+      if (any(slaves(first:last)%status /= STATUS_OPEN)) call show_face(model, pack(slaves(first:last), &
+        slaves(first:last)%status /= STATUS_OPEN), counts, values)
+      first = last + 1
+    end do
+    do n = 1, size(counts)
+      if (counts(n) > 0) values(:, n) = values(:, n) / real(counts(n), DP)
+    end do
+  end subroutine show_points
+
+
+  !> Adds what the closed points of one face give to its nodes.
+  subroutine show_face(model, points, counts, values)
+    type(model_type), intent(in) :: model
+    type(slave_type), intent(in) :: points(:)
+    integer, intent(inout) :: counts(:)            !< (n_nodes) faces that gave to a node
+    real(DP), intent(inout) :: values(:, :)        !< (6, n_nodes) sums
+    type(kind_type) :: kind
+    type(facet_kind_type) :: shape
+    real(DP) :: rows(6, size(points)), basis(MAX_FACE_NODES, size(points)), at_corner(MAX_FACE_NODES, 6), row(6)
+    real(DP) :: dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    integer, parameter :: LINEAR(2:4) = [FACET_LINE2, FACET_TRI3, FACET_QUAD4]
+    integer :: nodes(MAX_FACE_NODES), i, m
+    associate (faces => model%surfaces(model%pairs(points(1)%pair)%slave), mesh => model%mesh, side => points(1)%side)
+      kind = element_kind(mesh%kind(faces%element(side)))
+      shape = facet_kind(kind%face_kind(faces%face(side)))
+      nodes(:shape%n_nodes) = mesh%nodes(mesh%first(faces%element(side)) - 1 + kind%face_nodes(:shape%n_nodes, faces%face(side)))
+    end associate
+    m = shape%n_corners
+    do i = 1, size(points)
+      rows(:, i) = table_row(model, points(i))
+      call facet_shapes(LINEAR(m), points(i)%at, basis(:, i), dN, ddN)
+    end do
+    at_corner(:m, :) = fitted(basis(:m, :), rows)
+    at_corner(:m, :) = min(max(at_corner(:m, :), spread(minval(rows, dim=2), 1, m)), spread(maxval(rows, dim=2), 1, m))
+    do i = 1, shape%n_nodes
+      if (i <= m) row = at_corner(i, :)
+      if (i > m) row = 0.5_DP * (at_corner(i - m, :) + at_corner(mod(i - m, m) + 1, :))
+      if (counts(nodes(i)) == 0) values(:, nodes(i)) = 0.0_DP
+      values(:, nodes(i)) = values(:, nodes(i)) + row
+      counts(nodes(i)) = counts(nodes(i)) + 1
+    end do
+  end subroutine show_face
+
+
+  !> Values at the corners of a face whose function comes nearest to those at points; with too few points the one nearest to their
+  !! mean.
+  function fitted(basis, rows) result(at_corner)
+    real(DP), intent(in) :: basis(:, :)            !< (m, n) functions of the corners at the points [-]
+    real(DP), intent(in) :: rows(:, :)             !< (6, n)
+    real(DP) :: at_corner(size(basis, 1), 6), mean
+    real(DP), parameter :: RANK_LIMIT = 1.0e-6_DP  ! part of the largest singular value
+    integer :: k, rank, status
+    do k = 1, 6
+      mean = sum(rows(k, :)) / real(size(rows, 2), DP)
+      call least_squares(transpose(basis), rows(k, :) - mean, RANK_LIMIT, at_corner(:, k), rank, status)
+      at_corner(:, k) = at_corner(:, k) + mean
+    end do
+  end function fitted
+
+
+  !> A time with as many digits as twelve letters have room for.
+  pure function time_text(time) result(text)
+    real(DP), intent(in) :: time                   !< [time]
+    character(12) :: text
+    integer :: digits
+    digits = 9
+    if (time >= 10.0_DP) digits = 9 - floor(log10(time))
+    if (time < 1.0e-3_DP .or. digits < 4) then
+      write (text, '(1p,e12.5)') time
+    else
+      write (text, '(f12.' // achar(iachar('0') + digits) // ')') time
+    end if
+  end function time_text
+
+
+  !> One block: its number, time, head lines, and a row per node.
+  subroutine write_block(frd, head, labels, values, time, record)
+    type(frd_type), intent(inout) :: frd
+    type(head_type), intent(in) :: head
+    integer, intent(in) :: labels(:)               !< (n_nodes)
+    real(DP), intent(in) :: values(:, :)           !< (head%n, n_nodes)
+    real(DP), intent(in) :: time                   !< total time [time]
+    type(increment_record_type), intent(in) :: record
+    character(90) :: line
+    integer :: i
+    frd%n_blocks = frd%n_blocks + 1
+    write (line, '(a,i26,2i12)') '    1PSTEP', frd%n_blocks, record%increment, record%step
+    call put(frd, line)
+    write (line, '(a,i5,a,i12,20x,i2,i5,10x,i2)') '  100CL', 100 + frd%n_frames, time_text(time), size(frd%present), 0, &
+      frd%n_frames, 1
+    call put(frd, line)
+    write (line, '(a,a8,2i5)') ' -4  ', head%name, head%n + merge(1, 0, head%kind == KIND_VECTOR), 1
+    call put(frd, line)
+    do i = 1, head%n
+      if (head%components(1) /= '') then
+        write (line, '(a,a8,4i5)') ' -5  ', head%components(i), 1, head%kind, place(head, i)
+      else
+        write (line, '(a,a8,4i5)') ' -5  ', trim(head%name) // text_of(i) // repeat(' ', 8), 1, head%kind, place(head, i)
+      end if
+      call put(frd, line)
+    end do
+    if (head%kind == KIND_VECTOR) call put(frd, ' -5  ALL         1    2    0    0    1ALL')
+    call put_rows(frd, frd%present, labels, values)
+    call put(frd, ' -3')
+  end subroutine write_block
+
+
+  !> Row and column of a component, as CGX wants them.
+  pure function place(head, i) result(row_column)
+    type(head_type), intent(in) :: head
+    integer, intent(in) :: i                       !< component
+    integer :: row_column(2)
+    integer, parameter :: ROWS(6) = [1, 2, 3, 1, 2, 3], COLUMNS(6) = [1, 2, 3, 2, 3, 1]
+    row_column = 0
+    if (head%kind == KIND_VECTOR) row_column(1) = i
+    if (head%kind == KIND_TENSOR) row_column = [ROWS(i), COLUMNS(i)]
+  end function place
+
+
+  !> A row per node that is written, many rows at a time.
+  subroutine put_rows(frd, nodes, labels, values)
+    type(frd_type), intent(inout) :: frd
+    integer, intent(in) :: nodes(:)                !< those that are written
+    integer, intent(in) :: labels(:)               !< (n_nodes)
+    real(DP), intent(in) :: values(:, :)           !< (width, n_nodes)
+    integer, parameter :: AT_A_TIME = 10000
+    integer :: i, status
+    do i = 1, size(nodes), AT_A_TIME
+      associate (some => nodes(i:min(i + AT_A_TIME - 1, size(nodes))))
+        if (size(values, 1) > IN_A_LINE) then
+          call put_long_rows(frd, some, labels, values)
+          cycle
+        end if
+        write (frd%unit, '(a)', iostat=status) rows_as_text(labels(some), values(:, some))
+      end associate
+      if (frd%status == 0) frd%status = status
+    end do
+  end subroutine put_rows
+
+
+  !> A row per node, of so many values that it goes on in further lines.
+  subroutine put_long_rows(frd, nodes, labels, values)
+    type(frd_type), intent(inout) :: frd
+    integer, intent(in) :: nodes(:)
+    integer, intent(in) :: labels(:)               !< (n_nodes)
+    real(DP), intent(in) :: values(:, :)           !< (width, n_nodes)
+    character(90) :: line
+    character(:), allocatable :: text
+    integer :: i, j
+    do i = 1, size(nodes)
+      write (line, '(a,i10)') ' -1', labels(nodes(i))
+      text = rows_as_text([1], values(:, nodes(i:i)))
+      text = text(14:)
+      do j = 1, len(text), 12 * IN_A_LINE
+        call put(frd, line(:13) // text(j:min(j + 12 * IN_A_LINE - 1, len(text))))
+        line = ' -2'
+      end do
+    end do
+  end subroutine put_long_rows
+
+
+  !> Writes a line; the first trouble is kept.
+  subroutine put(frd, line)
+    type(frd_type), intent(inout) :: frd
+    character(*), intent(in) :: line
+    integer :: status
+    write (frd%unit, '(a)', iostat=status) trim(line)
+    if (frd%status == 0) frd%status = status
+  end subroutine put
+
+
+  !> How long the file is, and what it holds: for the checkpoint.
+  subroutine measure_frd(frd, counts)
+    type(frd_type), intent(inout) :: frd
+    integer(I64), intent(out) :: counts(3)         !< bytes, frames, blocks; 0 if not open
+    integer :: status
+    counts = 0
+    if (frd%unit == 0) return
+    flush (frd%unit, iostat=status)
+    if (frd%status == 0) frd%status = status
+    inquire (unit=frd%unit, size=counts(1))
+    counts(2:) = int([frd%n_frames, frd%n_blocks], I64)
+  end subroutine measure_frd
+
+
+  !> Brings the file to the medium.
+  subroutine sync_frd(frd, error)
+    type(frd_type), intent(in) :: frd
+    type(error_type), allocatable, intent(out) :: error
+    call check(frd, error)
+    if (.not. allocated(error) .and. frd%unit /= 0) call sync_file(frd%path, error)
+  end subroutine sync_frd
+
+
+  !> Ends the file and closes it; a file that is not open is left alone.
+  subroutine close_frd(frd, error)
+    type(frd_type), intent(inout) :: frd
+    type(error_type), allocatable, intent(out) :: error
+    integer :: status
+    if (frd%unit == 0) return
+    call put(frd, ' 9999')
+    close (frd%unit, iostat=status)
+    if (frd%status == 0) frd%status = status
+    frd%unit = 0
+    call check(frd, error)
+  end subroutine close_frd
+
+
+  !> An error if a line could not be written.
+  subroutine check(frd, error)
+    type(frd_type), intent(in) :: frd
+    type(error_type), allocatable, intent(out) :: error
+    if (frd%status /= 0) call set_error(error, EXIT_IO, 'Cannot write the file ' // frd%path // ' (is the disk full?).')
+  end subroutine check
+
+end module amontons_frd_output

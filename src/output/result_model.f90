@@ -1,0 +1,412 @@
+!> Inventory: what stands in the result file once: the grid, the mesh with its sets, materials, pairs and steps of the model.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Analytic surfaces are in the grid as points and cells for the eye, after the nodes and elements of the mesh; they move with the
+!! nodes that carry them, and nothing is computed with them.
+module amontons_result_model
+  use amontons_kinds, only: DP, PI, NAME_LENGTH
+  use amontons_errors, only: error_type
+  use amontons_version, only: VERSION
+  use amontons_topology, only: element_kind, kind_type, MAX_FACE_NODES, KIND_T3D2, KIND_CPS4
+  use amontons_mesh, only: mesh_type, set_type
+  use amontons_surfaces, only: surface_type
+  use amontons_steps, only: step_type
+  use amontons_materials, only: law_of, LONGEST_LAW
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_iteration_records, only: PHASE_NAMES
+  use amontons_hdf5_file, only: create_group, store_type, write_attribute, write_data, STORE_I64, STORE_U8
+  use amontons_result_schema, only: write_columns, CONTROL_COLUMNS, STEP_COLUMNS
+  use amontons_analytic_profiles, only: profile_type, point_of, PROFILE_FLAT, PROFILE_DRAWN, PROFILE_TURNED
+  use amontons_analytic_master, only: carrier_weights
+  implicit none
+  private
+  public :: shown_type, draw_profiles, displacement_of, write_grid, write_inventory
+
+  integer, parameter :: LONGEST_NAME = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
+  real(DP), parameter :: STEP = PI / 36.0_DP   !< largest angle of a cell on an arc [rad]
+  real(DP), parameter :: ROUNDING = 1.0e-9_DP        !< of an angle: a whole number of steps is that [-]
+  real(DP), parameter :: MARGIN = 0.1_DP       !< a surface that is drawn out goes this far beyond the mesh, over its size [-]
+
+  !> Points and cells.
+  type :: shown_type
+    integer :: n_points = 0
+    integer :: n_cells = 0
+    real(DP), allocatable :: points(:, :)      !< (3, n_points) undeformed [length]
+    integer, allocatable :: carriers(:, :)     !< (4, n_points) nodes; 0: none
+    real(DP), allocatable :: weights(:, :)     !< (4, n_points) [-]
+    integer, allocatable :: nodes(:)           !< points of all cells, from 1
+    integer, allocatable :: last(:)            !< (n_cells) end of each cell in nodes
+    integer, allocatable :: vtk_type(:)        !< (n_cells)
+  end type shown_type
+
+contains
+
+  !> /VTKHDF: the mesh.
+  !! Reference: VTK, Documentation/docs/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.md, UnstructuredGrid.
+  subroutine write_grid(store, mesh, shown, error)
+    type(store_type), intent(in) :: store
+    type(mesh_type), intent(in) :: mesh
+    type(shown_type), intent(in) :: shown           !< analytic surfaces, after the mesh
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: ROOT = '/VTKHDF/'
+    type(kind_type) :: entry
+    real(DP), allocatable :: points(:, :)
+    integer, allocatable :: nodes(:), first(:), vtk_type(:)
+    integer :: e
+    allocate (vtk_type(mesh%n_elements))
+    do e = 1, mesh%n_elements
+      entry = element_kind(mesh%kind(e))
+      vtk_type(e) = entry%vtk_type
+    end do
+    vtk_type = [vtk_type, shown%vtk_type]
+    nodes = [mesh%nodes, mesh%n_nodes + shown%nodes] - 1
+    first = [mesh%first - 1, size(mesh%nodes) + shown%last]
+    allocate (points(3, mesh%n_nodes + shown%n_points))
+    points(:, :mesh%n_nodes) = mesh%coordinates
+    points(:, mesh%n_nodes + 1:) = shown%points
+    call create_group(store, '/VTKHDF', error)
+    if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Version', [2, 0], error)
+    if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Type', 'UnstructuredGrid', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfPoints', [mesh%n_nodes + shown%n_points], '[-]', &
+      'Nodes, and points of analytic surfaces.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfCells', [mesh%n_elements + shown%n_cells], '[-]', &
+      'Elements, and cells of analytic surfaces.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfConnectivityIds', [size(nodes)], '[-]', &
+      'Length of Connectivity.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Points', points, '[length]', &
+      'Reference coordinates of the nodes.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Connectivity', nodes, '[-]', &
+      'Nodes of all elements, one after the other.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Offsets', first, '[-]', &
+      'Start of the nodes of each element in Connectivity, and the end.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'Types', vtk_type, &
+      '[-]', 'VTK cell types.', error, STORE_U8)
+  end subroutine write_grid
+
+
+  !> /AMONTONS: what is known of the model before the first increment.
+  subroutine write_inventory(store, model, error)
+    type(store_type), intent(in) :: store
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    call write_texts(store, model, error)
+    if (.not. allocated(error)) call write_mesh(store, model%mesh, error)
+    if (.not. allocated(error)) call write_materials(store, model, error)
+    if (.not. allocated(error)) call write_pairs(store, model, error)
+    if (.not. allocated(error)) call write_steps(store, model%steps, error)
+  end subroutine write_inventory
+
+
+  !> Deck, version, dialect, heading, names of the phases.
+  subroutine write_texts(store, model, error)
+    type(store_type), intent(in) :: store
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: ROOT = '/AMONTONS/'
+    call write_data(store, ROOT // 'deck', words_of(model%deck_text), '[-]', 'The deck, includes in place.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'heading', words_of(model%heading), '[-]', &
+      'Text of *HEADING.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'version', VERSION, &
+      '[-]', 'Version of Amontons.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'dialect', &
+      trim(merge('calculix', 'abaqus  ', model%dialect == DIALECT_CALCULIX)), '[-]', 'Dialect of the deck.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'phases', PHASE_NAMES, '[-]', &
+      'Names of the columns of history/seconds.', error)
+  end subroutine write_texts
+
+
+  !> A text, empty if it was never set.
+  pure function words_of(text) result(told)
+    character(:), allocatable, intent(in) :: text
+    character(:), allocatable :: told
+    told = ''
+    if (allocated(text)) told = text
+  end function words_of
+
+
+  !> /AMONTONS/mesh: labels, kinds, materials, first integration points and sets.
+  subroutine write_mesh(store, mesh, error)
+    type(store_type), intent(in) :: store
+    type(mesh_type), intent(in) :: mesh
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: ROOT = '/AMONTONS/mesh/'
+    type(kind_type) :: entry
+    character(len(entry%name)) :: kind_name(mesh%n_elements)
+    integer :: e
+    do e = 1, mesh%n_elements
+      entry = element_kind(mesh%kind(e))
+      kind_name(e) = entry%name
+    end do
+    call create_group(store, '/AMONTONS/mesh', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'node_label', mesh%node_label, '[-]', &
+      'Label of each node in the deck.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'element_label', mesh%element_label, '[-]', &
+      'Label of each element in the deck.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'element_kind', kind_name, '[-]', &
+      'Kind of each element.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'element_material', mesh%material - 1, '[-]', &
+      'Index of the material of each element; -1: none.', error)
+    if (.not. allocated(error)) call write_data(store, '/AMONTONS/integration_points/first', mesh%point_first - 1, &
+      '[-]', &
+      'First integration point of each element within a frame, and the end.', error)
+    if (.not. allocated(error)) call write_sets(store, ROOT // 'node_sets', mesh%node_sets, error)
+    if (.not. allocated(error)) call write_sets(store, ROOT // 'element_sets', mesh%element_sets, error)
+  end subroutine write_mesh
+
+
+  !> Named sets as three lists: name, first, members.
+  subroutine write_sets(store, folder, sets, error)
+    type(store_type), intent(in) :: store
+    character(*), intent(in) :: folder
+    type(set_type), allocatable, intent(in) :: sets(:)
+    type(error_type), allocatable, intent(out) :: error
+    character(LONGEST_NAME), allocatable :: names(:)
+    integer, allocatable :: first(:), members(:)
+    integer :: i, n
+    n = 0
+    if (allocated(sets)) n = size(sets)
+    allocate (names(n), first(n + 1), members(0))
+    first(1) = 0
+    do i = 1, n
+      names(i) = sets(i)%name
+      members = [members, sets(i)%members - 1]
+      first(i + 1) = size(members)
+    end do
+    call create_group(store, folder, error)
+    if (.not. allocated(error)) call write_data(store, folder // '/name', names, '[-]', 'Name of each set.', error)
+    if (.not. allocated(error)) call write_data(store, folder // '/first', first, '[-]', &
+      'Start of each set in members, and the end.', error)
+    if (.not. allocated(error)) call write_data(store, folder // '/members', members, '[-]', &
+      'Indices of all sets, one after the other.', error)
+  end subroutine write_sets
+
+
+  !> /AMONTONS/materials.
+  subroutine write_materials(store, model, error)
+    type(store_type), intent(in) :: store
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: ROOT = '/AMONTONS/materials/'
+    character(LONGEST_NAME), allocatable :: names(:)
+    character(LONGEST_LAW), allocatable :: laws(:)
+    integer :: i, n
+    n = size(model%materials)
+    allocate (names(n), laws(n))
+    do i = 1, n
+      names(i) = model%materials(i)%name
+      laws(i) = law_of(model%materials(i))
+    end do
+    call create_group(store, '/AMONTONS/materials', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'name', names, '[-]', 'Name of each material.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'law', laws, &
+      '[-]', 'Law: the elastic one at finite strain, and what is added to it.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'youngs_modulus', (model%materials%youngs_modulus), &
+      '[stress]', &
+      'Young''s modulus.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'poissons_ratio', (model%materials%poissons_ratio), &
+      '[-]', &
+      'Poisson''s ratio.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'density', (model%materials%density), &
+      '[mass/length^3]', 'Density.', error)
+  end subroutine write_materials
+
+
+  !> /AMONTONS/pairs: surfaces, friction and facets of the master of each contact pair.
+  subroutine write_pairs(store, model, error)
+    type(store_type), intent(in) :: store
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: ROOT = '/AMONTONS/pairs/'
+    character(LONGEST_NAME), allocatable :: names(:, :)
+    real(DP), allocatable :: friction(:)
+    integer, allocatable :: first(:), facets(:, :), small(:)
+    integer :: i, n
+    n = size(model%pairs)
+    allocate (names(n, 2), friction(n), first(n + 1), small(n))
+    first(1) = 0
+    do i = 1, n
+      associate (pair => model%pairs(i))
+        names(i, 1) = model%surfaces(pair%slave)%name
+        names(i, 2) = model%surfaces(pair%master)%name
+        friction(i) = model%interactions(pair%interaction)%friction
+        small(i) = merge(1, 0, pair%is_small_sliding)
+        first(i + 1) = first(i) + size(model%surfaces(pair%master)%element)
+      end associate
+    end do
+    allocate (facets(MAX_FACE_NODES + 2, first(n + 1)))
+    do i = 1, n
+      call list_facets(model%mesh, model%surfaces(model%pairs(i)%master), facets(:, first(i) + 1:first(i + 1)))
+    end do
+    call create_group(store, '/AMONTONS/pairs', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'slave', names(:, 1), &
+      '[-]', 'Slave surface of each pair.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'master', names(:, 2), &
+      '[-]', 'Its master surface.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'friction', friction, &
+      '[-]', 'Its coefficient of friction.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'is_small_sliding', small, '[-]', &
+      '1: weights and normal kept from the start of the step.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'first', first, '[-]', &
+      'Start of its facets in facet_nodes, facet_element and facet_face, and the end.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_nodes', (facets(:MAX_FACE_NODES, :)), '[-]', &
+      'Nodes of each facet: corners, then mid-sides, outward by the right-hand rule; -1 fills up.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_element', (facets(MAX_FACE_NODES + 1, :)), &
+      '[-]', 'Element of each facet.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'facet_face', (facets(MAX_FACE_NODES + 2, :)), '[-]', &
+      'Number of the facet in its element, 1 to 6 as in the deck (S1 to S6).', error)
+  end subroutine write_pairs
+
+
+  !> Nodes, element and face number of the facets of a surface; all but the face numbers from 0, -1 fills up.
+  pure subroutine list_facets(mesh, surface, facets)
+    type(mesh_type), intent(in) :: mesh
+    type(surface_type), intent(in) :: surface
+    integer, intent(out) :: facets(:, :)            !< (MAX_FACE_NODES + 2, n_facets)
+    type(kind_type) :: entry
+    integer :: i, k, e, local
+    do i = 1, size(surface%element)
+      e = surface%element(i)
+      entry = element_kind(mesh%kind(e))
+      do k = 1, MAX_FACE_NODES
+        local = entry%face_nodes(k, surface%face(i))
+        facets(k, i) = -1
+        if (local > 0) facets(k, i) = mesh%nodes(mesh%first(e) + local - 1) - 1
+      end do
+      facets(MAX_FACE_NODES + 1, i) = e - 1
+      facets(MAX_FACE_NODES + 2, i) = surface%face(i)
+    end do
+  end subroutine list_facets
+
+
+  !> /AMONTONS/steps and /AMONTONS/controls: what was taken in each step.
+  subroutine write_steps(store, steps, error)
+    type(store_type), intent(in) :: store
+    type(step_type), intent(in) :: steps(:)
+    type(error_type), allocatable, intent(out) :: error
+    character(240) :: titles(size(steps))
+    integer :: integers(7, size(steps)), i
+    real(DP) :: reals(11, size(steps))
+    do i = 1, size(steps)
+      associate (step => steps(i))
+        titles(i) = words_of(step%title)
+        integers(:6, i) = [merge(1, 0, step%is_nlgeom), step%max_increments, merge(1, 0, step%is_direct), &
+          step%line_search, step%file_frequency, step%print_frequency]
+        reals(:4, i) = [step%dt_initial, step%period, step%dt_min, step%dt_max]
+      end associate
+    end do
+    call write_columns(store, '/AMONTONS/steps', STEP_COLUMNS, integers, reals, error)
+    if (.not. allocated(error)) call write_data(store, '/AMONTONS/steps/title', titles, &
+      '[-]', 'Line after *STEP.', error)
+    do i = 1, size(steps)
+      associate (c => steps(i)%controls)
+        integers(:, i) = [c%i_0, c%i_r, c%i_p, c%i_c, c%i_l, c%i_g, c%i_a]
+        reals(:, i) = [c%d_f, c%d_c, c%d_b, c%d_d, c%r_n, c%c_n, c%r_p, c%r_l, c%s_max, c%s_min, c%gap_tolerance]
+      end associate
+    end do
+    if (.not. allocated(error)) call write_columns(store, '/AMONTONS/controls', CONTROL_COLUMNS, integers, reals, error)
+  end subroutine write_steps
+
+
+  !> All analytic surfaces of a model. Before: their carriers are known.
+  subroutine draw_profiles(model, shown)
+    type(model_type), intent(in) :: model
+    type(shown_type), intent(out) :: shown
+    integer :: s, k
+    allocate (shown%points(3, 0), shown%carriers(4, 0), shown%weights(4, 0), shown%nodes(0), shown%last(0), shown%vtk_type(0))
+    if (.not. allocated(model%surfaces)) return
+    do s = 1, size(model%surfaces)
+      if (.not. allocated(model%surfaces(s)%profile)) cycle
+      do k = 1, model%surfaces(s)%profile%n
+        call draw_piece(model, model%surfaces(s)%profile, k, shown)
+      end do
+    end do
+  end subroutine draw_profiles
+
+
+  !> One piece: points along it and across, cells between them.
+  subroutine draw_piece(model, profile, k, shown)
+    type(model_type), intent(in) :: model
+    type(profile_type), intent(in) :: profile
+    integer, intent(in) :: k
+    type(shown_type), intent(inout) :: shown
+    real(DP) :: X(3), p(2), normal(2), at(2)
+    integer :: n_along, n_across, i, j, first, corner
+    n_along = 1
+    if (abs(profile%bend(k)) > 0.0_DP) n_along = ceiling((1.0_DP - ROUNDING) * profile%extent(k) / (abs(profile%bend(k)) * STEP))
+    n_across = merge(0, 1, profile%kind == PROFILE_FLAT)
+    if (profile%kind == PROFILE_TURNED) n_across = nint(2.0_DP * PI / STEP)
+    at = reach_across(model, profile)
+    first = shown%n_points
+    do j = 0, n_across
+      do i = 0, n_along
+        call point_of(profile, k, [real(i, DP) / real(n_along, DP), at(1) + (at(2) - at(1)) * real(j, DP) / &
+          real(max(n_across, 1), DP)], X, p, normal)
+        call add_point(profile, X, shown)
+      end do
+    end do
+    do j = 1, max(n_across, 1)
+      do i = 1, n_along
+        corner = first + (j - 1) * (n_along + 1) + i
+        if (n_across == 0) call add_cell([corner, corner + 1], shown)
+        if (n_across > 0) call add_cell([corner, corner + 1, corner + n_along + 2, corner + n_along + 1], shown)
+      end do
+    end do
+  end subroutine draw_piece
+
+
+  !> From where to where a surface is shown across its profile: the mesh and a margin, or once round.
+  pure function reach_across(model, profile) result(at)
+    type(model_type), intent(in) :: model
+    type(profile_type), intent(in) :: profile
+    real(DP) :: at(2), along(model%mesh%n_nodes)
+    at = 0.0_DP
+    if (profile%kind == PROFILE_TURNED) at = [0.0_DP, 2.0_DP * PI]
+    if (profile%kind /= PROFILE_DRAWN) return
+    along = matmul(profile%axes(:, 3), model%mesh%coordinates - spread(profile%origin, 2, model%mesh%n_nodes))
+    at = [minval(along, mask=model%mesh%has_elements), maxval(along, mask=model%mesh%has_elements)]
+    at = at + MARGIN * (at(2) - at(1)) * [-1.0_DP, 1.0_DP]
+  end function reach_across
+
+
+  !> One more point.
+  pure subroutine add_point(profile, X, shown)
+    type(profile_type), intent(in) :: profile
+    real(DP), intent(in) :: X(3)               !< [length]
+    type(shown_type), intent(inout) :: shown
+    integer :: n
+    n = shown%n_points + 1
+    shown%n_points = n
+    shown%points = reshape([shown%points, X], [3, n])
+    shown%carriers = reshape([shown%carriers, profile%carriers], [4, n])
+    shown%weights = reshape([shown%weights, carrier_weights(profile, X)], [4, n])
+  end subroutine add_point
+
+
+  !> One more cell: a line or a square.
+  pure subroutine add_cell(corners, shown)
+    integer, intent(in) :: corners(:)
+    type(shown_type), intent(inout) :: shown
+    type(kind_type) :: entry
+    entry = element_kind(merge(KIND_T3D2, KIND_CPS4, size(corners) == 2))
+    shown%nodes = [shown%nodes, corners]
+    shown%last = [shown%last, size(shown%nodes)]
+    shown%vtk_type = [shown%vtk_type, entry%vtk_type]
+    shown%n_cells = shown%n_cells + 1
+  end subroutine add_cell
+
+
+  !> The displacements of the points.
+  pure function displacement_of(shown, u) result(moved)
+    type(shown_type), intent(in) :: shown
+    real(DP), intent(in) :: u(:, :)            !< (3, n_nodes) [length]
+    real(DP) :: moved(3, shown%n_points)
+    integer :: i, k
+    moved = 0.0_DP
+    do i = 1, shown%n_points
+      do k = 1, 4
+        if (shown%carriers(k, i) > 0) moved(:, i) = moved(:, i) + shown%weights(k, i) * u(:, shown%carriers(k, i))
+      end do
+    end do
+  end function displacement_of
+
+end module amontons_result_model

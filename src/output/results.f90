@@ -1,0 +1,682 @@
+!> Results: job.vtkhdf, in which ParaView sees the fields of every increment and a script finds everything else.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Two groups. `/VTKHDF` is an UnstructuredGrid of VTK's HDF format, version 2.0: one mesh, in one part, and a block of
+!! rows of point data per written increment; it is kept to what VTK 9.3 to 9.7 read alike. `/AMONTONS` is ours, VTK
+!! ignores it:
+!!
+!! | group                | holds                                                                                      |
+!! |----------------------|--------------------------------------------------------------------------------------------|
+!! | (itself)             | deck, version, dialect, heading, phases                                                    |
+!! | `mesh`               | labels, kinds and materials of nodes and elements; `node_sets`, `element_sets`             |
+!! | `materials`          | parameters                                                                                 |
+!! | `pairs`              | contact pairs: surfaces, friction, facets of the master                                    |
+!! | `steps`, `controls`  | one value per step                                                                         |
+!! | `pair_history`       | sums over each pair: a row per pair of the initial state and each converged increment      |
+!! | `history`            | one row per attempt at an increment, failed ones included; `frame` leads to the fields     |
+!! | `iterations`         | one row per Newton iteration                                                               |
+!! | `told`               | lines on attempts that failed: worst nodes with their contact, and a remedy                |
+!! | `integration_points` | stress, strain and energy density of each frame                                            |
+!! | `contact`            | what each slave node remembers, of each frame                                              |
+!!
+!! Every data set has attributes `unit` and `description`. Indices count from 0, -1 is none; labels are the user's.
+!! Lists of lists have `first` (where each begins, one more entry than lists) beside their members. A frame is one
+!! written increment: rows [frame * n, (frame + 1) * n) of the fields, n the number of nodes, points or slave nodes.
+!! A field is never written with a NaN or an infinity in it. The file is flushed after each increment.
+module amontons_results
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use amontons_kinds, only: DP, I64
+  use amontons_errors, only: error_type, set_error, EXIT_INTERNAL
+  use amontons_tensor, only: von_mises
+  use amontons_mesh, only: mesh_type, mesh_extent
+  use amontons_steps, only: is_output_due
+  use amontons_materials, only: HISTORY_PEEQ, USER_STATE
+  use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
+  use amontons_iteration_records, only: increment_record_type, iteration_record_type, STORY_LENGTH
+  use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
+  use amontons_hdf5_file, only: append_rows, apply_pages, close_store, create_group, create_store, create_table, &
+    drop_store, flush_store, form_type, open_store, open_table, pages_type, store_type, table_type, take_pages, &
+    write_attribute, write_data, STORE_I64, STORE_TEXT, STORE_I32
+  use amontons_result_model, only: shown_type, draw_profiles, displacement_of, write_grid, write_inventory
+  use amontons_result_schema, only: append_columns, check_finite, column_type, create_columns, open_columns, &
+    CONTACT_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, &
+    N_HISTORY_INTEGERS, N_HISTORY_REALS, N_ITERATION_INTEGERS, N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, &
+    N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, rows_of, STRAIN_COLUMN
+  use amontons_postprocess, only: pair_sums_type, average_at_nodes, list_followers, nodal_slaves, show_sides, sum_pair
+  implicit none
+  private
+  public :: results_type, open_results, resume_results, write_increment, write_attempt, write_iteration, close_results
+  public :: take_result_pages, apply_result_pages, drop_results, is_writing, point_fields
+
+  character(*), parameter :: REASON = '/AMONTONS/history/reason'
+  character(*), parameter :: FOLDER = '/AMONTONS/told'
+  integer, parameter :: REASON_LENGTH = 240        !< longest reason why an attempt failed
+  type(form_type), parameter :: REASON_FORM = form_type(storage=STORE_TEXT, width=REASON_LENGTH)
+  type(form_type), parameter :: LINE_FORM = form_type(storage=STORE_TEXT, width=STORY_LENGTH)
+  type(form_type), parameter :: ROW_FORM = form_type(storage=STORE_I32)
+
+  !> Tables of the result file.
+  type :: told_type
+    private
+    type(table_type) :: reason                     !< a row per attempt
+    type(table_type) :: line                       !< what is told of attempts, one line after the other
+    type(table_type) :: attempt                    !< of each line: the row of the history to which it belongs
+  end type told_type
+
+  !> A result file that is being written.
+  type :: results_type
+    private
+    type(store_type) :: store
+    integer :: n_nodes = 0                             !< with the points of analytic surfaces
+    type(shown_type) :: shown                          !< analytic surfaces
+    integer :: n_points = 0
+    integer :: n_slaves = 0
+    integer :: n_frames = 0                            !< increments of which the fields are written
+    real(DP) :: far = 0                                !< COPEN of a node that projects nowhere [length]
+    type(column_type), allocatable :: point_columns(:)
+    type(table_type), allocatable :: point(:)          !< /VTKHDF/PointData
+    type(table_type), allocatable :: point_offset(:)   !< /VTKHDF/Steps/PointDataOffsets
+    type(table_type) :: time                           !< /VTKHDF/Steps/Values
+    type(table_type), allocatable :: constant(:)       !< the other tables of /VTKHDF/Steps
+    type(column_type), allocatable :: integration_columns(:)
+    type(table_type), allocatable :: integration(:)
+    type(table_type), allocatable :: contact(:)        !< created with the first fields, which know the slave nodes
+    type(table_type), allocatable :: pairs(:)          !< sums over pairs; only with pairs
+    type(table_type), allocatable :: history(:)
+    type(told_type) :: told                            !< of attempts, in words
+    type(table_type), allocatable :: iterations(:)
+  end type results_type
+
+  real(DP), parameter :: EQUAL = 1.0e-6_DP             !< two contact forces or gaps are one within this [-]
+  real(DP), parameter :: UNTOLD = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
+
+  ! The constant tables of /VTKHDF/Steps: all frames show the same mesh, as one part.
+  character(21), parameter :: STEP_TABLES(5) = [character(21) :: &
+    'PartOffsets', 'NumberOfParts', 'PointOffsets', 'CellOffsets', 'ConnectivityIdOffsets']
+  integer(I64), parameter :: STEP_VALUES(5) = [0_I64, 1_I64, 0_I64, 0_I64, 0_I64]
+  logical, parameter :: STEP_IS_MATRIX(5) = [.false., .false., .false., .true., .true.]
+
+contains
+
+  !> Creates options%outdir/job.vtkhdf with the mesh and all that is known before the first increment. It can be read
+  !! once increment 0 is written.
+  subroutine open_results(results, model, options, error)
+    type(results_type), intent(out) :: results
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    call draw_profiles(model, results%shown)
+    results%n_nodes = model%mesh%n_nodes + results%shown%n_points
+    results%n_points = model%mesh%n_points
+    results%far = mesh_extent(model%mesh)
+    results%point_columns = POINT_COLUMNS
+    results%integration_columns = columns_of_points(model)
+    if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
+      results%point_columns(STRAIN_COLUMN)%name = 'LE'
+    call create_store(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
+    if (.not. allocated(error)) call write_grid(results%store, model%mesh, results%shown, error)
+    if (.not. allocated(error)) call create_frames(results, error)
+    if (.not. allocated(error)) call write_inventory(results%store, model, error)
+    if (.not. allocated(error)) call create_histories(results, size(model%pairs), error)
+    if (allocated(error)) call abandon(results)
+  end subroutine open_results
+
+
+  !> Opens the file of a job that goes on after a checkpoint; the file has been made what it was then.
+  subroutine resume_results(results, model, n_slaves, options, error)
+    type(results_type), intent(out) :: results
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: n_slaves
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    call draw_profiles(model, results%shown)
+    results%n_nodes = model%mesh%n_nodes + results%shown%n_points
+    results%n_points = model%mesh%n_points
+    results%n_slaves = n_slaves
+    results%far = mesh_extent(model%mesh)
+    results%point_columns = POINT_COLUMNS
+    results%integration_columns = columns_of_points(model)
+    if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
+      results%point_columns(STRAIN_COLUMN)%name = 'LE'
+    call open_store(results%store, job_path(options, '.vtkhdf'), error)
+    if (.not. allocated(error)) call open_frames(results, error)
+    if (.not. allocated(error) .and. size(model%pairs) > 0) call open_columns(results%store, '/AMONTONS/pair_history', &
+      PAIR_COLUMNS, size(model%pairs), results%pairs, error)
+    if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, &
+      results%history, error)
+    if (.not. allocated(error)) call open_told(results%told, results%store, error)
+    if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, &
+      results%iterations, error)
+    if (allocated(error)) call drop_store(results%store)
+  end subroutine resume_results
+
+
+  !> Opens the tables that grow by a frame.
+  subroutine open_frames(results, error)
+    type(results_type), intent(inout) :: results
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    associate (store => results%store)
+      call open_table(store, results%time, '/VTKHDF/Steps/Values', form_type(), error)
+      results%n_frames = int(results%time%n_rows)
+      allocate (results%constant(size(STEP_TABLES)))
+      do i = 1, size(STEP_TABLES)
+        if (.not. allocated(error)) call open_table(store, results%constant(i), '/VTKHDF/Steps/' // &
+          trim(STEP_TABLES(i)), form_type(storage=STORE_I64, is_matrix=STEP_IS_MATRIX(i)), error)
+      end do
+      if (.not. allocated(error)) call open_columns(store, '/VTKHDF/PointData', results%point_columns, &
+        results%n_nodes, results%point, error)
+      allocate (results%point_offset(size(results%point_columns)))
+      do i = 1, size(results%point_columns)
+        if (.not. allocated(error)) call open_table(store, results%point_offset(i), &
+          '/VTKHDF/Steps/PointDataOffsets/' // trim(results%point_columns(i)%name), form_type(storage=STORE_I64), error)
+      end do
+      if (.not. allocated(error)) call open_columns(store, '/AMONTONS/integration_points', &
+        results%integration_columns, results%n_points, results%integration, error)
+      if (.not. allocated(error)) call open_columns(store, '/AMONTONS/contact', CONTACT_COLUMNS, &
+        max(1, results%n_slaves), results%contact, error)
+    end associate
+  end subroutine open_frames
+
+
+  !> The pages of a guarded file that are still in memory, for the checkpoint (store.f90).
+  subroutine take_result_pages(results, is_old, pages, error)
+    type(results_type), intent(in) :: results
+    logical, intent(in) :: is_old                            !< .true.: as they are on disk
+    type(pages_type), intent(out) :: pages
+    type(error_type), allocatable, intent(out) :: error
+    call take_pages(results%store, is_old, pages, error)
+  end subroutine take_result_pages
+
+
+  !> Writes the pages of a guarded file.
+  subroutine apply_result_pages(results, error)
+    type(results_type), intent(in) :: results
+    type(error_type), allocatable, intent(out) :: error
+    call apply_pages(results%store, error)
+  end subroutine apply_result_pages
+
+
+  !> Whether the file is open and no error has ended it.
+  pure logical function is_writing(results)
+    type(results_type), intent(in) :: results
+    is_writing = results%store%is_open
+  end function is_writing
+
+
+  !> Ends with the file. Pages that were not applied are lost.
+  subroutine drop_results(results)
+    type(results_type), intent(inout) :: results
+    call drop_store(results%store)
+  end subroutine drop_results
+
+
+  !> Writes a converged increment (or the initial state, increment 0): its history row and, if its step wants it
+  !! (file_frequency; the initial state always), its fields. Then everything is brought to disk.
+  subroutine write_increment(results, model, fields, record, error)
+    type(results_type), intent(inout) :: results
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields                  !< committed
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    logical :: is_due
+    is_due = record%increment == 0
+    if (.not. is_due) then
+      associate (step => model%steps(record%step))
+        is_due = is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times)
+      end associate
+    end if
+    if (is_due) call write_frame(results, model, fields, nodal_slaves(model, fields%slaves), error)
+    if (.not. allocated(error) .and. size(model%pairs) > 0) call write_pair_sums(results, model, fields, record, error)
+    if (allocated(error)) then
+      call abandon(results)
+    else
+      call write_row(results, record, merge(results%n_frames - 1, -1, is_due), error)
+    end if
+  end subroutine write_increment
+
+
+  !> Adds the sums over all pairs.
+  subroutine write_pair_sums(results, model, fields, record, error)
+    type(results_type), intent(inout) :: results
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields                  !< committed
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    type(slave_type), allocatable :: slaves(:)
+    type(pair_sums_type) :: s
+    integer :: integers(N_PAIR_INTEGERS, size(model%pairs)), p, k
+    real(DP) :: reals(N_PAIR_REALS, size(model%pairs))
+    do p = 1, size(model%pairs)
+      slaves = pack(fields%slaves, fields%slaves%pair == p)
+      call sum_pair(model, fields%u, slaves, s)
+      integers(:, p) = [record%step, record%increment, p - 1, (count(slaves%status == k), k=0, 2)]
+      reals(:, p) = [record%total_time, s%force, s%moment, s%area, s%place(:, :2)]
+    end do
+    call check_finite('pair', PAIR_COLUMNS, reals, error)
+    if (.not. allocated(error)) call append_columns(results%store, PAIR_COLUMNS, integers, reals, results%pairs, error)
+  end subroutine write_pair_sums
+
+
+  !> Writes the history row of an attempt without fields (it failed), and brings everything to disk.
+  subroutine write_attempt(results, record, error)
+    type(results_type), intent(inout) :: results
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    call write_row(results, record, -1, error)
+  end subroutine write_attempt
+
+
+  !> Writes a row of the table of iterations.
+  subroutine write_iteration(results, record, error)
+    type(results_type), intent(inout) :: results
+    type(iteration_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    integer :: integers(N_ITERATION_INTEGERS, 1)
+    real(DP) :: reals(N_ITERATION_REALS, 1)
+    integers(:, 1) = [record%step, record%increment, record%attempt, record%iteration, record%n_closed, &
+      record%n_status, record%n_scenario, record%n_opened, record%n_closed_now, record%n_krylov, &
+      record%n_balanced, record%n_rounds]
+    reals(:, 1) = finite([record%residual, record%correction, record%step_length, record%worst_gap])
+    call append_columns(results%store, ITERATION_COLUMNS, integers, reals, results%iterations, error)
+    if (allocated(error)) call abandon(results)
+  end subroutine write_iteration
+
+
+  !> Closes the file; a file that is not open is left alone. Of a guarded file the last pages still wait.
+  subroutine close_results(results, error)
+    type(results_type), intent(inout) :: results
+    type(error_type), allocatable, intent(out) :: error
+    call close_store(results%store, error)
+  end subroutine close_results
+
+
+  !> Ends with the file after an error: what is on disk is the last whole state.
+  subroutine abandon(results)
+    type(results_type), intent(inout) :: results
+    call drop_store(results%store)
+  end subroutine abandon
+
+
+  !> The tables that grow by a frame: point data, their offsets, times, integration points.
+  subroutine create_frames(results, error)
+    type(results_type), intent(inout) :: results
+    type(error_type), allocatable, intent(out) :: error
+    type(form_type) :: form
+    integer :: i
+    call create_group(results%store, '/VTKHDF/Steps', error)
+    if (.not. allocated(error)) call write_attribute(results%store, '/VTKHDF/Steps', 'NSteps', [0], error)
+    if (.not. allocated(error)) call create_table(results%store, results%time, '/VTKHDF/Steps/Values', form_type(), &
+      '[time]', 'Total time of each frame.', error)
+    allocate (results%constant(size(STEP_TABLES)))
+    do i = 1, size(STEP_TABLES)
+      if (allocated(error)) return
+      form = form_type(storage=STORE_I64, is_matrix=STEP_IS_MATRIX(i))
+      call create_table(results%store, results%constant(i), '/VTKHDF/Steps/' // trim(STEP_TABLES(i)), form, '[-]', &
+        'The same mesh, in one part, for all frames.', error)
+    end do
+    if (.not. allocated(error)) call create_columns(results%store, '/VTKHDF/PointData', results%point_columns, &
+      results%n_nodes, results%point, error)
+    if (.not. allocated(error)) call create_group(results%store, '/VTKHDF/Steps/PointDataOffsets', error)
+    allocate (results%point_offset(size(results%point_columns)))
+    do i = 1, size(results%point_columns)
+      if (allocated(error)) return
+      call create_table(results%store, results%point_offset(i), &
+        '/VTKHDF/Steps/PointDataOffsets/' // trim(results%point_columns(i)%name), form_type(storage=STORE_I64), '[-]', &
+        'First row of each frame.', error)
+    end do
+    if (.not. allocated(error)) call create_group(results%store, '/AMONTONS', error)
+    if (.not. allocated(error)) call create_columns(results%store, '/AMONTONS/integration_points', &
+      results%integration_columns, results%n_points, results%integration, error)
+  end subroutine create_frames
+
+
+  !> The columns of the integration points: STATEV too where a user's material has some.
+  pure function columns_of_points(model) result(columns)
+    type(model_type), intent(in) :: model
+    type(column_type), allocatable :: columns(:)
+    integer :: n
+    columns = INTEGRATION_COLUMNS
+    n = 0
+    if (size(model%materials) > 0) n = maxval(model%materials%n_statev)
+    if (n > 0) columns = [columns, column_type('SDV', n, '[-]', 'Variables of UMAT (STATEV), as it left them.')]
+  end function columns_of_points
+
+
+  !> The tables that grow by a row at a time.
+  subroutine create_histories(results, n_pairs, error)
+    type(results_type), intent(inout) :: results
+    integer, intent(in) :: n_pairs
+    type(error_type), allocatable, intent(out) :: error
+    if (n_pairs > 0) call create_columns(results%store, '/AMONTONS/pair_history', PAIR_COLUMNS, n_pairs, results%pairs, error)
+    if (allocated(error)) return
+    call create_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, results%history, error)
+    if (.not. allocated(error)) call create_told(results%told, results%store, error)
+    if (.not. allocated(error)) call create_columns(results%store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, &
+      results%iterations, error)
+  end subroutine create_histories
+
+
+  !> Writes the fields of an increment as a new frame. All is checked first, so that an error leaves the file whole.
+  subroutine write_frame(results, model, fields, slaves, error)
+    type(results_type), intent(inout) :: results
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    type(slave_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: reals(:, :), contact_reals(:, :)
+    integer, allocatable :: integers(:, :), contact_integers(:, :)
+    if (.not. allocated(results%contact)) call create_contact(results, slaves, error)
+    if (allocated(error)) return
+    if (size(slaves) /= results%n_slaves) then
+      call set_error(error, EXIT_INTERNAL, 'The number of slave nodes has changed since the first increment.')
+      return
+    end if
+    allocate (reals(N_POINT_REALS, results%n_nodes), integers(N_POINT_INTEGERS, results%n_nodes))
+    call check_points(results, fields, error)
+    if (allocated(error)) return
+    associate (n => model%mesh%n_nodes)
+      call point_fields(model, fields, slaves, results%far, reals(:, :n), integers(:, :n))
+      reals(:, n + 1:) = 0.0_DP
+      reals(:3, n + 1:) = displacement_of(results%shown, fields%u)
+      integers(:, n + 1:) = 0
+    end associate
+    call check_finite('node', results%point_columns, reals, error)
+    if (allocated(error)) return
+    call pack_slaves(slaves, contact_integers, contact_reals)
+    call check_finite('slave', CONTACT_COLUMNS, contact_reals, error)
+    if (allocated(error)) return
+    associate (store => results%store)
+      call append_columns(store, results%point_columns, integers, reals, results%point, error)
+      if (.not. allocated(error)) call append_points(results, fields, error)
+      if (.not. allocated(error)) call append_columns(store, CONTACT_COLUMNS, contact_integers, contact_reals, &
+        results%contact, error)
+    end associate
+    if (.not. allocated(error)) call write_step(results, fields%total_time, error)
+  end subroutine write_frame
+
+
+  !> An error if a value at an integration point is NaN or infinite.
+  subroutine check_points(results, fields, error)
+    type(results_type), intent(in) :: results
+    type(fields_type), intent(in) :: fields
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: WHERE = 'integration point'
+    associate (columns => results%integration_columns)
+      call check_finite(WHERE, columns(1:1), fields%stress, error)
+      if (.not. allocated(error)) call check_finite(WHERE, columns(2:2), fields%strain, error)
+      if (.not. allocated(error)) call check_finite(WHERE, columns(3:3), reshape(fields%energy, [1, results%n_points]), error)
+      if (allocated(error) .or. size(fields%history, 1) == 0) return
+      call check_finite(WHERE, columns(4:4), reshape(history_row(fields, HISTORY_PEEQ), [1, results%n_points]), error)
+      if (.not. allocated(error) .and. size(columns) > 4) call check_finite(WHERE, columns(5:), &
+        fields%history(USER_STATE:, :), error)
+    end associate
+  end subroutine check_points
+
+
+  !> The fields at the integration points, each from where it is.
+  subroutine append_points(results, fields, error)
+    type(results_type), intent(inout) :: results
+    type(fields_type), intent(in) :: fields
+    type(error_type), allocatable, intent(out) :: error
+    associate (store => results%store, table => results%integration)
+      call append_rows(store, table(1), fields%stress, error)
+      if (.not. allocated(error)) call append_rows(store, table(2), fields%strain, error)
+      if (.not. allocated(error)) call append_rows(store, table(3), reshape(fields%energy, [1, results%n_points]), error)
+      if (.not. allocated(error)) call append_rows(store, table(4), &
+        reshape(history_row(fields, HISTORY_PEEQ), [1, results%n_points]), error)
+      if (.not. allocated(error) .and. size(table) > 4) call append_rows(store, table(5), (fields%history(USER_STATE:, :)), error)
+    end associate
+  end subroutine append_points
+
+
+  !> The contact tables, and which slave stands in which row.
+  subroutine create_contact(results, slaves, error)
+    type(results_type), intent(inout) :: results
+    type(slave_type), intent(in) :: slaves(:)
+    type(error_type), allocatable, intent(out) :: error
+    results%n_slaves = size(slaves)
+    call create_columns(results%store, '/AMONTONS/contact', CONTACT_COLUMNS, max(1, size(slaves)), &
+      results%contact, error)
+    if (.not. allocated(error)) call write_data(results%store, '/AMONTONS/contact/pair', slaves%pair - 1, '[-]', &
+      'Pair of each slave node.', error)
+    if (.not. allocated(error)) call write_data(results%store, '/AMONTONS/contact/node', slaves%node - 1, '[-]', &
+      'Node of each slave node.', error)
+  end subroutine create_contact
+
+
+  !> The rows of /VTKHDF/Steps; the number of steps last, so that a reader never sees half a frame.
+  subroutine write_step(results, time, error)
+    type(results_type), intent(inout) :: results
+    real(DP), intent(in) :: time                    !< total time [time]
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    associate (store => results%store)
+      call append_rows(store, results%time, reshape([time], [1, 1]), error)
+      do i = 1, size(results%constant)
+        if (.not. allocated(error)) call append_rows(store, results%constant(i), STEP_VALUES(i), error)
+      end do
+      do i = 1, size(results%point_offset)
+        if (.not. allocated(error)) call append_rows(store, results%point_offset(i), &
+          int(results%n_frames, I64) * int(results%n_nodes, I64), error)
+      end do
+      if (.not. allocated(error)) call write_attribute(store, '/VTKHDF/Steps', 'NSteps', [results%n_frames + 1], error)
+    end associate
+    if (.not. allocated(error)) results%n_frames = results%n_frames + 1
+  end subroutine write_step
+
+
+  !> The fields at the nodes as they stand in the file, one below the other.
+  subroutine point_fields(model, fields, slaves, far, reals, integers)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    type(slave_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
+    real(DP), intent(in) :: far                     !< COPEN without a facet [length]
+    real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
+    integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes) likewise
+    integer, allocatable :: followers(:, :)
+    integer :: i, cpress(2), cshear(2), cslip(2)
+    cpress = rows_of('CPRESS')
+    cshear = rows_of('CSHEAR')
+    cslip = rows_of('CSLIP')
+    call pack_solid(model%mesh, fields, reals)
+    call pack_contact(slaves, far, reals, integers)
+    call show_sides(model, slaves, cpress(1), cshear(2), reals)
+    call list_followers(model, slaves, followers)
+    do i = 1, size(followers, 2)                   ! pressure, friction, gap and slip; the forces are those of the corners
+      associate (node => followers(1, i), ends => followers(2:3, i))
+        reals(cpress(1):cslip(2), node) = 0.5_DP * sum(reals(cpress(1):cslip(2), ends), dim=2)
+        integers(1, node) = maxval(integers(1, ends))
+      end associate
+    end do
+  end subroutine point_fields
+
+
+  !> Displacement, reaction, stress, strain, Mises stress, plastic strain and temperature of all nodes.
+  subroutine pack_solid(mesh, fields, reals)
+    type(mesh_type), intent(in) :: mesh
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
+    integer :: u(2), rf(2), s(2), e(2), mises(2), peeq(2), nt(2), i
+    u = rows_of('U')
+    rf = rows_of('RF')
+    s = rows_of('S')
+    e = rows_of('E')
+    mises = rows_of('S_mises')
+    peeq = rows_of('PEEQ')
+    nt = rows_of('NT')
+    reals = 0                                       ! what no slave node fills, and PEEQ without plasticity
+    reals(u(1):u(2), :) = fields%u
+    reals(rf(1):rf(2), :) = fields%reaction_force
+    !$omp parallel sections
+    !$omp section
+    call average_at_nodes(mesh, fields%stress, reals(s(1):s(2), :))
+    !$omp section
+    call average_at_nodes(mesh, fields%strain, reals(e(1):e(2), :))
+    !$omp end parallel sections
+    !$omp parallel do schedule(static)
+    do i = 1, mesh%n_nodes
+      reals(mises(1), i) = von_mises(reals(s(1):s(2), i))
+    end do
+    !$omp end parallel do
+    if (size(fields%history, 1) > 0) call average_at_nodes(mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, mesh%n_points]), &
+      reals(peeq(1):peeq(2), :))
+    reals(nt(1), :) = fields%temperature
+  end subroutine pack_solid
+
+
+  !> The contact columns of the point data. A node that is slave of two pairs shows the one that counts more.
+  subroutine pack_contact(slaves, far, reals, integers)
+    type(slave_type), intent(in) :: slaves(:)
+    real(DP), intent(in) :: far                     !< COPEN without a facet [length]
+    real(DP), intent(inout) :: reals(:, :)          !< (N_POINT_REALS, n_nodes)
+    integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes)
+    integer :: shown(size(reals, 2)), i, node
+    integer :: cpress(2), cshear(2), copen(2), cslip(2), cnormf(2), cshearf(2)
+    cpress = rows_of('CPRESS')
+    cshear = rows_of('CSHEAR')
+    copen = rows_of('COPEN')
+    cslip = rows_of('CSLIP')
+    cnormf = rows_of('CNORMF')
+    cshearf = rows_of('CSHEARF')
+    shown = 0
+    do i = 1, size(slaves)
+      node = slaves(i)%node
+      if (shown(node) == 0) then
+        shown(node) = i
+      else if (counts_more(slaves(i), slaves(shown(node)))) then
+        shown(node) = i
+      end if
+    end do
+    integers = 0
+    do node = 1, size(shown)
+      if (shown(node) == 0) cycle
+      associate (slave => slaves(shown(node)))
+        if (slave%area > 0) then
+          reals(cpress(1), node) = dot_product(slave%force, slave%normal) / slave%area
+          reals(cshear(1):cshear(2), node) = slave%shear / slave%area
+        end if
+        reals(copen(1), node) = merge(slave%gap, far, slave%facet > 0)
+        reals(cslip(1):cslip(2), node) = slave%slip
+        reals(cnormf(1):cnormf(2), node) = slave%force
+        reals(cshearf(1):cshearf(2), node) = slave%shear
+        integers(:, node) = [slave%status, slave%scenario]
+      end associate
+    end do
+  end subroutine pack_contact
+
+
+  !> Closed before open; of two closed the one with the larger force; of two open the nearer; of two equal ones, which rounding
+  !! makes differ, the pair that comes first in the deck.
+  pure function counts_more(a, b) result(is_more)
+    type(slave_type), intent(in) :: a, b
+    logical :: is_more
+    if ((a%status == STATUS_OPEN) .neqv. (b%status == STATUS_OPEN)) then
+      is_more = b%status == STATUS_OPEN
+    else if (a%status /= STATUS_OPEN) then
+      is_more = norm2(a%force) > (1 + EQUAL) * norm2(b%force)
+    else
+      is_more = a%facet > 0 .and. (b%facet == 0 .or. a%gap < b%gap - EQUAL * abs(b%gap))
+    end if
+  end function counts_more
+
+
+  !> The memory of all slaves in the order of CONTACT_COLUMNS.
+  pure subroutine pack_slaves(slaves, integers, reals)
+    type(slave_type), intent(in) :: slaves(:)
+    integer, allocatable, intent(out) :: integers(:, :)
+    real(DP), allocatable, intent(out) :: reals(:, :)
+    integer :: i
+    allocate (integers(N_CONTACT_INTEGERS, size(slaves)), reals(N_CONTACT_REALS, size(slaves)))
+    do i = 1, size(slaves)
+      associate (slave => slaves(i))
+        integers(:, i) = [slave%facet - 1, slave%status, slave%scenario]
+        reals(:, i) = [slave%xi, slave%gap, slave%normal, slave%force, slave%shear, slave%slip, slave%area, &
+          slave%stiffness]
+      end associate
+    end do
+  end subroutine pack_slaves
+
+
+  !> Writes a history row and brings everything to disk.
+  subroutine write_row(results, record, frame, error)
+    type(results_type), intent(inout) :: results
+    type(increment_record_type), intent(in) :: record
+    integer, intent(in) :: frame                    !< its frame, from 0; -1: none
+    type(error_type), allocatable, intent(out) :: error
+    integer :: integers(N_HISTORY_INTEGERS, 1)
+    real(DP) :: reals(N_HISTORY_REALS, 1)
+    integers(:, 1) = [record%step, record%increment, record%attempt, merge(1, 0, record%is_converged), &
+      record%n_iterations, record%n_cutbacks, record%n_status, record%n_scenario, record%n_factorisations, &
+      record%n_krylov, record%n_cycles, record%n_unforeseen, frame]
+    reals(:, 1) = [record%total_time, record%step_time, record%dt, record%smallest_step_length, record%residual, &
+      record%correction, record%seconds, record%applied_force, record%reaction_force, record%contact_force, &
+      record%slave_force, record%external_work, record%friction_work, record%strain_energy, &
+      record%contact_energy, record%carried_work, record%damped_work, &
+      record%plastic_work]
+    if (record%is_converged) call check_finite('history row', HISTORY_COLUMNS, reals, error)
+    if (.not. allocated(error)) then
+      reals(:, 1) = finite(reals(:, 1))
+      call append_columns(results%store, HISTORY_COLUMNS, integers, reals, results%history, error)
+    end if
+    if (.not. allocated(error)) call append_told(results%told, results%store, record, error)
+    if (.not. allocated(error)) call flush_store(results%store, error)
+    if (allocated(error)) call abandon(results)
+  end subroutine write_row
+
+
+  !> A value that can be written: what is NaN or infinite in a failed attempt becomes 1e30.
+  elemental function finite(value) result(written)
+    real(DP), intent(in) :: value
+    real(DP) :: written
+    written = UNTOLD
+    if (ieee_is_finite(value)) written = value
+  end function finite
+
+
+  !> Creates the tables; the group of the history is there.
+  subroutine create_told(told, store, error)
+    type(told_type), intent(out) :: told
+    type(store_type), intent(in) :: store
+    type(error_type), allocatable, intent(out) :: error
+    call create_table(store, told%reason, REASON, REASON_FORM, '[-]', 'Why the attempt failed; empty if it converged.', error)
+    if (.not. allocated(error)) call create_group(store, FOLDER, error)
+    if (.not. allocated(error)) call create_table(store, told%line, FOLDER // '/line', LINE_FORM, '[-]', &
+      'What was told of attempts: of those that failed the worst nodes with their contact, and a remedy.', error)
+    if (.not. allocated(error)) call create_table(store, told%attempt, FOLDER // '/attempt', ROW_FORM, '[-]', &
+      'The row of the history that the line is about.', error)
+  end subroutine create_told
+
+
+  !> Opens the tables of a file that goes on.
+  subroutine open_told(told, store, error)
+    type(told_type), intent(out) :: told
+    type(store_type), intent(in) :: store
+    type(error_type), allocatable, intent(out) :: error
+    call open_table(store, told%reason, REASON, REASON_FORM, error)
+    if (.not. allocated(error)) call open_table(store, told%line, FOLDER // '/line', LINE_FORM, error)
+    if (.not. allocated(error)) call open_table(store, told%attempt, FOLDER // '/attempt', ROW_FORM, error)
+  end subroutine open_told
+
+
+  !> Adds what is told of an attempt.
+  subroutine append_told(told, store, record, error)
+    type(told_type), intent(inout) :: told
+    type(store_type), intent(in) :: store
+    type(increment_record_type), intent(in) :: record
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: words
+    integer :: row, i
+    row = int(told%reason%n_rows)
+    words = ''
+    if (allocated(record%reason)) words = record%reason
+    call append_rows(store, told%reason, words, error)
+    if (.not. allocated(record%story)) return
+    do i = 1, size(record%story)
+      if (.not. allocated(error)) call append_rows(store, told%line, trim(record%story(i)), error)
+      if (.not. allocated(error)) call append_rows(store, told%attempt, reshape([row], [1, 1]), error)
+      if (allocated(error)) return
+    end do
+  end subroutine append_told
+
+end module amontons_results

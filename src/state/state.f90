@@ -1,0 +1,322 @@
+!> State: unknowns, stresses and contact memory, old (committed) and new (trial); commit and restore.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_state
+  use amontons_kinds, only: DP
+  use amontons_mesh, only: mesh_type, element_nodes
+  use amontons_loads, only: load_value
+  use amontons_material_point, only: elastic_strain_of, axes_at
+  use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
+    HISTORY_PEEQ, USER_STATE, USER_STRESS
+  use amontons_logarithmic_strain, only: tensor_exp
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_node_overrides, only: node_overrides_type
+  use amontons_shape_functions, only: shape_functions, quadrature
+  use amontons_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_steps, only: step_type
+  use amontons_tensor, only: IDENTITY, pack_voigt, unpack_voigt
+  use amontons_topology, only: MAX_NODES, MAX_POINTS
+  implicit none
+  private
+  public :: set_temperatures, history_row, amplitude_memory, inelastic_strain, inner_variables, n_inner_variables
+  public :: state_type, fields_type, slave_type, create_state, create_material_state, commit_state, restore_state
+  public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
+
+  integer, parameter :: N_PLASTIC = 13                      !< values that CalculiX keeps of its plasticity
+  integer, parameter :: DAMPING_NOW = 1, DAMPING_NEXT = 2   !< in force; from the next increment on
+
+  !> The contact memory of one slave node of one pair.
+  type :: slave_type
+    integer :: pair = 0                     !< index into model%pairs
+    integer :: node = 0                     !< node index
+    integer :: memory = 0                   !< where its STATEV of FRIC or UINTER begin in user_memory, less one
+    integer :: row = 0                      !< place of its row in the mortar of its pair; 0: the row follows from facet and xi
+    integer :: side = 0                     !< of a point of a slave face: facet of the slave surface; 0: it is a node
+    real(DP) :: at(2) = 0                   !< of a point: natural coordinates on that facet [-]
+    type(node_overrides_type) :: overrides  !< what the solver imposes on it
+    integer :: status = STATUS_OPEN         !< STATUS_OPEN, STATUS_STICK or STATUS_SLIP
+    integer :: scenario = 0                 !< 1 to 4 of the last iteration that moved the node in this increment, else 0
+    integer :: facet = 0                    !< facet of the master that it projects on; 0: none
+    real(DP) :: xi(2) = 0                   !< natural coordinates there
+    real(DP) :: gap = 0                     !< signed distance along the normal, negative is penetration [length]
+    real(DP) :: normal(3) = 0               !< unit normal out of the master
+    logical :: is_within = .false.          !< it came within the reach of its compliant law in this increment and is there
+    integer :: origin_facet = 0             !< where it touched at the start of the increment, or first in it; 0: nowhere
+    real(DP) :: origin_xi(2) = 0            !< natural coordinates there
+    real(DP) :: origin_offset(3) = 0        !< x_s less that point when it touched; not 0 only where the weights are kept [length]
+    real(DP) :: force(3) = 0                !< contact force on the slave node, normal part [force]
+    real(DP) :: shear(3) = 0                !< contact force on the slave node, tangential part [force]
+    real(DP) :: slip(3) = 0                 !< accumulated slip vector up to the committed state, plus this increment's [length]
+    real(DP) :: elastic(3) = 0              !< elastic part of the slip; compliant laws only, not in slip [length]
+    logical :: is_started = .false.         !< its place at the start of the job was looked at
+    real(DP) :: clearance = 0               !< added to the distance to give the gap, for good [length]
+    real(DP) :: allowed = 0                 !< overclosure that is allowed at the start of the step, ramped down over it [length]
+    real(DP) :: offset = 0                  !< the sum of both, now [length]
+    real(DP) :: energy = 0                  !< stored by a compliant law [energy]
+    real(DP) :: slip_increment(3) = 0       !< of this increment [length]
+    real(DP) :: area = 0                    !< tributary area [length^2]
+    real(DP) :: arm(3) = 0                  !< from the node to where its force acts, where it also acts at nodes beside it [length]
+    real(DP) :: stiffness = 0               !< scale c of the trial traction [force/length]
+  end type slave_type
+
+  !> All that an increment changes. Forces are those of the configuration u.
+  type :: fields_type
+    integer :: step = 0                     !< number, from 1, for routines of the user
+    integer :: increment = 0                !< likewise
+    real(DP) :: time_increment = 0          !< [time]
+    real(DP), allocatable :: user_memory(:) !< of each amplitude by UAMP its value and its variables, then STATEV of slave nodes
+    real(DP) :: step_time = 0               !< [time]
+    real(DP) :: total_time = 0              !< [time]
+    real(DP), allocatable :: u(:, :)        !< (3, n_nodes) displacement [length]
+    real(DP), allocatable :: v(:, :)        !< (3, n_nodes) mean velocity of the last increment [length/time]
+    real(DP), allocatable :: stress(:, :)   !< (6, n_points) Cauchy stress xx yy zz xy yz xz [stress]
+    real(DP), allocatable :: strain(:, :)   !< (6, n_points) small, logarithmic (abaqus) or Green's (calculix) strain, tensor
+                                            !< components, same order [-]
+    real(DP), allocatable :: energy(:)      !< (n_points) strain energy per reference volume [energy/volume]
+    real(DP), allocatable :: dissipated(:)  !< (n_points) work on plastic and creep strains; (0): none [energy/volume]
+    real(DP), allocatable :: volume(:)      !< (n_points) reference volume [length^3]
+    real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 if none needs it
+    real(DP), allocatable :: temperature(:) !< (n_nodes) [temperature]
+    real(DP) :: creep_time = 0              !< time spent in steps in which materials creep [time]
+    real(DP), allocatable :: frame(:, :, :) !< (3, 3, n_points) local axes in columns, fixed; not there: global
+    real(DP), allocatable :: birth(:, :)    !< (3, nodes of all elements) displacement of an element's node when it was put back;
+    !< not there: no step puts elements back [length]
+    type(slave_type), allocatable :: slaves(:)
+    real(DP), allocatable :: internal_force(:, :)   !< (3, n_nodes) F_int [force]
+    real(DP), allocatable :: applied_force(:, :)    !< (3, n_nodes) F_ext [force]
+    real(DP), allocatable :: contact_force(:, :)    !< (3, n_nodes) F_c on slaves and masters [force]
+    real(DP), allocatable :: reaction_force(:, :)   !< (3, n_nodes) F_int - F_ext - F_c at supports, else 0 [force]
+    real(DP) :: external_work = 0           !< since the start [energy]
+    real(DP) :: friction_work = 0           !< since the start [energy]
+    real(DP) :: damping(2) = 0              !< factor of STABILIZE: DAMPING_NOW, DAMPING_NEXT [force time/length^4]
+    real(DP) :: damped_work = 0             !< dissipated by it since the start [energy]
+    real(DP) :: plastic_work = 0            !< of stresses on plastic and creep strains, since the start [energy]
+    real(DP) :: carried_work = 0            !< of what nothing balanced while bodies were carried, since the start [energy]
+  end type fields_type
+
+  !> Committed and trial fields.
+  type :: state_type
+    type(fields_type) :: old                !< last converged increment
+    type(fields_type) :: new                !< trial
+  end type state_type
+
+contains
+
+  !> A state at rest for a mesh, with its contact slaves.
+  subroutine create_state(state, mesh, slaves)
+    type(state_type), intent(out) :: state
+    type(mesh_type), intent(in) :: mesh
+    type(slave_type), intent(in) :: slaves(:)   !< all slave nodes of all pairs
+    integer :: n, m
+    n = mesh%n_nodes
+    m = mesh%n_points
+    associate (new => state%new)
+      allocate (new%u(3, n), new%v(3, n), new%internal_force(3, n), new%applied_force(3, n), new%contact_force(3, n), &
+        new%reaction_force(3, n), source=0.0_DP)
+      allocate (new%stress(6, m), new%strain(6, m), source=0.0_DP)
+      allocate (new%energy(m), new%volume(m), source=0.0_DP)
+      allocate (new%history(0, m), new%temperature(n), new%user_memory(0), new%dissipated(0), source=0.0_DP)
+      allocate (new%slaves, source=slaves)
+    end associate
+    state%old = state%new
+  end subroutine create_state
+
+
+  !> Room for the history of the materials, and the temperatures and histories that the points start with.
+  subroutine create_material_state(state, model)
+    type(state_type), intent(inout) :: state
+    type(model_type), intent(in) :: model
+    integer :: n_history, n_memory, i
+    n_history = 0
+    if (size(model%materials) > 0) n_history = maxval(model%materials%n_history)
+    associate (new => state%new)
+      if (allocated(model%initial_temperature)) new%temperature = model%initial_temperature
+      deallocate (new%history, new%user_memory)
+      n_memory = amplitude_memory(model)
+      do i = 1, size(new%slaves)
+        n_memory = n_memory + model%interactions(model%pairs(new%slaves(i)%pair)%interaction)%n_statev
+      end do
+      allocate (new%user_memory(n_memory), source=0.0_DP)
+      allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
+      if (n_history >= HISTORY_INELASTIC + 5) new%dissipated = [(0.0_DP, i=1, model%mesh%n_points)]
+      if (allocated(model%initial_history)) then
+        n_history = min(n_history, size(model%initial_history, 1))
+        new%history(:n_history, :) = model%initial_history(:n_history, :)
+      end if
+      if (allocated(model%orientations)) then
+        if (size(model%orientations) > 0) call find_frames(model, new%frame)
+      end if
+      if (allocated(model%initial_stress)) call start_with_stress(model, new)
+      if (any([(allocated(model%steps(i)%is_born), i=1, size(model%steps))])) &
+        allocate (new%birth(3, size(model%mesh%nodes)), source=0.0_DP)
+    end associate
+    state%old = state%new
+  end subroutine create_material_state
+
+
+  !> The length of what amplitudes by UAMP keep.
+  pure integer function amplitude_memory(model) result(n)
+    type(model_type), intent(in) :: model
+    n = 0
+    if (allocated(model%amplitudes)) n = sum(merge(1 + model%amplitudes%n_svars, 0, model%amplitudes%is_user))
+  end function amplitude_memory
+
+
+  !> The local axes of the points from the orientations of their elements.
+  subroutine find_frames(model, frame)
+    type(model_type), intent(in) :: model
+    real(DP), allocatable, intent(out) :: frame(:, :, :)
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
+    integer :: e, k, p, n_rule, n_nodes, nodes(MAX_NODES)
+    allocate (frame(3, 3, model%mesh%n_points), source=spread(IDENTITY, 3, model%mesh%n_points))
+    do e = 1, model%mesh%n_elements
+      k = model%element_orientation(e)
+      if (k == 0) cycle
+      call element_nodes(model%mesh, e, n_nodes, nodes)
+      call quadrature(model%mesh%kind(e), n_rule, xi, w)
+      do p = 1, model%mesh%point_first(e + 1) - model%mesh%point_first(e)
+        call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
+        frame(:, :, model%mesh%point_first(e) + p - 1) = axes_at(model%orientations(k), &
+          matmul(model%mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes)))
+      end do
+    end do
+  end subroutine find_frames
+
+
+  !> Initial stresses become inelastic strains of the other sign.
+  subroutine start_with_stress(model, fields)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(inout) :: fields
+    real(DP) :: frame(3, 3), temperature
+    integer :: e, p, n, nodes(MAX_NODES)
+    frame = IDENTITY
+    do e = 1, model%mesh%n_elements
+      if (model%mesh%material(e) == 0) cycle
+      call element_nodes(model%mesh, e, n, nodes)
+      temperature = sum(fields%temperature(nodes(:n))) / real(n, DP)
+      do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
+        if (allocated(fields%frame)) frame = fields%frame(:, :, p)
+        if (model%materials(model%mesh%material(e))%is_user) then
+          fields%history(USER_STRESS:USER_STRESS + 5, p) = local_stress(model%initial_stress(:, p), frame)
+          cycle
+        end if
+        associate (strain => fields%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p))
+          strain = strain - elastic_strain_of(model%materials(model%mesh%material(e)), temperature, frame, &
+            model%initial_stress(:, p))
+        end associate
+      end do
+    end do
+  end subroutine start_with_stress
+
+
+  !> The components 11 22 33 12 13 23 of a stress in local axes.
+  pure function local_stress(stress, frame) result(x)
+    real(DP), intent(in) :: stress(6)              !< xx yy zz xy yz xz, global [stress]
+    real(DP), intent(in) :: frame(3, 3)            !< local axes in columns
+    real(DP) :: x(6)
+    x = pack_voigt(matmul(transpose(frame), matmul(unpack_voigt(stress), frame)))
+    x(5:6) = x([6, 5])
+  end function local_stress
+
+
+  !> The temperatures at the time of the trial state, and how long materials have crept.
+  subroutine set_temperatures(model, step, state)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< in: times; out: new temperature, creep_time
+    integer :: i
+    associate (new => state%new)
+      new%creep_time = state%old%creep_time
+      if (step%is_creeping) new%creep_time = new%creep_time + (new%total_time - state%old%total_time)
+      if (.not. allocated(step%temperatures)) return
+      do i = 1, size(step%temperatures)
+        new%temperature(step%temperatures(i)%node) = load_value(step%temperatures(i), model%amplitudes, &
+          new%step_time, new%total_time, step%period)
+      end do
+    end associate
+  end subroutine set_temperatures
+
+
+  !> One history variable at all points; zero where materials do not keep it.
+  pure function history_row(fields, row) result(values)
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: row              !< HISTORY_...
+    real(DP) :: values(size(fields%energy))
+    values = 0
+    if (row <= size(fields%history, 1)) values = fields%history(row, :)
+  end function history_row
+
+
+  !> PEEQ: the equivalent plastic strain. CalculiX counts that of creep in.
+  pure function inelastic_strain(model, fields) result(strain)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP) :: strain(model%mesh%n_points)
+    strain = history_row(fields, HISTORY_PEEQ)
+    if (model%dialect == DIALECT_CALCULIX) strain = strain + history_row(fields, HISTORY_CEEQ)
+  end function inelastic_strain
+
+
+  !> How many inner variables SDV shows of each point.
+  pure integer function n_inner_variables(model, fields) result(n)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    integer :: i
+    n = max(0, size(fields%history, 1) - USER_STATE + 1)
+    if (model%dialect /= DIALECT_CALCULIX) return
+    if (any([(is_plastic(model%materials(i)), i=1, size(model%materials))])) n = max(n, N_PLASTIC)
+  end function n_inner_variables
+
+
+  !> Whether a material hardens by one of our own laws. Of anisotropic ones CalculiX keeps other values.
+  pure logical function is_plastic(material)
+    type(material_type), intent(in) :: material
+    is_plastic = (allocated(material%isotropic) .or. allocated(material%kinematic)) &
+      .and. material%elastic_kind == ELASTIC_ISOTROPIC
+  end function is_plastic
+
+
+  !> SDV at all points: STATEV of a routine UMAT; under the calculix dialect also what CalculiX keeps of its plasticity, in its
+  !! order: the equivalent plastic strain, the plastic strain, the back stress, xx yy zz xy xz yz. Under NLGEOM the plastic strain
+  !! is (1 - inv(Cp))/2, Cp being the right Cauchy-Green tensor of the plastic deformation.
+  pure function inner_variables(model, fields) result(values)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP) :: values(n_inner_variables(model, fields), model%mesh%n_points)
+    integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
+    real(DP) :: strain(6), back(6)
+    integer :: e, p, n_user
+    values = 0
+    n_user = max(0, size(fields%history, 1) - USER_STATE + 1)
+    if (n_user > 0) values(:n_user, :) = fields%history(USER_STATE:, :)
+    if (size(values, 1) == n_user) return
+    do e = 1, model%mesh%n_elements
+      if (model%mesh%material(e) == 0) cycle
+      if (.not. is_plastic(model%materials(model%mesh%material(e)))) cycle
+      do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
+        strain = fields%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p)
+        if (model%steps(max(1, fields%step))%is_nlgeom) strain = -0.5_DP * tensor_exp(strain, -2.0_DP)
+        back = 0
+        if (size(fields%history, 1) >= HISTORY_BACK + 5) back = fields%history(HISTORY_BACK:HISTORY_BACK + 5, p)
+        values(:N_PLASTIC, p) = [fields%history(HISTORY_PEEQ, p) + fields%history(HISTORY_CEEQ, p), strain(ORDER), back(ORDER)]
+      end do
+    end do
+  end function inner_variables
+
+
+  !> The trial fields become the committed ones.
+  subroutine commit_state(state)
+    type(state_type), intent(inout) :: state
+    real(DP) :: dt
+    dt = state%new%total_time - state%old%total_time
+    if (dt > 0.0_DP) state%new%v = (state%new%u - state%old%u) / dt
+    state%old = state%new
+  end subroutine commit_state
+
+
+  !> The trial fields are thrown away: everything is as at the last commit, bitwise.
+  subroutine restore_state(state)
+    type(state_type), intent(inout) :: state
+    state%new = state%old
+  end subroutine restore_state
+
+end module amontons_state

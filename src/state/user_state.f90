@@ -1,0 +1,186 @@
+!> User state: what the points of an element of a user's material bring along and leave behind; their start.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_user_state
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, set_error, EXIT_NOT_CONVERGED
+  use amontons_element, only: element_volume
+  use amontons_materials, only: USER_STRESS, USER_STATE
+  use amontons_mesh, only: element_nodes
+  use amontons_model, only: model_type
+  use amontons_integration_points, only: points_type
+  use amontons_loads, only: distributed_type, prescribed_type
+  use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
+  use amontons_state, only: state_type, fields_type
+  use amontons_topology, only: element_kind, kind_type, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
+    FAMILY_PLANE_STRESS, FAMILY_TRUSS, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
+  use amontons_user_routines, only: call_dload, call_disp, call_sdvini, CALL_NAME
+  implicit none
+  private
+  public :: most_components, start_variables, bring_user, keep_user, ask_pressures, ask_displacement
+
+contains
+
+  !> What the points of an element bring to UMAT: committed history, times, places, numbers.
+  pure subroutine bring_user(model, state, e, is_nlgeom, points)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state          !< old history; new times, numbers, displacements
+    integer, intent(in) :: e                       !< element
+    logical, intent(in) :: is_nlgeom
+    type(points_type), intent(inout) :: points     !< out: user
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), x(3, MAX_NODES), volume, dt
+    integer :: n_rule, n_nodes, nodes(MAX_NODES), p, first, n_history, status, components(2)
+    components = components_of(model%mesh%kind(e))
+    call element_nodes(model%mesh, e, n_nodes, nodes)
+    x(:, :n_nodes) = model%mesh%coordinates(:, nodes(:n_nodes))
+    call element_volume(model%mesh%kind(e), x(:, :n_nodes), model%mesh%section(e), volume, status)
+    if (is_nlgeom) x(:, :n_nodes) = x(:, :n_nodes) + state%new%u(:, nodes(:n_nodes))
+    call quadrature(model%mesh%kind(e), n_rule, xi, w)
+    dt = state%new%total_time - state%old%total_time
+    first = model%mesh%point_first(e)
+    n_history = model%materials(model%mesh%material(e))%n_history
+    if (allocated(points%user)) deallocate (points%user)
+    allocate (points%user(model%mesh%point_first(e + 1) - first))
+    do p = 1, size(points%user)
+      call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
+      associate (user => points%user(p), values => points%user(p)%values)
+        user%past = state%old%history(USER_STRESS:n_history, first + p - 1)
+        if (allocated(model%element_orientation)) user%has_axes = model%element_orientation(e) > 0
+        values%time = [state%new%step_time - dt, state%old%total_time]
+        values%dtime = dt
+        values%temp = sum(state%old%temperature(nodes(:n_nodes))) / real(n_nodes, DP)
+        values%coords = matmul(x(:, :n_nodes), N(:n_nodes))
+        values%celent = max(volume, 0.0_DP)**(1 / 3.0_DP)
+        values%noel = model%mesh%element_label(e)
+        values%npt = p
+        if (.not. model%materials(model%mesh%material(e))%is_spatial) then
+          values%ndi = components(1)
+          values%nshr = components(2)
+        end if
+        values%step = state%new%step
+        values%increment = state%new%increment
+      end associate
+    end do
+  end subroutine bring_user
+
+
+  !> Normal and shear components that a kind of element has in Abaqus.
+  pure function components_of(kind) result(components)
+    integer, intent(in) :: kind                    !< KIND_...
+    integer :: components(2)
+    type(kind_type) :: entry
+    entry = element_kind(kind)
+    components = [3, 3]
+    select case (entry%family)
+    case (FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC)
+      components = [3, 1]
+    case (FAMILY_PLANE_STRESS)
+      components = [2, 1]
+    case (FAMILY_TRUSS)
+      components = [1, 0]
+    end select
+  end function components_of
+
+
+  !> The most components that the elements of a material have.
+  pure function most_components(model, m) result(components)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: m                       !< material
+    integer :: components(2)
+    integer :: here(2), e
+    components = [1, 0]
+    if (model%materials(m)%is_spatial) components = [3, 3]
+    do e = 1, model%mesh%n_elements
+      if (model%mesh%material(e) /= m) cycle
+      here = components_of(model%mesh%kind(e))
+      if (sum(here) > sum(components)) components = here
+    end do
+  end function most_components
+
+
+  !> The STATEV that the points start with: SDVINI's, else those of the deck. Errors: EXIT_NOT_CONVERGED (SDVINI calls XIT).
+  subroutine start_variables(model, state, error)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(inout) :: state
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
+    integer :: e, p, first, n_rule, n_nodes, nodes(MAX_NODES)
+    logical :: is_taken
+    if (.not. (model%has_sdvini .or. allocated(model%initial_statev))) return
+    is_taken = .true.
+    do e = 1, model%mesh%n_elements
+      if (model%mesh%material(e) == 0) cycle
+      associate (material => model%materials(model%mesh%material(e)), statev => state%new%history)
+        if (.not. material%is_user .or. material%n_statev == 0) cycle
+        call element_nodes(model%mesh, e, n_nodes, nodes)
+        call quadrature(model%mesh%kind(e), n_rule, xi, w)
+        first = model%mesh%point_first(e)
+        do p = first, model%mesh%point_first(e + 1) - 1
+          if (allocated(model%initial_statev)) statev(USER_STATE:USER_STATE + material%n_statev - 1, p) = &
+            model%initial_statev(:material%n_statev, p)
+          if (.not. model%has_sdvini) cycle
+          call shape_functions(model%mesh%kind(e), xi(:, p - first + 1), N, dN)
+          call call_sdvini(material%routines, statev(USER_STATE:USER_STATE + material%n_statev - 1, p), &
+            matmul(model%mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes)), model%mesh%element_label(e), p - first + 1, is_taken)
+        end do
+      end associate
+      if (.not. is_taken) exit
+    end do
+    state%old = state%new
+    if (.not. is_taken) call set_error(error, EXIT_NOT_CONVERGED, 'The user routine SDVINI has ended the job (XIT).')
+  end subroutine start_variables
+
+
+  !> What UMAT has made of the history of the points of an element.
+  pure subroutine keep_user(model, e, points, fields)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e                       !< element
+    type(points_type), intent(in) :: points
+    type(fields_type), intent(inout) :: fields
+    integer :: p, n_history
+    n_history = model%materials(model%mesh%material(e))%n_history
+    do p = 1, size(points%user)
+      fields%history(:USER_STRESS - 1, model%mesh%point_first(e) + p - 1) = 0
+      fields%history(USER_STRESS:n_history, model%mesh%point_first(e) + p - 1) = points%user(p)%history
+    end do
+  end subroutine keep_user
+
+
+  !> The pressures that DLOAD gives at the points of a face.
+  pure subroutine ask_pressures(model, load, facet_kind, x, fields, pressures)
+    type(model_type), intent(in) :: model
+    type(distributed_type), intent(in) :: load
+    integer, intent(in) :: facet_kind              !< FACET_...
+    real(DP), intent(in) :: x(:, :)                !< (3, nodes) of the face; current under NLGEOM [length]
+    type(fields_type), intent(in) :: fields        !< times, numbers
+    real(DP), allocatable, intent(out) :: pressures(:)   !< (points) [stress]
+    integer, parameter :: BY_USER = 20             ! JLTYP of P1NU is 21
+    real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
+    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    character(CALL_NAME) :: name
+    integer :: n_rule, p
+    logical :: is_taken
+    name = ''
+    call facet_quadrature(facet_kind, n_rule, xi, w)
+    allocate (pressures(n_rule), source=load%end)
+    do p = 1, n_rule
+      call facet_shapes(facet_kind, xi(:, p), N, dN, ddN)
+      call call_dload(model%routines, pressures(p), [fields%step_time, fields%total_time], matmul(x, N(:size(x, 2))), name, &
+        [fields%step, fields%increment, model%mesh%element_label(load%element), p, BY_USER + load%face], is_taken)
+    end do
+  end subroutine ask_pressures
+
+
+  !> The displacement that DISP prescribes.
+  pure subroutine ask_displacement(model, load, fields, value)
+    type(model_type), intent(in) :: model
+    type(prescribed_type), intent(in) :: load
+    type(fields_type), intent(in) :: fields        !< times, numbers, displacements
+    real(DP), intent(inout) :: value               !< in: of the card; out: of DISP [length]
+    logical :: is_taken
+    if (.not. fields%time_increment > 0) return    ! before the first increment: only which unknowns are held is asked for
+    call call_disp(model%routines, value, [fields%step_time, fields%total_time, fields%time_increment], &
+      model%mesh%coordinates(:, load%node) + fields%u(:, load%node), &
+      [fields%step, fields%increment, model%mesh%node_label(load%node), load%dof], is_taken)
+  end subroutine ask_displacement
+
+end module amontons_user_state
