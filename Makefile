@@ -80,7 +80,8 @@ MODULE_FILES := $(wildcard $(addsuffix /*.f90,$(FOLDERS)))
 MODULES := $(basename $(notdir $(MODULE_FILES)))
 SHIMS := $(basename $(notdir $(wildcard $(addsuffix /*.c,$(FOLDERS)))))
 OBJECTS := $(addprefix $(B)/,$(addsuffix .o,$(filter-out main,$(MODULES)) $(SHIMS)))
-UNITS := $(patsubst verify/unit/%.f90,$(B)/unit/%,$(wildcard verify/unit/test_*.f90))
+UNIT_SOURCES := $(wildcard verify/unit/*/test_*.f90)
+UNITS := $(patsubst %.f90,$(B)/unit/%,$(notdir $(UNIT_SOURCES)))
 PRODUCTS := $(LIB)/libamontons.a $(LIB)/libamontons.so $(BIN)/amontons
 INCLUDES += $(addprefix -I,$(FOLDERS))
 
@@ -137,9 +138,11 @@ $(B)/unit/check.o: verify/unit/check.f90
 	@echo "compiling $<" && mkdir -p $(@D)
 	$(Q)$(FC) $(FFLAGS) -J$(@D) -c $< -o $@
 
-$(B)/unit/test_%: verify/unit/test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a $(wildcard verify/unit/*.inc)
+vpath test_%.f90 $(sort $(dir $(UNIT_SOURCES)))
+
+$(B)/unit/test_%: test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a $(wildcard verify/unit/*.inc)
 	@echo "compiling $<" && mkdir -p $@.modules
-	$(Q)$(FC) $(FFLAGS) $(UNIT_$(BUILD)) -Wno-integer-division -I$(B) -I$(@D) $(INCLUDES) -J$@.modules -o $@ $(filter-out %.inc,$^) $(LDLIBS)
+	$(Q)$(FC) $(FFLAGS) $(UNIT_$(BUILD)) -Wno-integer-division -I$(B) -I$(@D) -Iverify/unit $(INCLUDES) -J$@.modules -o $@ $(filter-out %.inc,$^) $(LDLIBS)
 
 $(B)/kernels: verify/benchmark/kernels.f90 $(LIB)/libamontons.a
 	@echo "compiling $<"
@@ -150,12 +153,12 @@ debug: ready ## Build with all run-time checks into build/debug
 
 sanitize: ready $(VENV)/installed ## Build with the address and undefined-behaviour sanitizers into build/sanitize, and run jobs under them
 	@$(MAKE) BUILD=sanitize build
-	@$(PY) verify/sanitizers/run.py --program build/sanitize/bin/amontons
+	@PYTHONPATH=python $(PY) -m verify.sanitizers.run --program build/sanitize/bin/amontons
 
 races: ready $(VENV)/installed ## Build with ThreadSanitizer into build/races, and run jobs on two threads under it (gcc, Linux)
 	@$(MAKE) BUILD=races build
 	$(Q)$(CC) -std=c11 -O1 $(CWARN) -fPIC -shared -o build/races/gomp_order.so verify/sanitizers/gomp_order.c -ldl
-	@$(PY) verify/sanitizers/run.py --program build/races/bin/amontons --preload build/races/gomp_order.so
+	@PYTHONPATH=python $(PY) -m verify.sanitizers.run --program build/races/bin/amontons --preload build/races/gomp_order.so
 
 # --- what must be there first -------------------------------------------------------------------------------------
 deps: ready ## Install what is missing (Debian, Ubuntu: apt; elsewhere it is told), and the Python packages into .venv
@@ -179,7 +182,7 @@ $(VENV)/installed: verify/requirements.txt | ready
 run: all $(VENV)/installed ## Run input/shear_block.inp with progress; results and a picture go to results/
 	@mkdir -p results
 	$(BIN)/amontons --outdir results input/shear_block.inp
-	$(PY) verify/picture.py results/shear_block.vtkhdf --output results/shear_block.png
+	$(PY) -m verify.tools.picture results/shear_block.vtkhdf --output results/shear_block.png
 	@echo "The picture is results/shear_block.png; open results/shear_block.vtkhdf with ParaView for the rest."
 
 report: all $(VENV)/installed ## Turn JOB=job.vtkhdf into one HTML page beside it (default: results/shear_block.vtkhdf)
@@ -199,31 +202,31 @@ check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
 	@$(PYTEST) -m "not slow" verify --ignore verify/peers
 
 verify: programs $(VENV)/installed ## Run the verification cases and write their pages to doc/verification
-	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/verification verify/peers
+	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/cases verify/peers
 
 bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) and write the table of doc/performance.md
 	@$(MAKE) $(B)/kernels
-	@$(PY) verify/benchmark/bench.py --program $(BIN)/amontons --kernels $(B)/kernels --write
+	@$(PY) -m verify.benchmark.bench --program $(BIN)/amontons --kernels $(B)/kernels --write
 
 study: programs $(VENV)/installed ## Iterations of all line searches by friction, shape and size of the increments: ironing, blocks, cylinder, ball
-	@$(PY) verify/study/ironing_table.py --program $(BIN)/amontons
-	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons
-	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons --direction SYMMETRIC --seconds 60
-	@$(PY) verify/study/line_search_table.py --program $(BIN)/amontons --direction LAGGED --seconds 60
-	@$(PY) verify/study/random_contact.py --program $(BIN)/amontons --seeds 1 200
-	@$(PY) verify/study/contact_table.py --program $(BIN)/amontons --runs $(B)/study.csv
-	@$(PY) verify/study/contact_table.py --show $(B)/study.csv
+	@$(PY) -m verify.study.ironing_table --program $(BIN)/amontons
+	@$(PY) -m verify.study.line_search_table --program $(BIN)/amontons
+	@$(PY) -m verify.study.line_search_table --program $(BIN)/amontons --direction SYMMETRIC --seconds 60
+	@$(PY) -m verify.study.line_search_table --program $(BIN)/amontons --direction LAGGED --seconds 60
+	@$(PY) -m verify.study.random_contact --program $(BIN)/amontons --seeds 1 200
+	@$(PY) -m verify.study.contact_table --program $(BIN)/amontons --runs $(B)/study.csv
+	@$(PY) -m verify.study.contact_table --show $(B)/study.csv
 
 # --- the documentation --------------------------------------------------------------------------------------------
 doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, and the pages of the source into build/site/api
-	$(BIN)/amontons --cards | $(PYTHON) verify/card_reference.py > doc/manual/cards.md
-	$(PYTHON) verify/rooms.py > doc/developer/modules.md
+	$(BIN)/amontons --cards | $(PYTHON) -m verify.tools.card_reference > doc/manual/cards.md
+	$(PYTHON) -m verify.tools.module_table > doc/developer/modules.md
 	$(Q)NO_MKDOCS_2_WARNING=1 $(VENV)-doc/bin/mkdocs build
 	@$(MAKE) api
 	@echo "The site is build/site/index.html."
 
 api: $(VENV)-api/installed $(VENV)-doc/installed ## Build the pages of the source (FORD) into build/site/api
-	$(Q)$(VENV)-doc/bin/python verify/api_pages.py $(VENV)-api/bin/ford build/site/api
+	$(Q)$(VENV)-doc/bin/python -m verify.tools.api_pages $(VENV)-api/bin/ford build/site/api
 
 $(VENV)-doc/installed: doc/requirements.txt
 $(VENV)-api/installed: doc/requirements-api.txt
@@ -234,18 +237,18 @@ $(VENV)-doc/installed $(VENV)-api/installed: | ready
 	@touch $@
 
 # --- the look of the source ---------------------------------------------------------------------------------------
-SOURCES = $(MODULE_FILES) $(wildcard verify/unit/*.f90)
+SOURCES = $(MODULE_FILES) $(wildcard verify/unit/*.f90) $(UNIT_SOURCES)
 
 format: $(VENV)/installed ## Put the white space of the Fortran files in order
-	@$(PY) verify/layout.py $(SOURCES)
+	@$(PY) -m verify.tools.layout $(SOURCES)
 
 depends: ## Generate src/depends.mk from the use lines
-	@$(PYTHON) verify/lint.py --write
+	@$(PYTHON) -m verify.tools.lint --write
 
 lint: $(VENV)/installed ## Prove the layers of src, the limits of style.md, the white space, and fortitude's rules
 	@failed=0; \
-	  $(PY) verify/lint.py || failed=1; \
-	  $(PY) verify/layout.py --check $(SOURCES) || failed=1; \
+	  $(PY) -m verify.tools.lint || failed=1; \
+	  $(PY) -m verify.tools.layout --check $(SOURCES) || failed=1; \
 	  $(VENV)/bin/fortitude check --output-format concise $(SOURCES) || failed=1; \
 	  exit $$failed
 

@@ -5,15 +5,12 @@
 
 import os
 import subprocess
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent / "decks"))   # what makes decks, for all tests
-
-from proof import MOST_OVER_ALL, Case, write_index  # noqa: E402
+from verify.cases.proof import MOST_OVER_ALL, Case, write_index
 
 ROOT = Path(__file__).resolve().parent.parent
 TIME_LIMIT = 900  # [s] of one job
@@ -28,11 +25,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if "peers" in item.path.parts:
             item.add_marker(pytest.mark.slow)
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    """Markers."""
-    config.addinivalue_line("markers", "slow: takes more than some seconds; `make check` leaves it out")
 
 
 @pytest.fixture(scope="session")
@@ -91,7 +83,7 @@ def proof(run: Run, tmp_path: Path, request: pytest.FixtureRequest) -> Callable[
 
     def make(name: str, **words: str) -> Case:
         test = f"{request.node.path.relative_to(ROOT)}::{request.node.name}"
-        return Case(name, runner=run, work=tmp_path, pages=pages, file=request.module.__name__, test=test, **words)
+        return Case(name, runner=run, work=tmp_path, pages=pages, file=request.module.__name__.rpartition(".")[2], test=test, **words)
 
     return make
 

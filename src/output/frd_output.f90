@@ -470,7 +470,8 @@ contains
   end function table_row
 
 
-  !> Of pairs with points the nodes show what CalculiX shows there (found by experiment, verify/verification/test_points.py): on
+  !> Of pairs with points the nodes show what CalculiX shows there (found by experiment,
+  !! verify/cases/contact/test_contact_integration_points.py): on
   !! each face the closed points are fitted by the functions of its corners, least squares, and what comes out at a corner is kept
   !! between the least and the largest value of these points; a mid-side node takes the mean of its corners, and a node shows the
   !! mean of its faces that have closed points.

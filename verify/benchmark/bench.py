@@ -1,6 +1,6 @@
 """Times Amontons against CalculiX on the same decks, in turn, and writes the table of doc/performance.md.
 
-    python verify/benchmark/bench.py [--cases friction-nlgeom friction linear hertz plastic ironing] [--sizes 10 15 21] [--runs 3]
+    python -m verify.benchmark.bench [--cases friction-nlgeom friction linear hertz plastic ironing] [--sizes 10 15 21] [--runs 3]
                                      [--threads 1 2] [--curved] [--surface-to-surface] [--keep FILE] [--kernels FILE] [--write]
 
 All decks are in the calculix dialect: the same element and contact law in both programs.
@@ -38,11 +38,12 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "verify"))
+import numpy as np
 
-import numpy as np  # noqa: E402
-from decks.make_decks import STEEL, Mesh, block, block_deck, hertz_deck, ironing_deck, material_cards, mesh_cards  # noqa: E402
+from verify.decks.make_decks import STEEL, Mesh, block, block_deck, hertz_deck, ironing_deck, material_cards, mesh_cards
+
+ROOT = Path(__file__).resolve().parents[2]
+
 
 DIALECT = "** dialect: calculix\n"
 OUTPUT = "*NODE FILE\nU, RF\n*EL FILE\nS, E\n"

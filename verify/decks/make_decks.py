@@ -2,8 +2,8 @@
 
 Run without arguments it writes the decks of input/ again:
 
-    python verify/decks/make_decks.py [--outdir input]
-    python verify/decks/make_decks.py --block 20 [--linear] [--dialect calculix] > block20.inp
+    python -m verify.decks.make_decks [--outdir input]
+    python -m verify.decks.make_decks --block 20 [--linear] [--dialect calculix] > block20.inp
 
 As a library it gives meshes of hexahedra (`block`, `arc_indenter`, `ball_octant`), puts them together (`join`) and
 writes cards (`mesh_cards`, `block_deck`). Node and face numbering are those of Abaqus.

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from make_decks import Floats, Ints, Mesh, _number, _set_card, material_cards
+
+from verify.decks.make_decks import Floats, Ints, Mesh, _number, _set_card, material_cards
 
 EDGE_OF_FACE = {1: 1, 4: 2, 2: 3, 6: 4}  #: of the square for each face of the hexahedron: bottom, right, top, left
 CORNERS = [0, 1, 5, 4]  #: of the hexahedron in its face y = 0, counterclockwise in x-z

@@ -6,7 +6,8 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import numpy as np
-from make_decks import Floats, Ints, Mesh, grid_elements, weld
+
+from verify.decks.make_decks import Floats, Ints, Mesh, grid_elements, weld
 
 
 def quarter_disk(core: Floats, rings: Floats, z: Floats, name: str) -> Mesh:

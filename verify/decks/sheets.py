@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
-from make_decks import Mesh, _named_grid, join, material_cards, mesh_cards
 from numpy.typing import NDArray
+
+from verify.decks.make_decks import Mesh, _named_grid, join, material_cards, mesh_cards
 
 Floats = NDArray[np.float64]
 Place = Callable[[Floats, Floats], tuple[Floats, Floats]]

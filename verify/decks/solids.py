@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
-from make_decks import Mesh
 from numpy.typing import NDArray
+
+from verify.decks.make_decks import Mesh
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

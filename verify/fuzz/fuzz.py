@@ -1,9 +1,9 @@
 """Fuzzer: decks, checkpoints and library calls that are wrong in a thousand ways; nothing may crash, hang or lie.
 
-    python verify/fuzz/fuzz.py --decks 1000 --seed 1        mutated decks, with a table of how they ended
-    python verify/fuzz/fuzz.py --checkpoints 200            damaged checkpoints
-    python verify/fuzz/fuzz.py --restarts 200               damaged files of RESTART, WRITE
-    python verify/fuzz/fuzz.py --calls 200                  sequences of library calls
+    python -m verify.fuzz.fuzz --decks 1000 --seed 1        mutated decks, with a table of how they ended
+    python -m verify.fuzz.fuzz --checkpoints 200            damaged checkpoints
+    python -m verify.fuzz.fuzz --restarts 200               damaged files of RESTART, WRITE
+    python -m verify.fuzz.fuzz --calls 200                  sequences of library calls
 
 The decks are those of input/, of the manual and its examples, of verify/decks, and of the folder AMONTONS_DECKS, up to 60 kB each. A deck is a
 finding if the program dies by a signal, calls it a mistake of its own (exit code 8), does not end and does not get on, or
@@ -51,8 +51,7 @@ def source_decks() -> dict[str, str]:
     for page in sorted((ROOT / "doc").rglob("*.md")):
         for i, deck in enumerate(re.findall(r"```abaqus\n(.*?)```", page.read_text(), re.S)):
             decks[f"{page.stem}-{i}"] = deck
-    sys.path.insert(0, str(ROOT / "verify" / "decks"))
-    import make_decks
+    from verify.decks import make_decks
 
     decks["block2"] = make_decks.block_deck(2)
     folder = os.environ.get("AMONTONS_DECKS")
@@ -375,12 +374,11 @@ def fuzz_restart_files(program: Path, n: int, seed: int) -> Tally:
 
 CALLS = '''
 import ctypes, random, sys
-sys.path.insert(0, sys.argv[1])
 import numpy as np
 import amontons
 from amontons.binding import library
 calls = library()
-deck = open(sys.argv[2]).read()
+deck = open(sys.argv[1]).read()
 names = ["U", "U1", "U2", "U3", "RF", "S", "E", "CPRESS", "CF", "CF1", "CF3", "P", "FRICTION", "NT", "TIME", "STEP", "NODES", "X", "SDV1", "", "?",
          "x" * 500, "TEMPERATURE", "RESIDUAL", "CONTACT FORCE", "CSTATUS", "FACE CENTRES", "POINT S", "POINT E", "POINT SDV", "POINT LABEL",
          "ELEMENT S", "ELEMENT PEEQ", "ELEMENT VOLUME", "ELEMENT", "POINT", "ELEMENT LABEL", "STRAIN ENERGY", "IMBALANCE"]
@@ -463,9 +461,9 @@ def sequence(chance):
         job.close()
 
 
-seed, first, last = map(int, sys.argv[3:6])
+seed, first, last = map(int, sys.argv[2:5])
 for i in range(first, last):
-    with open(sys.argv[6], "w") as file:
+    with open(sys.argv[5], "w") as file:
         file.write(str(i))
     sequence(random.Random(seed * 1_000_003 + i))
 '''
@@ -480,12 +478,12 @@ def fuzz_calls(n: int, seed: int) -> Tally:
         deck, script, at = (Path(name) / file for file in ("block.inp", "calls.py", "at"))
         deck.write_text(source_decks()["block2"])
         script.write_text(CALLS)
-        first = 0
+        first, environment = 0, os.environ | {"PYTHONPATH": str(ROOT / "python")}
         while first < n:
             last = min(n, first + AT_ONCE)
-            words = [str(script), str(ROOT / "python"), str(deck), str(seed), str(first), str(last), str(at)]
+            words = [str(script), str(deck), str(seed), str(first), str(last), str(at)]
             try:
-                done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False, timeout=60 * AT_ONCE)
+                done = subprocess.run([sys.executable, *words], env=environment, capture_output=True, text=True, check=False, timeout=60 * AT_ONCE)
                 end, said = f"exit {done.returncode}", done.stdout[-300:] + done.stderr[-3000:]
             except subprocess.TimeoutExpired:
                 end, said = "does not end", ""

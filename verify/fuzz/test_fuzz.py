@@ -6,13 +6,11 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import fuzz
+from verify.fuzz import fuzz
 
 
 @pytest.mark.slow

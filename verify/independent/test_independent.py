@@ -6,23 +6,21 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
+from verify.decks import make_decks
+from verify.independent import element, facets
+from verify.independent.contact import ContactCheck, IncrementCheck
+from verify.independent.deck import DeckError, read_deck
+from verify.independent.results import Results
+from verify.tools import contact_check
+
 VERIFY = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(VERIFY), str(VERIFY / "decks")]
 
-import contact_check  # noqa: E402
-import make_decks  # noqa: E402
-
-from independent import element, facets  # noqa: E402
-from independent.contact import ContactCheck, IncrementCheck  # noqa: E402
-from independent.deck import DeckError, read_deck  # noqa: E402
-from independent.results import Results  # noqa: E402
 
 ELASTIC = np.array([[1000.0, 0.3]])
 

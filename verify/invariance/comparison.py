@@ -12,11 +12,12 @@ from dataclasses import dataclass, field
 
 import h5py
 import numpy as np
-from independent.results import Floats
 from numpy.typing import NDArray
-from proof import Job
-from scaling import Units, cards, keyword
-from test_invariance import stress_back
+
+from verify.cases.proof import Job
+from verify.independent.results import Floats
+from verify.invariance.scaling import Units, cards, keyword
+from verify.invariance.test_invariance import stress_back
 
 Ints = NDArray[np.int64]
 SYSTEMS = {"SI": Units(1e-3, 1.0), "m-kN": Units(1e-3, 1e-3), "inch-pound": Units(1 / 25.4, 0.22480894387096)}

@@ -12,24 +12,21 @@ from __future__ import annotations
 
 import importlib
 import re
-import sys
 from collections.abc import Callable
 from functools import partial
 from inspect import signature
 from pathlib import Path
-from types import ModuleType
 
 import pytest
-from conftest import ROOT, Run
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent / "decks"), str(HERE.parent / "verification"), str(HERE.parent / "library"), str(HERE)]
-
-import common  # noqa: E402  (finds the library and its Python package)
-import amontons  # noqa: E402
-from proof import Job  # noqa: E402
-from comparison import SYSTEMS, InUnits, View, same  # noqa: E402
-from scaling import Units, renumbered, rotation, scaled, shuffled, turned  # noqa: E402
+import amontons
+from verify.cases.contact import test_default_settings, test_mortar, test_sliding
+from verify.cases.proof import Job
+from verify.conftest import ROOT, Run
+from verify.invariance.comparison import SYSTEMS, InUnits, View, same
+from verify.invariance.scaling import Units, renumbered, rotation, scaled, shuffled, turned
+from verify.library import common
+from verify.study import contact_table
 
 
 class TakenError(Exception):
@@ -50,7 +47,7 @@ def deck_of_case(module: str, function: str, changes: dict[str, object] | None =
         def __getattr__(self, name: str) -> Callable[..., None]:
             return lambda *_, **__: None
 
-    home = importlib.import_module(module)
+    home = importlib.import_module(f"verify.cases.{module}")
     case = getattr(home, function)
     fixtures = {"proof": lambda *_, **__: Thief(), "run_deck": Thief().run, "tmp_path": None, "run": None}
     values |= {name: fixture for name, fixture in fixtures.items() if name in signature(case).parameters}
@@ -73,7 +70,7 @@ def deck_of_file(name: str) -> str:
 
 def default_deck(name: str) -> str:
     """A deck of those that run with default settings."""
-    return deck_of_case("test_defaults", "test_defaults", make=getattr(importlib.import_module("test_defaults"), name))
+    return deck_of_case("contact.test_default_settings", "test_defaults", make=getattr(test_default_settings, name))
 
 
 def in_dialect(deck: str, text: str) -> str:
@@ -92,71 +89,65 @@ def shorter(deck: str, by: float) -> str:
     return re.sub(r"(\*STATIC[^\n]*\n)([^\n]*)", cut, deck)
 
 
-def study() -> ModuleType:
-    """The study over all contact cases, which makes decks."""
-    importlib.import_module("test_sliding")  # knows where it is
-    return importlib.import_module("contact_table")
-
-
 CASES: dict[str, Callable[[], str]] = {
     "three cubes": lambda: deck_of_file("input/three_cubes.inp"),
     "example contact": lambda: deck_of_file("doc/manual/examples/contact.inp"),
     "example interference": lambda: deck_of_file("doc/manual/examples/interference.inp"),
-    "patch": lambda: deck_of_case("test_contact_patch", "test_matching", mu=0.5),
-    "patch, 3 on 4": lambda: deck_of_case("test_contact_patch", "test_not_matching", upper=3, lower=4),
-    "patch by mortar": lambda: deck_of_case("test_mortar", "test_plane_patch", kinds=("CPE8", "CPE8")),
-    "patch of rings": lambda: deck_of_case("test_plane_contact", "test_patch", kind="CAX4", inner=1.0),
-    "slope": lambda: importlib.import_module("test_sliding").slope_deck(0.29, True),
-    "slope in the plane": lambda: deck_of_case("test_plane_friction", "test_block_on_a_slope"),
-    "drawn slab": lambda: deck_of_case("test_plane_friction", "test_drawn_slab", kind="CPE4"),
-    "pull-out of rings": lambda: deck_of_case("test_plane_friction", "test_pull_out"),
-    "quarter of a fit": lambda: deck_of_case("test_sliding", "test_shrink_fit_quarter"),
-    "chain": lambda: deck_of_case("test_overlaps", "test_chain", kind="CPE4", form=""),
-    "corner": lambda: deck_of_case("test_overlaps", "test_corner", angle=25.0, form=""),
-    "symmetric pair": lambda: deck_of_case("test_overlaps", "test_symmetric_pair", mu=0.2, is_nlgeom=False),
-    "Hertz line": lambda: deck_of_case("test_hertz", "test_nafems_r0094_1"),
-    "Hertz line in the plane": lambda: deck_of_case("test_plane_contact", "test_hertz_line", kind="CPE4"),
-    "Hertz axisymmetric": lambda: deck_of_case("test_plane_contact", "test_hertz_axisymmetric"),
-    "Spence": lambda: deck_of_case("test_partial_slip", "test_spence", nu=0.3, mu=0.3, expected=0.69),
-    "Spence in the plane": lambda: deck_of_case("test_plane_contact", "test_flat_punch"),
-    "Spence over a circle": lambda: deck_of_case("test_round_contact", "test_flat_punch", nu=0.3, mu=0.2, kind="C3D8"),
-    "flat punch": lambda: deck_of_case("test_partial_slip", "test_flat_punch"),
-    "rounded punch": lambda: deck_of_case("test_plane_friction", "test_rounded_punch"),
-    "Mindlin in the plane": lambda: deck_of_case("test_plane_contact", "test_cattaneo_mindlin"),
-    "Mindlin's balls": lambda: deck_of_case("test_round_contact", "test_cattaneo_mindlin_balls", {"FINE": 0.4}),
-    "reversal": lambda: deck_of_case("test_sliding", "test_reversal"),
-    "shrink fit": lambda: deck_of_case("test_sliding", "test_shrink_fit"),
-    "turning block": lambda: deck_of_case("test_sliding", "test_stuck_block_turns", degrees=10.0),
-    "ironing in the plane": lambda: deck_of_case("test_plane_contact", "test_ironing_equals_solids", mu=0.3),
-    "analytic cylinder": lambda: deck_of_case("test_analytic_masters", "test_hertz", kind="CPE4"),
-    "analytic ball around an axis": lambda: deck_of_case("test_analytic_masters", "test_hertz", kind="CAX4"),
-    "analytic slope": lambda: deck_of_case("test_analytic_masters", "test_block_slides_on_inclined_plane"),
-    "analytic table tilts": lambda: shorter(deck_of_case("test_analytic_masters", "test_tilting_table"), 2),
-    "analytic roller turns": lambda: deck_of_case("test_analytic_masters", "test_turning_roller"),
-    "analytic profile drawn out": lambda: deck_of_case("test_analytic_masters", "test_drawn_equals_flat"),
-    "fall in the plane": lambda: deck_of_case("test_carry", "test_fall", dimension=2, gap=0.9),
-    "fall in space": lambda: deck_of_case("test_carry", "test_fall", dimension=3, gap=0.01),
-    "disc between plates": lambda: deck_of_case("test_carry", "test_disc_between_plates"),
-    "pushed to a wall": lambda: deck_of_case("test_carry", "test_pushed_to_a_wall"),
-    "rigid indenter": lambda: deck_of_case("test_rigid_masters", "test_indentation_by_a_rigid_body"),
-    "rigid body turns": lambda: deck_of_case("test_rigid_masters", "test_turning_rigid_body"),
-    "patch by mortar in space": lambda: deck_of_case("test_mortar", "test_patch", name=next(iter(importlib.import_module("test_mortar").PATCHES))),
-    "reversal by mortar": lambda: deck_of_case("test_mortar", "test_reversal"),
-    "turning block by mortar": lambda: deck_of_case("test_mortar", "test_stuck_block_turns", degrees=10),
-    "Hertz by mortar": lambda: deck_of_case("test_mortar", "test_hertz_point"),
-    "bent over an edge by mortar": lambda: deck_of_case("test_mortar", "test_bent_over_edge"),
-    "stack": lambda: deck_of_case("test_overlaps", "test_stacked_blocks"),
-    "corner of three walls": lambda: deck_of_case("test_overlaps", "test_corner_of_three_walls"),
-    "groove": lambda: deck_of_case("test_overlaps", "test_groove", form=""),
-    "coarse side first": lambda: deck_of_case("test_overlaps", "test_coarse_side_first"),
-    "lap of rings": lambda: deck_of_case("test_plane_contact", "test_lap_of_rings"),
-    "capstan": lambda: deck_of_case("test_sliding", "test_capstan"),
-    "block dragged at once": lambda: deck_of_case("test_sliding", "test_dragged_at_once", what="block", make=study().drag, mu=0.3, steps=2),
-    "cylinder dragged at once": lambda: deck_of_case("test_sliding", "test_dragged_at_once", what="cylinder", make=study().cylinder, mu=1.0, steps=3),
-    "cubes under a law": lambda: deck_of_case("test_sliding", "test_cubes_under_a_law", slope=1e8, stick=1e7),
-    "Prandtl's punch": lambda: deck_of_case("test_inelastic", "test_prandtl_punch"),
-    "led by supports": lambda: deck_of_case("test_sliding", "test_led_by_supports"),
-    "Mindlin in space": lambda: deck_of_case("test_partial_slip", "test_cattaneo_mindlin"),
+    "patch": lambda: deck_of_case("contact.test_contact_patch", "test_matching", mu=0.5),
+    "patch, 3 on 4": lambda: deck_of_case("contact.test_contact_patch", "test_not_matching", upper=3, lower=4),
+    "patch by mortar": lambda: deck_of_case("contact.test_mortar", "test_plane_patch", kinds=("CPE8", "CPE8")),
+    "patch of rings": lambda: deck_of_case("contact.test_plane_contact", "test_patch", kind="CAX4", inner=1.0),
+    "slope": lambda: test_sliding.slope_deck(0.29, True),
+    "slope in the plane": lambda: deck_of_case("contact.test_plane_friction", "test_block_on_a_slope"),
+    "drawn slab": lambda: deck_of_case("contact.test_plane_friction", "test_drawn_slab", kind="CPE4"),
+    "pull-out of rings": lambda: deck_of_case("contact.test_plane_friction", "test_pull_out"),
+    "quarter of a fit": lambda: deck_of_case("contact.test_sliding", "test_shrink_fit_quarter"),
+    "chain": lambda: deck_of_case("contact.test_shared_slave_nodes", "test_chain", kind="CPE4", form=""),
+    "corner": lambda: deck_of_case("contact.test_shared_slave_nodes", "test_corner", angle=25.0, form=""),
+    "symmetric pair": lambda: deck_of_case("contact.test_shared_slave_nodes", "test_symmetric_pair", mu=0.2, is_nlgeom=False),
+    "Hertz line": lambda: deck_of_case("contact.test_hertz", "test_nafems_r0094_1"),
+    "Hertz line in the plane": lambda: deck_of_case("contact.test_plane_contact", "test_hertz_line", kind="CPE4"),
+    "Hertz axisymmetric": lambda: deck_of_case("contact.test_plane_contact", "test_hertz_axisymmetric"),
+    "Spence": lambda: deck_of_case("contact.test_partial_slip", "test_spence", nu=0.3, mu=0.3, expected=0.69),
+    "Spence in the plane": lambda: deck_of_case("contact.test_plane_contact", "test_flat_punch"),
+    "Spence over a circle": lambda: deck_of_case("contact.test_circular_contact", "test_flat_punch", nu=0.3, mu=0.2, kind="C3D8"),
+    "flat punch": lambda: deck_of_case("contact.test_partial_slip", "test_flat_punch"),
+    "rounded punch": lambda: deck_of_case("contact.test_plane_friction", "test_rounded_punch"),
+    "Mindlin in the plane": lambda: deck_of_case("contact.test_plane_contact", "test_cattaneo_mindlin"),
+    "Mindlin's balls": lambda: deck_of_case("contact.test_circular_contact", "test_cattaneo_mindlin_balls", {"FINE": 0.4}),
+    "reversal": lambda: deck_of_case("contact.test_sliding", "test_reversal"),
+    "shrink fit": lambda: deck_of_case("contact.test_sliding", "test_shrink_fit"),
+    "turning block": lambda: deck_of_case("contact.test_sliding", "test_stuck_block_turns", degrees=10.0),
+    "ironing in the plane": lambda: deck_of_case("contact.test_plane_contact", "test_ironing_equals_solids", mu=0.3),
+    "analytic cylinder": lambda: deck_of_case("contact.test_analytic_masters", "test_hertz", kind="CPE4"),
+    "analytic ball around an axis": lambda: deck_of_case("contact.test_analytic_masters", "test_hertz", kind="CAX4"),
+    "analytic slope": lambda: deck_of_case("contact.test_analytic_masters", "test_block_slides_on_inclined_plane"),
+    "analytic table tilts": lambda: shorter(deck_of_case("contact.test_analytic_masters", "test_tilting_table"), 2),
+    "analytic roller turns": lambda: deck_of_case("contact.test_analytic_masters", "test_turning_roller"),
+    "analytic profile drawn out": lambda: deck_of_case("contact.test_analytic_masters", "test_drawn_equals_flat"),
+    "fall in the plane": lambda: deck_of_case("contact.test_free_bodies", "test_fall", dimension=2, gap=0.9),
+    "fall in space": lambda: deck_of_case("contact.test_free_bodies", "test_fall", dimension=3, gap=0.01),
+    "disc between plates": lambda: deck_of_case("contact.test_free_bodies", "test_disc_between_plates"),
+    "pushed to a wall": lambda: deck_of_case("contact.test_free_bodies", "test_pushed_to_a_wall"),
+    "rigid indenter": lambda: deck_of_case("contact.test_rigid_masters", "test_indentation_by_a_rigid_body"),
+    "rigid body turns": lambda: deck_of_case("contact.test_rigid_masters", "test_turning_rigid_body"),
+    "patch by mortar in space": lambda: deck_of_case("contact.test_mortar", "test_patch", name=next(iter(test_mortar.PATCHES))),
+    "reversal by mortar": lambda: deck_of_case("contact.test_mortar", "test_reversal"),
+    "turning block by mortar": lambda: deck_of_case("contact.test_mortar", "test_stuck_block_turns", degrees=10),
+    "Hertz by mortar": lambda: deck_of_case("contact.test_mortar", "test_hertz_point"),
+    "bent over an edge by mortar": lambda: deck_of_case("contact.test_mortar", "test_bent_over_edge"),
+    "stack": lambda: deck_of_case("contact.test_shared_slave_nodes", "test_stacked_blocks"),
+    "corner of three walls": lambda: deck_of_case("contact.test_shared_slave_nodes", "test_corner_of_three_walls"),
+    "groove": lambda: deck_of_case("contact.test_shared_slave_nodes", "test_groove", form=""),
+    "coarse side first": lambda: deck_of_case("contact.test_shared_slave_nodes", "test_coarse_side_first"),
+    "lap of rings": lambda: deck_of_case("contact.test_plane_contact", "test_lap_of_rings"),
+    "capstan": lambda: deck_of_case("contact.test_sliding", "test_capstan"),
+    "block dragged at once": lambda: deck_of_case("contact.test_sliding", "test_dragged_at_once", what="block", make=contact_table.drag, mu=0.3, steps=2),
+    "cylinder dragged at once": lambda: deck_of_case("contact.test_sliding", "test_dragged_at_once", what="cylinder", make=contact_table.cylinder, mu=1.0, steps=3),
+    "cubes under a law": lambda: deck_of_case("contact.test_sliding", "test_cubes_under_a_law", slope=1e8, stick=1e7),
+    "Prandtl's punch": lambda: deck_of_case("inelastic.test_plasticity_and_creep", "test_prandtl_punch"),
+    "led by supports": lambda: deck_of_case("contact.test_sliding", "test_led_by_supports"),
+    "Mindlin in space": lambda: deck_of_case("contact.test_partial_slip", "test_cattaneo_mindlin"),
     **{f"defaults, {name}": partial(default_deck, name) for name in ("pin_in_bush", "cold_fit", "gaskets", "in_a_corner", "wedge")},
 }
 #: Without contact, the examples of the manual, and the larger decks of input/: in other units only.
@@ -166,14 +157,14 @@ OTHERS: dict[str, Callable[[], str]] = {
     "shear block": lambda: deck_of_file("input/shear_block.inp"),
     "Hertz octant": lambda: deck_of_file("input/hertz_octant.inp"),
     "ironing": lambda: deck_of_file("input/ironing.inp"),
-    "thick cylinder": lambda: deck_of_case("test_bodies", "test_thick_cylinder", kind="C3D20R", tolerance=1.0, order=1.0),
-    "LE10": lambda: deck_of_case("test_bodies", "test_le10", kind="C3D10", tolerance=1.0),
-    "LE11": lambda: deck_of_case("test_thermal", "test_le11", kind="CAX8", cells=(2, 4), tolerance=1.0),
-    "points on faces edge on edge": lambda: deck_of_case("test_points", "test_what_nodes_show", order=20),
-    "spring to the end of its table": lambda: deck_of_case("test_springs", "test_tables", kind="SPRING1", force=20.0, expected=0.15),
-    "rigid end under a moment": lambda: deck_of_case("test_bonds", "test_rigid_body_in_equilibrium"),
-    "mean rotation": lambda: deck_of_case("test_bonds", "test_mean_rotation"),
-    "Cook": lambda: deck_of_case("test_bodies", "test_cook"),
+    "thick cylinder": lambda: deck_of_case("elastic.test_elasticity_benchmarks", "test_thick_cylinder", kind="C3D20R", tolerance=1.0, order=1.0),
+    "LE10": lambda: deck_of_case("elastic.test_elasticity_benchmarks", "test_le10", kind="C3D10", tolerance=1.0),
+    "LE11": lambda: deck_of_case("elastic.test_thermal_stress", "test_le11", kind="CAX8", cells=(2, 4), tolerance=1.0),
+    "points on faces edge on edge": lambda: deck_of_case("contact.test_contact_integration_points", "test_what_nodes_show", order=20),
+    "spring to the end of its table": lambda: deck_of_case("elastic.test_nonlinear_springs", "test_tables", kind="SPRING1", force=20.0, expected=0.15),
+    "rigid end under a moment": lambda: deck_of_case("constraints.test_multipoint_constraints", "test_rigid_body_in_equilibrium"),
+    "mean rotation": lambda: deck_of_case("constraints.test_multipoint_constraints", "test_mean_rotation"),
+    "Cook": lambda: deck_of_case("elastic.test_elasticity_benchmarks", "test_cook"),
 }
 
 

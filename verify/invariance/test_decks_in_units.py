@@ -15,10 +15,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT, Run
-from proof import Job
-from comparison import IN_UNITS, SYSTEMS, InUnits, has, same, same_counts
-from scaling import Units, cards, keyword, scaled
+
+from verify.cases.proof import Job
+from verify.conftest import ROOT, Run
+from verify.invariance.comparison import IN_UNITS, SYSTEMS, InUnits, has, same, same_counts
+from verify.invariance.scaling import Units, cards, keyword, scaled
 
 DECKS = Path(os.environ.get("AMONTONS_DECKS", ROOT.parent / "shared" / "decks"))
 FILES = sorted([*DECKS.glob("contact/*.inp"), *DECKS.glob("static/*.inp")])

@@ -11,21 +11,20 @@ from __future__ import annotations
 import importlib
 import itertools
 import os
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from inspect import signature
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from conftest import Run
+
+from verify.cases.proof import Case, Job
+from verify.conftest import Run
+from verify.invariance.comparison import SYSTEMS, InUnits, same, same_counts
+from verify.invariance.scaling import Units, scaled
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent / "verification"), str(HERE)]
 
-from comparison import SYSTEMS, InUnits, same, same_counts  # noqa: E402
-from proof import Case, Job  # noqa: E402
-from scaling import Units, scaled  # noqa: E402
 
 #: What Newton's method may leave, where 1e-10 of the largest force is too much: of nearly incompressible sheets it moves the tip by 1e-8.
 TIGHT = {"cook-incompressible": 1e-12}
@@ -54,13 +53,14 @@ class Compared(Case):
         return Job(folder / "job.vtkhdf", folder.name)
 
     def done(self) -> None:
-        """Nothing: verify/verification judges the case."""
+        """Nothing: verify/cases judges the case."""
 
 
 def cases() -> Iterator[object]:
-    """All tests of verify/verification that make a page, with each of their sets of values."""
-    for file in sorted((HERE.parent / "verification").glob("test_*.py")):
-        for name, function in vars(importlib.import_module(file.stem)).items():
+    """All tests of verify/cases that make a page, with each of their sets of values."""
+    for file in sorted((HERE.parent / "cases").glob("*/test_*.py")):
+        module = importlib.import_module(f"verify.cases.{file.parent.name}.{file.stem}")
+        for name, function in vars(module).items():
             if name.startswith("test_") and callable(function) and "proof" in signature(function).parameters:
                 for values in sets_of_values(function):
                     words = "-".join(getattr(value, "__name__", str(value)) for value in values.values())

@@ -9,19 +9,16 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import random
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
-from independent.results import Floats
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import Mesh, block, join, material_cards  # noqa: E402
-from proof import Job  # noqa: E402
+from verify.cases.proof import Job
+from verify.conftest import Run
+from verify.decks.make_decks import Mesh, block, join, material_cards
+from verify.independent.results import Floats
 
 FIELDS = ["U", "S", "CPRESS", "CNORMF", "CSHEARF"]
 YOUNG, NU, MU, PRESS, DRAG = 210000.0, 0.3, 0.3, 0.002, 0.0009

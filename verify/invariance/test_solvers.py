@@ -12,19 +12,16 @@ import os
 import re
 import resource
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from make_decks import block  # noqa: E402
-from proof import Job  # noqa: E402
-from solids import as_kind, node_set  # noqa: E402
-from test_invariance import FIELDS, Saying, deck  # noqa: E402
+from verify.cases.proof import Job
+from verify.conftest import Run
+from verify.decks.make_decks import block
+from verify.decks.solids import as_kind, node_set
+from verify.invariance.test_invariance import FIELDS, Saying, deck
 
 ITERATIVE = "*STATIC, SOLVER=ITERATIVE CHOLESKY"
 

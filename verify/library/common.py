@@ -6,7 +6,6 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 
 import h5py
@@ -14,7 +13,6 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "python"), str(ROOT / "verify" / "decks")]
 os.environ["AMONTONS_LIBRARY"] = str(ROOT / os.environ.get("AMONTONS_LIB", "lib") / "libamontons.so")
 
 
@@ -27,7 +25,7 @@ def cubes() -> Path:
 @pytest.fixture(scope="session")
 def block(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small shear block: 20 increments with stick and slip, about a second."""
-    import make_decks
+    from verify.decks import make_decks
 
     deck = tmp_path_factory.mktemp("block") / "block.inp"
     deck.write_text(make_decks.block_deck(5))

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import amontons
 import numpy as np
+
+import amontons
 
 
 def drag_forces(deck: Path, mu: float) -> np.ndarray:

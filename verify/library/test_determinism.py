@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from common import block, data_sets, frames, same_results  # noqa: F401
-from conftest import Run
-from decks.make_decks import block_deck
 
-import amontons  # isort: skip (common says where it is)
+import amontons
+from verify.conftest import Run
+from verify.decks.make_decks import block_deck
+from verify.library.common import block, data_sets, frames, same_results  # noqa: F401
 
 AGREE = 1e-10  # of the largest value of a field
 

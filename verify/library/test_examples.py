@@ -10,7 +10,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from common import cubes  # noqa: F401
+
+from verify.library.common import cubes  # noqa: F401
 
 HERE = Path(__file__).resolve().parent
 
@@ -31,7 +32,7 @@ def run_example(program: Path, *words: str) -> str:
 @pytest.mark.skipif(not shutil.which("gcc"), reason="there is no C compiler")
 def test_two_coupled_jobs_in_c(root: Path, library: Path, tmp_path: Path) -> None:
     """Two bars in series agree with the closed form to 1e-12; the program itself judges."""
-    build(["gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic", f"-I{root / 'src'}", str(HERE / "coupled_jobs.c"),
+    build(["gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic", f"-I{root / 'src' / 'driver'}", str(HERE / "coupled_jobs.c"),
            "-o", "coupled_jobs", str(library), f"-Wl,-rpath,{library.parent}", "-lm"], tmp_path)  # fmt: skip
     assert "both done: 1" in run_example(tmp_path / "coupled_jobs")
 
@@ -47,7 +48,7 @@ def test_fortran_program(root: Path, library: Path, cubes: Path, tmp_path: Path)
 
 def test_mu_is_identified_from_a_force_curve(cubes: Path) -> None:
     """A curve made with mu = 0.234567 gives it back to 1e-6."""
-    import identify_mu
+    from verify.library import identify_mu
 
     mu, runs = identify_mu.identify_mu(cubes, identify_mu.drag_forces(cubes, 0.234567))
     assert abs(mu - 0.234567) < 1e-6
@@ -56,7 +57,7 @@ def test_mu_is_identified_from_a_force_curve(cubes: Path) -> None:
 
 def test_staggered_loop_with_rollback() -> None:
     """The wall (stiffness 1000) and the flow (stiffness 400) meet at u = -h k / (E + k), to 1e-12, in few tries."""
-    import staggered
+    from verify.library import staggered
 
     displacements, tries = staggered.couple(400.0, 0.01)
     for window, displacement in enumerate(displacements, 1):

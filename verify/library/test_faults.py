@@ -18,9 +18,10 @@ from pathlib import Path
 
 import h5py
 import pytest
-from common import bits, block, cubes, frames, same_results  # noqa: F401
-from conftest import Run
-from course_files import read_sta
+
+from verify.conftest import Run
+from verify.library.common import bits, block, cubes, frames, same_results  # noqa: F401
+from verify.readers.sta_cvg_files import read_sta
 
 DECK, SETUP, NOT_CONVERGED, SOLVER, IO = 3, 4, 5, 6, 7
 

@@ -12,7 +12,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from conftest import Run
+
+from verify.conftest import Run
 
 HERE = Path(__file__).resolve().parent
 

@@ -13,10 +13,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from common import bits, block, cubes, frames, same_results  # noqa: F401
-from conftest import Run
 
-import amontons  # isort: skip (common says where it is)
+import amontons
+from verify.conftest import Run
+from verify.library.common import bits, block, cubes, frames, same_results  # noqa: F401
 
 FIELDS = ("U", "RF", "S", "LE", "S_mises", "CPRESS", "CSHEAR", "COPEN", "CSLIP", "CNORMF", "CSHEARF", "CSTATUS")
 
@@ -118,7 +118,7 @@ def test_set_displacement_replaces_the_deck(cubes: Path) -> None:
 
 def test_set_force_and_pressure() -> None:
     """Forces and pressures in sum are the reactions of the support."""
-    import staggered
+    from verify.library import staggered
 
     with amontons.Job(text=staggered.DECK) as job:
         job.set("CF3", "WET", [1.0, 2.0, 3.0, 4.0])
@@ -267,7 +267,7 @@ def test_two_jobs_in_two_threads(block: Path, tmp_path: Path) -> None:
 def test_many_jobs_in_four_threads() -> None:
     """Jobs opened, solved and closed by four threads at once: none finds errors in its deck, all find the same. (gfortran keeps lengths of
     strings in static variables; before threads took turns with words, some of these jobs failed.)"""
-    import make_decks
+    from verify.decks import make_decks
 
     deck = make_decks.block_deck(2)
     found: list[bytes] = []
@@ -288,7 +288,7 @@ def test_many_jobs_in_four_threads() -> None:
 
 
 #: Rooms below Newton's loop that deal with words: in errors before the first increment, in checkpoints, and (reduced) under the turn.
-WORDY = {"archive", "facets", "posix", "reduced", "text", "user"}
+WORDY = {"restart_file", "facets", "posix", "reduced_system", "text", "user_routines"}
 #: Variables that outlive a call: locks, signals, whose routine runs (of each thread), the turn, and what the compiler makes: lengths of
 #: strings (slen), types of variables without values (def_init), its own beginnings and ends.
 STATIC = re.compile(r"\.?gomp_critical_user_\w+|slen\.[.\d]+|__\w+_MOD___def_init_\w+|completed\.0|__cpu_\w+|words|depth|inside|stop_signal|"

@@ -14,12 +14,12 @@ import threading
 from pathlib import Path
 
 import numpy as np
-import precice_stand_in
 import pytest
-from common import ROOT  # noqa: F401  (finds the package)
 
 import amontons
 from amontons.precice import Adapter, Interface, main, read_configuration
+from verify.library import precice_stand_in
+from verify.library.common import ROOT  # noqa: F401  (finds the package)
 
 BAR = """\
 *NODE, NSET=ALL

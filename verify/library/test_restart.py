@@ -9,17 +9,15 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from common import block, data_sets, same_results  # noqa: F401
-from conftest import Run
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "verification"))
+from verify.conftest import Run
+from verify.library.common import block, data_sets, same_results  # noqa: F401
 
 IO, NOT_CONVERGED = 7, 5
 
@@ -88,7 +86,7 @@ def test_killed_jobs_go_on_bitwise(program: Path, run: Run, block: Path, whole: 
 
 def points_deck() -> str:
     """A block slides over faces with springs at points of its own, which come and go."""
-    from test_points import deck  # in verify/verification
+    from verify.cases.contact.test_contact_integration_points import deck
 
     text = deck(8, "*STATIC, DIRECT\n.25, 1.\n", ", NLGEOM", "*FRICTION\n.3, 1.E4\n") + "*BOUNDARY\nFLOOR, 1, 3\nTOP, 1, 2\nTOP, 3, 3, -.01\n*END STEP\n"
     return text + "*STEP, NLGEOM\n*STATIC, DIRECT\n.05, 1.\n*BOUNDARY\nTOP, 1, 1, .3\n*CONTACT PRINT\nCDIS, CSTR\n*END STEP\n"
@@ -96,8 +94,7 @@ def points_deck() -> str:
 
 def mortar_deck() -> str:
     """A block is pressed on faces that do not match its own and dragged over them, by the dual mortar method."""
-    import make_decks
-    import sheets
+    from verify.decks import make_decks, sheets
 
     ticks = np.linspace(0.0, 3.0, 6)
     below = make_decks.block(ticks, ticks, np.linspace(-1, 0, 3), "BELOW")
@@ -119,9 +116,8 @@ def test_surfaces_on_surfaces_go_on_bitwise(program: Path, run: Run, tmp_path: P
 @pytest.mark.slow
 def test_failed_attempts_go_on_bitwise(program: Path, run: Run, tmp_path: Path) -> None:
     """A block dragged over facets with mu = 1 fails twice and cuts back: what an attempt leaves behind is nothing to the next."""
-    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-    from planes import flat_deck, flatten
-    from sheets import between, fix, pair, sheet, step
+    from verify.decks.planes import flat_deck, flatten
+    from verify.decks.sheets import between, fix, pair, sheet, step
 
     body, table = sheet("BODY", between(0, 1, 6), between(0, 1, 6)), sheet("TABLE", between(-1, 4, 20), between(-1, 0, 4))
     press = fix("TABLE_BOTTOM, 1, 2", "BODY_TOP, 1", "BODY_TOP, 2, 2, -0.05")
@@ -276,7 +272,7 @@ def test_no_checkpoint(run: Run, block: Path, whole: Path, tmp_path: Path) -> No
 
 def test_every_committed_field_is_carried(root: Path) -> None:
     """Each component of fields_type that is not fixed stands in carry_fields: a forgotten one would be lost by a restart."""
-    state, restart = ((root / "src" / f"{name}.f90").read_text() for name in ("state", "restart"))
+    state, restart = ((root / "src" / name).read_text() for name in ("state/state.f90", "output/checkpoint.f90"))
     fields = re.search(r"type :: fields_type\n(.*?)end type fields_type", state, re.S)
     carried = re.search(r"subroutine carry_fields(.*?)end subroutine carry_fields", restart, re.S)
     assert fields and carried

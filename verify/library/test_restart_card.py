@@ -15,9 +15,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from common import ROOT, bits, block, frames, same_results  # noqa: F401
-from conftest import Run
-from test_user_routines import J2, ROUTINES, solid_deck
+
+from verify.conftest import Run
+from verify.library.common import ROOT, bits, block, frames, same_results  # noqa: F401
+from verify.library.test_user_routines import J2, ROUTINES, solid_deck
 
 USAGE, DECK, IO = 2, 3, 7
 

@@ -10,10 +10,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from common import ROOT
-from conftest import Run
 
 import amontons
+from verify.conftest import Run
+from verify.library.common import ROOT
 
 ROUTINES = ROOT / "verify" / "library" / "routines" / "contact.f90"
 TIGHT = "*CONTROLS, PARAMETERS=FIELD\n1e-10, 1e-10, , , 1e-10\n"
@@ -28,9 +28,7 @@ HARD_FRIC = f"*SURFACE INTERACTION, NAME=I\n*FRICTION, USER=FRIC, PROPERTIES=1\n
 
 def rubbed(interaction: str, *, is_plane: bool = False, nlgeom: bool = False, dialect: str = "calculix", drag: float = 0.02) -> str:
     """A block on a larger one, pressed, then dragged along both its sides, so that some nodes stick and some slip."""
-    import make_decks
-    import planes
-    import sheets
+    from verify.decks import make_decks, planes, sheets
 
     if is_plane:
         below = planes.flatten(sheets.sheet("BELOW", sheets.between(0, 3, 6), sheets.between(-1, 0, 3)))

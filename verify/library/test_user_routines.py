@@ -12,11 +12,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from common import ROOT, same_results
-from conftest import Run
-from course_files import read_cvg
 
 import amontons
+from verify.conftest import Run
+from verify.library.common import ROOT, same_results
+from verify.readers.sta_cvg_files import read_cvg
 
 ROUTINES = ROOT / "verify" / "library" / "routines"
 USAGE, SETUP, NOT_CONVERGED, IO = 2, 4, 5, 7
@@ -30,8 +30,7 @@ STRETCH = np.array([0.001, -0.0003, -0.0003])
 
 def solid_deck(kind: str, material: str, *, nlgeom: bool = False, top: tuple[float, float] = (0.01, -0.006)) -> str:
     """A skew block of one kind of element, sheared and pressed, then let go half the way."""
-    import make_decks
-    import solids
+    from verify.decks import make_decks, solids
 
     n = 2 if kind in ("C3D8", "C3D8R") else 1
     ticks = np.linspace(0.0, 1.0, n + 1)
@@ -118,8 +117,7 @@ COMPONENTS = {"C3D8": "3., 3.", "CPE4": "3., 1.", "CPE4R": "3., 1.", "CAX8": "3.
 def test_components_of_each_element(run: Run, tmp_path: Path, kind: str) -> None:
     """A law that is told NDI and NSHR as in Abaqus, and stops if they are others: displacements, reactions and stresses are
     those of ELASTIC, in as many iterations; so the tangent, and what holds elements of one point, are right too."""
-    import make_decks  # noqa: F401
-    import planes
+    from verify.decks import make_decks  # noqa: F401
 
     law = f"*USER MATERIAL, CONSTANTS=4\n70000., 0.25, {COMPONENTS[kind]}\n*DEPVAR\n2\n"
     make = solid_deck if kind == "C3D8" else plane_deck
@@ -618,7 +616,7 @@ LOADS = ROUTINES / "loads.f90"
 
 def loaded_deck(loads: str, *, before: str = "", nlgeom: bool = False) -> str:
     """Two by two by two cubes on the floor, with a step."""
-    import make_decks
+    from verify.decks import make_decks
 
     ticks = np.linspace(0.0, 1.0, 3)
     mesh = make_decks.block(ticks, ticks, ticks, "BODY")

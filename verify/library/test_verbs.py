@@ -15,10 +15,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_library import warm_deck
 
-import amontons  # isort: skip (common, which test_library takes, says where it is)
-from amontons.binding import ABI, SIGNATURES, Options, library as calls
+import amontons
+from amontons.binding import ABI, SIGNATURES, Options
+from amontons.binding import library as calls
+from verify.library.test_library import warm_deck
 
 HERE = Path(__file__).resolve().parent
 NODAL = ["NODES", "X", "U", "RF", "S", "E", "NT", "CPRESS", "CSHEAR", "COPEN", "CSLIP", "CNORMF", "CSHEARF", "CSTATUS", "CSCENARIO",
@@ -31,7 +32,7 @@ OF_SETS = [("P", "LOWER_TOP"), ("FACE CENTRES", "LOWER_TOP"), ("CF", "LOWER_TOP"
 @pytest.fixture(scope="module")
 def deck(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small block with temperatures, pressed and dragged."""
-    import make_decks
+    from verify.decks import make_decks
 
     path = tmp_path_factory.mktemp("verbs") / "block.inp"
     path.write_text(make_decks.block_deck(2))
@@ -173,7 +174,7 @@ def ask(program: Path, deck: Path) -> list[str]:
 @pytest.mark.skipif(not shutil.which("gcc"), reason="there is no C compiler")
 def test_c(told: list[str], root: Path, library: Path, deck: Path, tmp_path: Path) -> None:
     """verbs.c."""
-    subprocess.run(["gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{root / 'src'}", str(HERE / "verbs.c"), "-o", "verbs", str(library),
+    subprocess.run(["gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{root / 'src' / 'driver'}", str(HERE / "verbs.c"), "-o", "verbs", str(library),
                     f"-Wl,-rpath,{library.parent}", "-lpthread"], cwd=tmp_path, check=True)  # fmt: skip
     assert ask(tmp_path / "verbs", deck) == told
 
@@ -191,12 +192,12 @@ def test_fortran(told: list[str], root: Path, library: Path, deck: Path, tmp_pat
 def test_header_in_cpp(root: Path, tmp_path: Path) -> None:
     """The header is good C++ too."""
     (tmp_path / "a.cpp").write_text('#include "amontons.h"\nint main() { amontons_options o = AMONTONS_OPTIONS; return o.abi != amontons_abi(); }\n')
-    subprocess.run(["g++", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only", f"-I{root / 'src'}", "a.cpp"], cwd=tmp_path, check=True)
+    subprocess.run(["g++", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only", f"-I{root / 'src' / 'driver'}", "a.cpp"], cwd=tmp_path, check=True)
 
 
 def test_every_function_of_the_header_is_asked(root: Path) -> None:
     """The binding has each function of the header, and verbs.c calls each; the manual names each."""
-    functions = set(re.findall(r"\b(amontons_[a-z_]+)\(", (root / "src" / "amontons.h").read_text()))
+    functions = set(re.findall(r"\b(amontons_[a-z_]+)\(", (root / "src" / "driver" / "amontons.h").read_text()))
     assert functions == set(SIGNATURES)
     source = (HERE / "verbs.c").read_text()
     assert {name for name in functions if f"{name}(" not in source} <= {"amontons_version"}

@@ -6,19 +6,16 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import h5py
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-import feature_decks  # noqa: E402
-from dat import Block, read_dat, read_frd  # noqa: E402
-from mixed_decks import deck, hold, prints, solid, step  # noqa: E402
-from solids import unit_cube  # noqa: E402
+from verify.decks import feature_decks
+from verify.decks.mixed_decks import deck, hold, prints, solid, step
+from verify.decks.solids import unit_cube
+from verify.readers.dat_frd_files import Block, read_dat, read_frd
 
 CUBE = unit_cube("N") + """*BOUNDARY
 1, 1, 3

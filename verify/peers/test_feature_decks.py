@@ -10,19 +10,14 @@ from __future__ import annotations
 
 import re
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-import behaviour_decks  # noqa: E402
-import feature_decks  # noqa: E402
-import joint_decks  # noqa: E402
-from dat import Block, compare, compare_block, read_dat, read_frd  # noqa: E402
-from test_mixed_decks import leave_out_residue, run_peer  # noqa: E402
+from verify.decks import behaviour_decks, feature_decks, joint_decks
+from verify.peers.test_mixed_decks import leave_out_residue, run_peer
+from verify.readers.dat_frd_files import Block, compare, compare_block, read_dat, read_frd
 
 CASES = feature_decks.cases() | joint_decks.cases() | behaviour_decks.cases()
 LINEAR, NONLINEAR = 2e-3, 1e-2

@@ -13,16 +13,13 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-import mixed_decks  # noqa: E402
-from dat import Deviation, compare, read_dat  # noqa: E402
+from verify.decks import mixed_decks
+from verify.readers.dat_frd_files import Deviation, compare, read_dat
 
 CCX = shutil.which("ccx")
 CASES = mixed_decks.cases()

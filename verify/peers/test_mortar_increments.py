@@ -9,19 +9,16 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from course_files import read_cvg, read_sta
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from dat import read_frd  # noqa: E402
-from feature_decks import STEEL, bodies, sections  # noqa: E402
-from parts import Part  # noqa: E402
-from test_mixed_decks import run_peer  # noqa: E402
+from verify.decks.feature_decks import STEEL, bodies, sections
+from verify.decks.parts import Part
+from verify.peers.test_mixed_decks import run_peer
+from verify.readers.dat_frd_files import read_frd
+from verify.readers.sta_cvg_files import read_cvg, read_sta
 
 pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 

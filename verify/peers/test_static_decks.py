@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import os
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -20,11 +19,8 @@ import h5py
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from dat import Block, Deviation, compare, expand, read_dat, read_frd, read_frd_places  # noqa: E402
-
-from peers.conftest import AGREES, Entry, Row  # noqa: E402
+from verify.peers.conftest import AGREES, Entry, Row
+from verify.readers.dat_frd_files import Block, Deviation, compare, expand, read_dat, read_frd, read_frd_places
 
 DECKS = Path(os.environ.get("AMONTONS_DECKS", Path(__file__).resolve().parents[3] / "shared" / "decks"))
 

@@ -12,7 +12,7 @@ With --suite pytest runs the tests that are named behind it with the program, th
 BUILD=sanitize, and what was found in any process is told at the end:
 
     make BUILD=sanitize programs
-    .venv/bin/python verify/sanitizers/run.py --program build/sanitize/bin/amontons --suite -n 2 verify
+    .venv/bin/python -m verify.sanitizers.run --program build/sanitize/bin/amontons --suite -n 2 verify
 """
 
 from __future__ import annotations
@@ -46,9 +46,8 @@ def jobs(folder: Path) -> list[list[str]]:
 
 def surface_jobs(folder: Path) -> list[list[str]]:
     """Contact by other means than at nodes, and without a factor; decks of the tests."""
-    sys.path[:0] = [str(ROOT / "verify"), str(ROOT / "verify" / "library"), str(ROOT / "verify" / "decks")]
-    import make_decks
-    import test_restart
+    from verify.decks import make_decks
+    from verify.library import test_restart
 
     (folder / "points.inp").write_text(test_restart.points_deck())
     (folder / "mortar.inp").write_text(test_restart.mortar_deck())
@@ -59,8 +58,7 @@ def surface_jobs(folder: Path) -> list[list[str]]:
 
 def routine_jobs(folder: Path) -> list[list[str]]:
     """FRIC, UINTER, and laws that are not symmetric."""
-    import test_user_contact
-    import test_user_routines
+    from verify.library import test_user_contact, test_user_routines
 
     routines = test_user_contact.ROUTINES
     (folder / "fric.inp").write_text(test_user_contact.rubbed(test_user_contact.SOFT_FRIC, nlgeom=True))
@@ -88,13 +86,13 @@ def verdict(command: list[str], folder: Path) -> list[str]:
 
 def run_two_threads(library: Path, folder: Path, preload: Path) -> list[str]:
     """The findings of verbs.c, which has two jobs in two threads, with the library of a build with ThreadSanitizer."""
-    import make_decks
-    import test_library
+    from verify.decks import make_decks
+    from verify.library import test_library
 
     deck = folder / "two.inp"
     deck.write_text(make_decks.block_deck(2))
     deck.write_text(test_library.warm_deck(deck))
-    subprocess.run(["gcc", "-std=c11", "-g", "-fsanitize=thread", f"-I{ROOT / 'src'}", str(ROOT / "verify" / "library" / "verbs.c"), "-o", "verbs",
+    subprocess.run(["gcc", "-std=c11", "-g", "-fsanitize=thread", f"-I{ROOT / 'src' / 'driver'}", str(ROOT / "verify" / "library" / "verbs.c"), "-o", "verbs",
                     str(library), f"-Wl,-rpath,{library.parent}", "-lpthread"], cwd=folder, check=True)  # fmt: skip
     return verdict(["env", f"LD_PRELOAD={preload}", "./verbs", str(deck)], folder)
 
@@ -147,7 +145,7 @@ def main() -> int:
         folder = Path(name)
         todo = jobs(folder)
         if options.preload:
-            import make_decks
+            from verify.decks import make_decks
 
             (folder / "block.inp").write_text(make_decks.block_deck(6))
             first, _, _ = make_decks.block_deck(14).partition("Drag")  # the first step of a larger one

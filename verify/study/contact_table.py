@@ -1,8 +1,8 @@
 """Line searches over contact problems: NONE, ALL, GLOBAL, NODAL and AUTO, by direction, friction and size of the increments.
 
-    python verify/study/contact_table.py [--runs runs.csv] [--directions EXACT LAGGED SYMMETRIC] [--modes NONE AUTO]
+    python -m verify.study.contact_table [--runs runs.csv] [--directions EXACT LAGGED SYMMETRIC] [--modes NONE AUTO]
         [--only ball] [--program bin/amontons] [--outdir DIR] [--seconds 60]
-    python verify/study/contact_table.py --show doc/study/runs.csv [--figure doc/study/contact_table.png]
+    python -m verify.study.contact_table --show doc/study/runs.csv [--figure doc/study/contact_table.png]
 
 Six small problems: a block sheared on a block and a punch pressed on a slab and drawn (space and plane, small displacements), a block
 dragged over a table, a cylinder pressed into a slab and drawn to and fro (plane), a ball pressed on a table and dragged (space, by nodes
@@ -29,13 +29,10 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "decks"))
-
-from ironing_table import ROOT, count_rows  # noqa: E402
-from make_decks import Floats, _named_grid, block  # noqa: E402
-from planes import flat_deck, flatten  # noqa: E402
-from sheets import between, fix, pair, sheet, solid_deck  # noqa: E402
+from verify.decks.make_decks import Floats, _named_grid, block
+from verify.decks.planes import flat_deck, flatten
+from verify.decks.sheets import between, fix, pair, sheet, solid_deck
+from verify.study.ironing_table import ROOT, count_rows
 
 MODES = ("NONE", "ALL", "GLOBAL", "NODAL", "AUTO")
 DIRECTIONS = ("EXACT", "LAGGED", "SYMMETRIC")

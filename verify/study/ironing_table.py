@@ -1,6 +1,6 @@
 """Ironing over facets: how many Newton iterations each increment takes, for friction, shape and step size.
 
-    python verify/study/ironing_table.py [--outdir DIR] [--line-search TYPE] [--program bin/amontons]
+    python -m verify.study.ironing_table [--outdir DIR] [--line-search TYPE] [--program bin/amontons]
 
 A stiff indenter, its bottom curved or flat with sharp corners, is pressed 0.25 into a soft slab with facets of 0.3 and
 dragged 6 along it, in increments of a half, 1.3 and 2.5 facets. The increments are asked for as the first and the
@@ -22,11 +22,11 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "verify"))
+from verify.decks.make_decks import arc_indenter, block, contact_cards, graded, join, material_cards, mesh_cards
+from verify.readers.sta_cvg_files import read_sta
 
-from course_files import read_sta  # noqa: E402
-from decks.make_decks import arc_indenter, block, contact_cards, graded, join, material_cards, mesh_cards  # noqa: E402
+ROOT = Path(__file__).resolve().parents[2]
+
 
 PRESS_DEPTH, DRAG, FACET, GAP = 0.25, 6.0, 0.3, 0.01
 

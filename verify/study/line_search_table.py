@@ -1,8 +1,8 @@
 """Line searches on ironing: NONE, ALL, GLOBAL, NODAL and AUTO, by shape of the indenter, friction and size of the increments.
 
-    python verify/study/line_search_table.py [--outdir DIR] [--program bin/amontons] [--mu 0.3] [--slides 0.15 0.4 0.75]
+    python -m verify.study.line_search_table [--outdir DIR] [--program bin/amontons] [--mu 0.3] [--slides 0.15 0.4 0.75]
         [--direction EXACT|SYMMETRIC|LAGGED] [--seconds 60] [--figure line_search.png] [--again]
-    python verify/study/line_search_table.py --draw doc/study/line_search.md --figure doc/study/line_search.png
+    python -m verify.study.line_search_table --draw doc/study/line_search.md --figure doc/study/line_search.png
 
 The decks are those of ironing_table.py. For each the table says the Newton iterations per increment asked for, failed
 attempts included, and in brackets the failed attempts; a run that did not reach its end is marked by the time it reached (of 2).
@@ -20,10 +20,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parent)]
-
-from course_files import read_sta  # noqa: E402
-from ironing_table import DRAG, ROOT, Outcome, count_rows, ironing_deck, run_case  # noqa: E402
+from verify.readers.sta_cvg_files import read_sta
+from verify.study.ironing_table import DRAG, ROOT, Outcome, count_rows, ironing_deck, run_case
 
 MODES = ("NONE", "ALL", "GLOBAL", "NODAL", "AUTO")
 

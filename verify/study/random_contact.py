@@ -1,10 +1,10 @@
 """Contact at random: a body of any shape and element kind is pressed on a table, dragged along it and lifted, with all controls as they are.
 
-    python verify/study/random_contact.py --seeds 1 100      a row for each job that failed or cut back, and the sums
-    python verify/study/random_contact.py --deck 17          the deck of one seed
-    python verify/study/random_contact.py --peer ccx         CalculiX runs the same decks, but those with a rigid head
-    python verify/study/random_contact.py --laws             the surfaces give by a law; a table by law as well
-    python verify/study/random_contact.py --laws --peer ccx  CalculiX runs those in its dialect
+    python -m verify.study.random_contact --seeds 1 100      a row for each job that failed or cut back, and the sums
+    python -m verify.study.random_contact --deck 17          the deck of one seed
+    python -m verify.study.random_contact --peer ccx         CalculiX runs the same decks, but those with a rigid head
+    python -m verify.study.random_contact --laws             the surfaces give by a law; a table by law as well
+    python -m verify.study.random_contact --laws --peer ccx  CalculiX runs those in its dialect
 
 Shapes, meshes, element kinds, stiffness, friction, formulation, load and increments are drawn from the seed. The head of the body is led
 along, so that each of these jobs has a balance: one that fails is a fault of the program.
@@ -30,14 +30,14 @@ from random import Random
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "verify"), str(ROOT / "verify" / "decks")]
+from verify.decks.make_decks import Floats, block, contact_cards, material_cards
+from verify.decks.planes import grid_rows, has_shape, number_mid_sides
+from verify.decks.solids import as_kind
+from verify.readers.sta_cvg_files import read_sta
+from verify.study.random_laws import MOST_TIED, Law, draw_law
 
-from course_files import read_sta  # noqa: E402
-from make_decks import Floats, block, contact_cards, material_cards  # noqa: E402
-from planes import grid_rows, has_shape, number_mid_sides  # noqa: E402
-from random_laws import MOST_TIED, Law, draw_law  # noqa: E402
-from solids import as_kind  # noqa: E402
+ROOT = Path(__file__).resolve().parents[2]
+
 
 SOLIDS = ["C3D4", "C3D8", "C3D8I", "C3D10", "C3D20R"]
 PLANES = ["CPE3", "CPE4", "CPE4R", "CPE6", "CPE8R"]

@@ -1,4 +1,4 @@
-"""Runs every unit test program that make built: one test for each `test_*.f90` of this folder."""
+"""Runs every unit test program that make built: one test for each `test_*.f90` below this folder."""
 
 import os
 import subprocess
@@ -11,7 +11,7 @@ PROGRAMS = HERE.parent.parent / os.environ.get("AMONTONS_UNITS", "build/unit")
 TIME_LIMIT = 300  # [s]
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in HERE.glob("test_*.f90")))
+@pytest.mark.parametrize("name", sorted(path.stem for path in HERE.glob("*/test_*.f90")))
 def test_unit(name: str, tmp_path: Path) -> None:
     """The program ends well, says how many checks passed, and none failed."""
     program = PROGRAMS / name

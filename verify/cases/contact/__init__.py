@@ -1,0 +1,4 @@
+"""Contact and friction.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""

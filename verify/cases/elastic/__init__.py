@@ -1,0 +1,4 @@
+"""Elastic bodies, springs, thermal stress, rubber.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""

@@ -1,0 +1,4 @@
+"""Plasticity and creep.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""

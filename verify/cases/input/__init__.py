@@ -1,0 +1,4 @@
+"""Decks: cards, dialects, mesh generation.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""

@@ -1,0 +1,4 @@
+"""Result files, printed output, the report.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""

@@ -1,0 +1,4 @@
+"""Model check, increments, stabilization, failures.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""

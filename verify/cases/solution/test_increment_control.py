@@ -1,0 +1,83 @@
+"""Automatic increments follow what happened: iterations, failed attempts, cycles, and contact that was not as foreseen.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from verify.conftest import Run
+from verify.independent.results import read_field, read_history
+from verify.study.contact_table import ball, cylinder
+
+FAST, SLOW, FEW = 6, 12, 4  #: iterations: IG, IL of doc/theory/newton.md, and those after which what was not foreseen counts
+SHORTER, LONGER, CUTS = 0.75, 1.5, (0.25, 0.5)  #: D_B, D_D, (D_F, D_C)
+MOST = 0.2  #: the longest increment that the deck allows
+
+
+def pressed_into_metal() -> str:
+    """A stiff cylinder pressed into a slab that yields, drawn to and fro: contact changes much, and some attempts fail."""
+    deck = cylinder(0.3, "AUTO", 5)
+    deck = re.sub(r"(\*STATIC\n)[^\n]*\n", rf"\g<1>{MOST}, 1., 1e-6, {MOST}\n", deck)
+    yielding = "*MATERIAL, NAME=SLAB\n*ELASTIC\n2000, 0.3\n"
+    assert yielding in deck
+    return deck.replace(yielding, yielding + "*PLASTIC\n20., 0.\n40., 1.\n")
+
+
+def wanted(history: dict[str, np.ndarray]) -> tuple[list[tuple[float, ...]], int]:
+    """The lengths that the rule allows for each attempt, and how often what happened held back one that the iterations alone would have let grow."""
+    allowed, held, dt, fast, fast_alone, has_failed = [], 0, MOST, 0, 0, False
+    for i, step in enumerate(history["step"]):
+        if i == 0 or step != history["step"][i - 1]:
+            dt, fast, fast_alone, has_failed = MOST, 0, 0, False
+            allowed.append((dt,))
+        elif not history["is_converged"][i - 1]:
+            allowed.append(tuple(cut * history["dt"][i - 1] for cut in CUTS))
+            dt, fast, fast_alone, has_failed = float(history["dt"][i]), 0, 0, True
+        else:
+            n, cycles = int(history["n_iterations"][i - 1]), int(history["n_cycles"][i - 1])
+            foreseen = history["n_unforeseen"][i - 1] == 0 or n <= FEW
+            fast_alone = fast_alone + 1 if n <= FAST else 0
+            fast = fast + 1 if n <= FAST and cycles == 0 and (foreseen or not has_failed) else 0
+            held += fast_alone >= 2 and fast < 2
+            dt = SHORTER * dt if n > SLOW else min(MOST, LONGER * dt) if fast >= 2 else dt
+            allowed.append((dt,))
+    return allowed, held
+
+
+@pytest.mark.slow
+def test_increments_follow_what_happened(run: Run, tmp_path: Path) -> None:
+    """Each increment is as long as the rule of doc/theory/newton.md says of those before it, and the rule is not that of the iterations alone."""
+    (tmp_path / "job.inp").write_text(pressed_into_metal())
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    history = read_history(tmp_path / "job.vtkhdf")
+    history = {name: column[history["increment"] > 0] for name, column in history.items()}
+    allowed, held = wanted(history)
+    for i, lengths in enumerate(allowed):
+        left = 1.0 - (history["step_time"][i] - history["dt"][i])
+        took = history["dt"][i]
+        assert any(abs(took - min(length, left)) <= 1e-6 * MOST for length in lengths), f"attempt {i}: {took}, allowed {lengths}, left {left}"
+    assert not history["is_converged"].all(), "some attempts fail"
+    assert held >= 1, "what happened never held an increment back"
+
+
+def test_directions_lead_to_the_same(run: Run, tmp_path: Path) -> None:
+    """EXACT, SYMMETRIC and LAGGED converge to the same, since the residual does not know them: to 1e-4, the balance allowed being 1e-6 of the forces."""
+    found = {}
+    for direction in ("EXACT", "SYMMETRIC", "LAGGED"):
+        (tmp_path / "job.inp").write_text(ball(0.3, f"AUTO, DIRECTION={direction}", 5))
+        done = run(["job"], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout + done.stderr
+        history = read_history(tmp_path / "job.vtkhdf")
+        assert history["is_converged"][history["increment"] > 0].all(), direction
+        found[direction] = (read_field(tmp_path / "job.vtkhdf", "U")[-1], int(history["n_iterations"].sum()))
+    u, n = found["EXACT"]
+    for direction in ("SYMMETRIC", "LAGGED"):
+        assert np.abs(found[direction][0] - u).max() <= 1e-4 * np.abs(u).max(), direction
+        assert found[direction][1] > n, f"{direction} takes no more iterations: it is not another direction"

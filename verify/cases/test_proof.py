@@ -1,0 +1,71 @@
+"""The runner of the verification cases: its limits of iterations.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+
+from verify.cases.proof import CHAPTERS, MOST_OVER_ALL, Case, Check, write_index
+
+
+def test_mean_effort(tmp_path: Path) -> None:
+    """The mean is over increments asked for, with the iterations of failed attempts, over all cases together."""
+    for name, asked, iterations in (("a", 10, 20), ("b", 2, 64)):
+        facts = {"name": name, "title": name, "checks": [], "effort": [(asked, iterations, 1)], "asked": [asked]}
+        (tmp_path / f"{name}.json").write_text(json.dumps(facts))
+    mean = write_index(tmp_path)
+    assert mean == pytest.approx(84 / 12)
+    assert mean > MOST_OVER_ALL
+    assert not list(tmp_path.glob("*.json"))
+    assert "| all | 12 | 84 | 2 | 7.0 |" in (tmp_path / "index.md").read_text()
+
+
+def test_index_tells_the_worst(tmp_path: Path) -> None:
+    """One row for each quantity, under the chapter of its file; a check that fails is marked, whatever its place."""
+    first = Check("stress", "A", "the end", "1", 1.01, 0.01, 0.02, "mesh", "2.0")
+    second = Check("stress", "B", "the end", "1", 1.05, 0.05, 0.02, "mesh")
+    facts = {"name": "x", "title": "X", "file": "test_hyperelasticity", "checks": [asdict(first), asdict(second)], "effort": [(1, 1, 0)], "asked": [1]}
+    (tmp_path / "x.json").write_text(json.dumps(facts))
+    write_index(tmp_path)
+    text = (tmp_path / "index.md").read_text()
+    assert "## Rubber and foam\n" in text
+    assert "| [X](x.md) | stress, B | 1 | 1.05 | 5.0e-02 **fails** | 2e-02 | 2.0 |" in text
+    assert "stress, A" not in text
+
+
+def test_bands_and_truths_are_told_as_such(tmp_path: Path) -> None:
+    """No error of 0 where none is allowed: a number is inside its band or outside by so much, and what is so is true."""
+    case = Case("x", "X", "", "", "", "", runner=None, work=tmp_path, pages=None, test="verify/test_x.py::test_x")
+    words = {"place": "A", "time": "the end", "why": "published"}
+    case.within("V", 324.5, (268.0, 332.0), **words)
+    case.within("H", 3.0, (0.0, 2.0), **words)
+    case.true("it is done", True, **words)
+    page = case.page()
+    for row in ("| V | A | the end | 268 to 332 | 324.5 | inside |  |", "| H | A | the end | at most 2 | 3 | outside by 1.0e+00 |  |",
+                "| it is done | A | the end | true | true |  |  |"):  # fmt: skip
+        assert row in page
+    assert "pytest 'verify/test_x.py::test_x'" in page
+
+
+def test_every_case_has_a_chapter() -> None:
+    """The files that write cases are in CHAPTERS."""
+    here = Path(__file__).parent
+    writers = {path.stem for path in here.glob("*/test_*.py") if "proof: Proof" in path.read_text()}
+    assert writers == {file for files in CHAPTERS.values() for file in files}
+
+
+@pytest.mark.parametrize("missing", ["place", "time", "why"])
+def test_checks_say_all(missing: str, tmp_path: Path) -> None:
+    """A check without its place, time or reason cannot be written."""
+    case = Case("x", "X", "", "", "", "", runner=None, work=tmp_path, pages=None)
+    words = {"place": "A", "time": "the end", "why": "exact"}
+    case.near("stress", 1.0, 1.0, 0.1, **words)
+    del words[missing]
+    with pytest.raises(TypeError, match=missing):
+        case.near("stress", 1.0, 1.0, 0.1, **words)

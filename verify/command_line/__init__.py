@@ -1,0 +1,4 @@
+"""Tests of the command line.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""

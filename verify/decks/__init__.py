@@ -1,0 +1,4 @@
+"""Generators of meshes and decks.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""

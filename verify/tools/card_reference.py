@@ -1,0 +1,140 @@
+"""Turns `amontons --cards` into the card reference of the manual (Markdown).
+
+    bin/amontons --cards | python -m verify.tools.card_reference > doc/manual/cards.md
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+MANUAL = Path(__file__).resolve().parents[2] / "doc" / "manual"
+MOST_LINES = 7  #: of an example
+
+HEAD = """# Cards
+
+Written by `make doc` from `amontons --cards`, which comes from the table by which decks are read. A parameter that is *refused*
+ends the job before it starts, with the sentence shown; one *without effect* is accepted, and a note says so. The examples are cut from
+decks that the tests run.
+
+"""
+
+
+@dataclass
+class Card:
+    """One card as `--cards` prints it."""
+
+    name: str
+    place: str
+    sentence: str = ""
+    data: str = ""
+    dialects: str = ""
+    taken: list[tuple[str, str]] = field(default_factory=list)
+    ignored: dict[str, list[str]] = field(default_factory=dict)
+    refused: dict[str, list[str]] = field(default_factory=dict)
+
+
+def read_cards(text: str) -> list[Card]:
+    """All cards, in the order of the table."""
+    cards: list[Card] = []
+    for line in text.splitlines():
+        head = re.match(r"(\*[A-Z][A-Z0-9 -]*?)  \((.*)\)$", line)
+        if head:
+            cards.append(Card(head.group(1), head.group(2)))
+        elif line.strip():
+            _add_line(cards[-1], line.strip())
+    return cards
+
+
+def _add_line(card: Card, line: str) -> None:
+    """The sentence, the data lines, or a parameter."""
+    if line.startswith("data lines: "):
+        card.data = line.removeprefix("data lines: ")
+        return
+    if line.startswith("dialects: "):
+        card.dialects = line.removeprefix("dialects: ")
+        return
+    if not card.sentence:
+        card.sentence = line
+        return
+    name, _, rest = line.partition(": ")
+    for word, group in (("no effect.", card.ignored), ("refused.", card.refused)):
+        if rest.startswith(word):
+            group.setdefault(rest.removeprefix(word).strip(), []).append(name.split("=")[0])
+            return
+    card.taken.append((name, rest))
+
+
+def page_of(cards: list[Card]) -> str:
+    """The page: a list of all cards, then each of them."""
+    links = ", ".join(f"[`{c.name}`](#{anchor(c.name)})" for c in cards)
+    examples = find_examples()
+    return HEAD + links + "\n\n" + "\n".join(section(card, examples) for card in cards)
+
+
+def anchor(name: str) -> str:
+    """The anchor that Markdown makes of a heading."""
+    return name.lower().lstrip("*").replace(" ", "-")
+
+
+def plain(text: str) -> str:
+    """Text in which no asterisk starts an emphasis."""
+    return text.replace("*", "\\*").replace("|", "/")
+
+
+def example_files() -> list[Path]:
+    """The decks from which examples are cut, and the page on user routines, which has two cards more."""
+    return [*sorted((MANUAL / "examples").glob("*.inp")), *sorted((MANUAL / "examples").glob("*.mesh")), MANUAL / "user_routines.md"]
+
+
+def find_examples() -> dict[str, tuple[Path, list[str]]]:
+    """Card to the file where it stands first, and its lines there."""
+    found: dict[str, tuple[Path, list[str]]] = {}
+    for path in example_files():
+        name = ""
+        for line in path.read_text().splitlines():
+            match = re.match(r"\*([A-Z][A-Z -]*[A-Z])(?=,|$)", line)
+            if match or line.startswith(("**", "```")):
+                name = f"*{match.group(1)}" if match else ""
+                if not match or name in found:
+                    name = ""
+                    continue
+                found[name] = (path, [line])
+            elif name:
+                found[name][1].append(line)
+    return found
+
+
+def example_of(card: Card, examples: dict[str, tuple[Path, list[str]]]) -> list[str]:
+    """The example of a card, if there is one."""
+    if card.name not in examples:
+        return []
+    path, lines = examples[card.name]
+    shown = [line for line in lines if line] if card.name != "*SPRING" else lines
+    shown = shown if len(shown) <= MOST_LINES else [*shown[: MOST_LINES - 1], "..."]
+    return [f"From [{path.name}]({path.relative_to(MANUAL)}):", "", "```", *shown, "```", ""]
+
+
+def section(card: Card, examples: dict[str, tuple[Path, list[str]]]) -> str:
+    """One card."""
+    lines = [f"## {plain(card.name)}", "", f"{plain(card.sentence)} *({plain(card.place)})*", ""]
+    if card.taken:
+        lines += ["| parameter | |", "|---|---|"]
+        lines += [f"| `{name.replace('|', '/')}` | {plain(text)} |" for name, text in card.taken] + [""]
+    if card.dialects:
+        lines += [f"Dialects: {plain(card.dialects)}", ""]
+    if card.data:
+        lines += [f"Data lines: {plain(card.data)}.", ""]
+    for title, groups in (("Without effect", card.ignored), ("Refused", card.refused)):
+        if groups:
+            told = [f"`{'`, `'.join(names)}`" + (f" ({plain(why.rstrip('.'))})" if why else "") for why, names in groups.items()]
+            lines += [f"{title}: " + "; ".join(told) + ".", ""]
+    return "\n".join(lines + example_of(card, examples))
+
+
+if __name__ == "__main__":
+    sys.stdout.write(page_of(read_cards(sys.stdin.read())))

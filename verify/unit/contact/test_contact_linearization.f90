@@ -1,0 +1,630 @@
+!> The exact tangent of bodies in contact, friction and finite sliding included, against central differences of the residual.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_contact_linearization
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_topology, only: KIND_C3D8, KIND_CPE4_FULL, KIND_CAX8
+  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_model, only: model_type
+  use amontons_surfaces, only: interaction_type, surface_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, &
+    BEHAVIOR_TABULAR, BEHAVIOR_TIED
+  use amontons_steps, only: step_type, DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
+  use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_constraints, only: condense_forces
+  use amontons_equilibrium, only: system_type, create_system, begin_step, begin_increment, evaluate, place_type, place_of, &
+    foresee
+  use amontons_newton_step, only: linearise, change_forces, tangent_matrix, find_direction
+  use amontons_contact_evaluation, only: is_cornered
+  use amontons_contact_linearization, only: linearise_contact
+  use amontons_contact_operators, only: contact_matrices, spring_factors
+  use amontons_woodbury_interface, only: springs_type
+  use amontons_sparse, only: sparse_type, multiply, multiply_transpose
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  call check_tangent('flat master, friction, finite sliding', 0.0_DP, 0.3_DP, .true., .false.)
+  call check_tangent('curved master, friction, finite sliding', 0.15_DP, 0.4_DP, .true., .false.)
+  call check_tangent('curved master, frictionless', 0.15_DP, 0.0_DP, .true., .false.)
+  call check_tangent('small sliding', 0.15_DP, 0.3_DP, .true., .true.)
+  call check_tangent('small displacements', 0.1_DP, 0.5_DP, .false., .true.)
+  call check_tangent('curved master, normals in planes of symmetry', 0.15_DP, 0.4_DP, .true., .false., is_symmetric=.true.)
+  call check_tangent('clearance', 0.15_DP, 0.4_DP, .true., .false., shared=5)
+  call check_laws()
+  call check_mortar()
+  call check_planes()
+  call check_shared()
+  call check_foresight()
+  call check_symmetric('symmetric direction')
+  call check_symmetric('symmetric direction, compliant', interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, &
+    tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP))
+  call check_lagged()
+  call suite%finish()
+
+contains
+
+  !> The same with compliant laws, whose forces follow from gap and slip, and with a limit of the shear. (Not with the limit
+  !! 0.5: there mu N of a node is the limit to five digits, and differences would step over the kink.)
+  subroutine check_laws()
+    type(interaction_type) :: law
+    law%shear_limit = 0.4_DP
+    call check_tangent('hard, shear limited', 0.15_DP, 0.4_DP, .true., .false., law)
+    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP)
+    call check_tangent('linear', 0.15_DP, 0.3_DP, .true., .false., law)
+    call check_tangent('linear, small sliding', 0.15_DP, 0.3_DP, .true., .true., law)
+    law%shear_limit = 8.0_DP
+    call check_tangent('linear, shear limited', 0.15_DP, 0.5_DP, .true., .false., law)
+    law = interaction_type(behavior=BEHAVIOR_EXPONENTIAL, reach=0.3_DP, pressure=15.0_DP, stick_slope=120.0_DP)
+    call check_tangent('exponential', 0.15_DP, 0.3_DP, .true., .false., law)
+    law = interaction_type(behavior=BEHAVIOR_TABULAR, reach=1.0_DP, stick_slope=120.0_DP)
+    law%table_pressure = [0.0_DP, 12.0_DP, 40.0_DP, 41.0_DP]
+    law%table_overclosure = [-0.05_DP, 0.02_DP, 0.07_DP, 0.4_DP]
+    call check_tangent('tabular', 0.15_DP, 0.3_DP, .true., .false., law)
+    law = interaction_type(behavior=BEHAVIOR_TIED, stiffness=300.0_DP, stick_slope=120.0_DP, shear_limit=6.0_DP)
+    call check_tangent('tied', 0.15_DP, 0.3_DP, .true., .false., law)
+  end subroutine check_laws
+
+
+  !> The same with edges in the plane and of bodies of revolution.
+  subroutine check_planes()
+    type(interaction_type) :: law
+    call check_tangent('plane strain, friction', 0.15_DP, 0.4_DP, .true., .false., plane=KIND_CPE4_FULL)
+    call check_tangent('plane strain, frictionless', 0.15_DP, 0.0_DP, .true., .false., plane=KIND_CPE4_FULL)
+    call check_tangent('plane strain, small sliding', 0.15_DP, 0.3_DP, .true., .true., plane=KIND_CPE4_FULL)
+    call check_tangent('axisymmetric, quadratic, friction', 0.15_DP, 0.4_DP, .true., .false., plane=KIND_CAX8)
+    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP)
+    call check_tangent('axisymmetric, quadratic, linear law', 0.15_DP, 0.3_DP, .true., .false., law, KIND_CAX8)
+  end subroutine check_planes
+
+
+  !> The same where pairs share nodes: a symmetric pair, some of whose slaves carry the reactions of others; and a node that
+  !! touches in two pairs.
+  subroutine check_shared()
+    call check_tangent('symmetric pair, friction', 0.0_DP, 0.4_DP, .true., .false., plane=KIND_CPE4_FULL, shared=1)
+    call check_tangent('symmetric pair, curved', 0.15_DP, 0.4_DP, .true., .false., plane=KIND_CPE4_FULL, shared=1)
+    call check_tangent('symmetric pair, quadratic', 0.0_DP, 0.4_DP, .false., .true., plane=KIND_CAX8, shared=1)
+    call check_tangent('corner, small displacements', 0.15_DP, 0.4_DP, .false., .true., plane=KIND_CPE4_FULL, shared=2)
+  end subroutine check_shared
+
+
+  !> Surface to surface, with rows that are kept and with rows that are integrated anew.
+  subroutine check_mortar()
+    type(interaction_type) :: law
+    call check_tangent('mortar, small sliding', 0.15_DP, 0.3_DP, .true., .true., shared=3)
+    call check_tangent('mortar, small displacements', 0.1_DP, 0.5_DP, .false., .true., shared=3)
+    law = interaction_type(behavior=BEHAVIOR_EXPONENTIAL, reach=0.3_DP, pressure=15.0_DP, stick_slope=120.0_DP)
+    call check_tangent('mortar, exponential', 0.15_DP, 0.3_DP, .true., .true., law, shared=3)
+    call check_tangent('mortar, quadratic lines, small sliding', 0.15_DP, 0.3_DP, .true., .true., plane=KIND_CAX8, shared=3)
+    call check_tangent('mortar, finite sliding', 0.15_DP, 0.3_DP, .true., .false., shared=3)
+    call check_tangent('mortar, finite sliding, frictionless', 0.15_DP, 0.0_DP, .true., .false., shared=3)
+    call check_tangent('mortar, finite sliding, exponential', 0.15_DP, 0.3_DP, .true., .false., law, shared=3)
+    call check_tangent('mortar, nearly off its master', 0.0_DP, 0.3_DP, .true., .false., shared=4)
+    call check_tangent('mortar, finite sliding, lines', 0.15_DP, 0.3_DP, .true., .false., plane=KIND_CPE4_FULL, shared=3)
+    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=300.0_DP, tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP)
+    call check_tangent('mortar, finite sliding, quadratic lines', 0.15_DP, 0.3_DP, .true., .false., law, KIND_CAX8, shared=3)
+  end subroutine check_mortar
+
+
+  !> -(K - dF_c) du against the difference of the condensed residual, statuses frozen, for several random directions.
+  subroutine check_tangent(name, sag, friction, is_nlgeom, is_small, law, plane, shared, is_symmetric)
+    character(*), intent(in) :: name
+    real(DP), intent(in) :: sag                    !< height of the master's waves [length]
+    real(DP), intent(in) :: friction
+    logical, intent(in) :: is_nlgeom, is_small
+    type(interaction_type), intent(in), optional :: law   !< with its behaviour; hard without it
+    integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
+    integer, intent(in), optional :: shared     !< 1: with the pair the other way round first; 2: with a second master; 3: none, but
+                                                   !< surface to surface; 4: the same, with a fourteenth of the outer facets covered
+                                                   !< 5: none, and a CLEARANCE of nothing, whatever the mesh says
+    logical, intent(in), optional :: is_symmetric  !< planes of symmetry take the x of every other vertex normal
+    real(DP), parameter :: H = 1.0e-6_DP
+    type(model_type) :: model
+    type(step_type) :: step
+    type(system_type) :: system
+    type(state_type) :: state
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: u(:, :), du(:, :), exact(:, :), plus(:, :), minus(:, :), w(:)
+    real(DP) :: stiffness                          ! of the trial traction; none under a law: it is then taken where the node is
+    integer :: trouble, i, s, n
+    stiffness = 100.0_DP
+    if (present(law)) stiffness = merge(100.0_DP, 0.0_DP, law%behavior == BEHAVIOR_HARD)
+    if (present(plane)) then
+      call two_plates(model, plane, sag, is_nlgeom, is_small)
+    else
+      call two_blocks(model, sag, friction, is_nlgeom, is_small)
+    end if
+    if (present(shared)) then
+      if (shared == 3 .or. shared == 4) model%pairs(1)%is_mortar = .true.
+      if (shared == 5) model%pairs(1)%has_clearance = .true.
+      if (shared < 3) call share_nodes(model, shared)
+    end if
+    if (present(law)) model%interactions(1) = law
+    model%interactions(1)%friction = friction
+    step = model%steps(1)
+    call create_system(system, model, state, error)
+    call suite%that(name // ': the system is made', .not. allocated(error))
+    if (allocated(error)) return
+    call begin_step(system, model, step, state, error)
+    if (present(is_symmetric)) call lean(system%contact%facets(1)%in_plane(:, :, ::2))
+    call begin_increment(system, model, step, .true., state)
+    n = model%mesh%n_nodes
+    allocate (u(3, n), du(3, n), exact(3, n), plus(3, n), minus(3, n), w(3 * n))
+    call fill(u, 1, 0.02_DP)
+    if (present(plane)) u = 0.25_DP * u
+    if (present(plane)) u(3, :) = 0.0_DP
+
+    do s = 1, size(state%new%slaves)
+      associate (slave => state%new%slaves(s))
+        if (slave%status == STATUS_OPEN) cycle
+        slave%status = merge(STATUS_STICK, STATUS_SLIP, mod(s, 3) == 0)
+        slave%stiffness = stiffness
+        if (.not. present(plane)) u(:, slave%node) = u(:, slave%node) + [0.05_DP, 0.03_DP, -0.01_DP]
+      end associate
+    end do
+    if (present(plane)) u(1, model%surfaces(1)%nodes) = u(1, model%surfaces(1)%nodes) + 0.05_DP
+    if (present(shared)) then
+      if (shared == 4) u(1, model%surfaces(1)%nodes) = u(1, model%surfaces(1)%nodes) + 0.26_DP
+    end if
+    state%new%u = u
+    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+    call suite%that(name // ': evaluated', trouble == 0)
+    if (present(shared)) then
+      if (shared == 1) call suite%that(name // ': there are levels', system%contact%overlaps%n_levels > 1)
+      if (shared == 2) call suite%that(name // ': a node touches twice', any([(is_cornered(system%contact, s), &
+        s=1, size(state%new%slaves))]))
+    end if
+    call suite%that(name // ': sticking nodes', count(state%new%slaves%status == STATUS_STICK) > merge(0, 1, present(shared)))
+    call suite%that(name // ': slipping nodes', count(state%new%slaves%status == STATUS_SLIP) > 2)
+    call linearise(system, model, step, state, trouble, error)
+    state%new%slaves%stiffness = stiffness
+    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+    call linearise_contact(system%contact, model, state%old, state%new, system%links)
+    if (all(system%links%is_spring)) call check_factors(name, system)
+    if (friction > 0.0_DP) call check_condensed(name, system, model, step, state)   ! without friction the upper block is free
+    do i = 1, 4
+      call fill(du, i + 1, 1.0_DP)
+      if (present(plane)) du(3, :) = 0.0_DP
+      call change_forces(system, reshape(du, [3 * n]), w)
+      call condense_forces(system%base, reshape(w, [3, n]), exact)
+      state%new%u = u + H * du
+      call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+      plus = system%residual
+      state%new%u = u - H * du
+      call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+      minus = system%residual
+      call check_matrix(name, system, i)
+      call suite%near(name // ': tangent', norm2((minus - plus) / (2.0_DP * H) - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
+    end do
+  end subroutine check_tangent
+
+
+  !> A plane of symmetry that is no global one: the normals lose a skew direction.
+  pure subroutine lean(in_plane)
+    real(DP), intent(inout) :: in_plane(:, :, :)
+    real(DP), parameter :: A(3) = [0.8_DP, 0.6_DP, 0.0_DP]
+    integer :: v
+    do v = 1, size(in_plane, 3)
+      in_plane(:, :, v) = in_plane(:, :, v) - spread(A, 2, 3) * spread(A, 1, 3)
+    end do
+  end subroutine lean
+
+
+  !> With small displacements the bulk is linear: what is foreseen at u + du without the elements is what they say there, with
+  !! nodes that open and close on the way.
+  subroutine check_foresight()
+    type(model_type) :: model
+    type(system_type) :: system
+    type(state_type) :: state, start
+    type(place_type) :: place
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: du(:, :), foreseen(:, :)
+    integer, allocatable :: status(:)
+    integer :: trouble, i, n_changes
+    call two_blocks(model, 0.1_DP, 0.3_DP, .false., .true.)
+    call create_system(system, model, state, error)
+    call begin_step(system, model, model%steps(1), state, error)
+    call begin_increment(system, model, model%steps(1), .true., state)
+    allocate (du, mold=state%new%u)
+    call fill(du, 1, 0.02_DP)
+    state%new%u = du
+    call evaluate(system, model, model%steps(1), state, trouble, is_frozen=.false.)
+    call linearise(system, model, model%steps(1), state, trouble, error)
+    start = state
+    place = place_of(system, state)
+    n_changes = 0
+    do i = 2, 4
+      call fill(du, i, 0.05_DP)
+      state = start
+      call foresee(system, model, place, du, state)
+      foreseen = system%residual
+      status = state%new%slaves%status
+      n_changes = n_changes + count(status /= start%new%slaves%status)
+      state = start
+      state%new%u = start%new%u + du
+      call evaluate(system, model, model%steps(1), state, trouble, is_frozen=.false.)
+      call suite%that('foresight: the same statuses', all(status == state%new%slaves%status))
+      call suite%near('foresight: the same residual', norm2(foreseen - system%residual) / norm2(foreseen), 0.0_DP, 1.0e-11_DP)
+    end do
+    call suite%that('foresight: statuses do change on the way', n_changes > 0)
+  end subroutine check_foresight
+
+
+  !> The products of the springs, B A + M X, are the matrix of their change.
+  subroutine check_factors(name, system)
+    character(*), intent(in) :: name
+    type(system_type), intent(in) :: system
+    type(springs_type) :: springs
+    type(sparse_type) :: by_imbalance, by_displacement
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: du(:, :), force(:), place(:), change(:), w(:), moved(:)
+    integer :: n
+    n = system%whole%n_unknowns
+    call spring_factors(system%links, n, springs, error)
+    call contact_matrices(system%links, system%contact%passing, n, by_imbalance, by_displacement)
+    allocate (du(3, n / 3), change(n), w(n), moved(n), force(springs%follow%n_rows), place(springs%moving%n_rows))
+    call fill(du, 7, 1.0_DP)
+    call multiply(by_displacement, reshape(du, [n]), change)
+    call multiply(springs%follow, reshape(du, [n]), force)
+    call multiply(springs%moving, reshape(du, [n]), place)
+    call multiply(springs%spread, force, w)
+    call multiply(springs%moved, place, moved)
+    call suite%near(name // ': the products of the springs', norm2(w + moved - change) / norm2(change), 0.0_DP, 1.0e-13_DP)
+  end subroutine check_factors
+
+
+  !> With a fresh factor of the bulk the condensed interface is the exact inverse of the tangent: one Krylov iteration.
+  subroutine check_condensed(name, system, model, step, state)
+    character(*), intent(in) :: name
+    type(system_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    type(error_type), allocatable :: error
+    real(DP) :: du(3, model%mesh%n_nodes), stiffness(size(state%new%slaves))
+    integer :: trouble, before
+    before = system%n_krylov
+    stiffness = state%new%slaves%stiffness
+    call find_direction(system, model, step, state, du, trouble, error)
+    call suite%that(name // ': a direction is found', trouble == 0 .and. .not. allocated(error))
+    call suite%that(name // ': by the condensed interface', system%is_condensed)
+    call suite%that(name // ': which is exact (' // achar(48 + system%n_krylov - before) // ')', system%n_krylov - before <= 2)
+    state%new%slaves%stiffness = stiffness
+    call linearise_contact(system%contact, model, state%old, state%new, system%links)
+  end subroutine check_condensed
+
+
+  !> x'J y = y'J x for SYMMETRIC, and not for the whole tangent of curved surfaces with friction.
+  subroutine check_symmetric(name, law)
+    character(*), intent(in) :: name
+    type(interaction_type), intent(in), optional :: law
+    type(model_type) :: model
+    type(step_type) :: step
+    type(system_type) :: system
+    type(state_type) :: state
+    type(sparse_type) :: J
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: x(:), y(:), Jx(:), Jy(:)
+    real(DP) :: skew(2)
+    integer :: trouble, i, k
+    call two_blocks(model, 0.15_DP, 0.4_DP, .true., .false.)
+    if (present(law)) model%interactions(1) = law
+    model%interactions(1)%friction = 0.4_DP
+    call start_sliding(model, step, system, state)
+    do k = 1, 2
+      step%direction = merge(DIRECTION_EXACT, DIRECTION_SYMMETRIC, k == 1)
+      call linearise(system, model, step, state, trouble, error)
+      call tangent_matrix(system, J, error)
+      x = [(sin(real(7 * i + 1, DP)**2), i=1, system%whole%n_free)]
+      y = [(sin(real(11 * i + 2, DP)**2), i=1, system%whole%n_free)]
+      allocate (Jx(size(x)), Jy(size(x)))
+      call multiply(J, x, Jx)
+      call multiply(J, y, Jy)
+      skew(k) = abs(dot_product(y, Jx) - dot_product(x, Jy)) / (norm2(Jx) * norm2(y))
+      deallocate (Jx, Jy)
+    end do
+    call suite%that(name // ': the whole tangent is not symmetric', skew(1) > 1.0e-6_DP)
+    call suite%near(name // ': J is its transpose', skew(2), 0.0_DP, 1.0e-14_DP)
+  end subroutine check_symmetric
+
+
+  !> K of LAGGED is that of the start of the increment until the next one begins; the statuses of contact are those of the iterate.
+  subroutine check_lagged()
+    type(model_type) :: model
+    type(step_type) :: step
+    type(system_type) :: system
+    type(state_type) :: state
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: first(:), u(:, :)
+    integer :: trouble, n_links
+    call two_blocks(model, 0.15_DP, 0.4_DP, .true., .false.)
+    call start_sliding(model, step, system, state)
+    step%direction = DIRECTION_LAGGED
+    call linearise(system, model, step, state, trouble, error)
+    first = system%assembly%stiffness%value
+    n_links = size(system%links)
+    u = state%new%u
+    u(3, model%surfaces(1)%nodes) = u(3, model%surfaces(1)%nodes) + 0.2_DP
+    state%new%u = u
+    call evaluate(system, model, step, state, trouble, is_frozen=.false.)
+    call linearise(system, model, step, state, trouble, error)
+    call suite%near('lagged: K stays', norm2(system%assembly%stiffness%value - first), 0.0_DP, 0.0_DP)
+    call suite%that('lagged: contact does not', size(system%links) /= n_links)
+    call begin_increment(system, model, step, .false., state)
+    call evaluate(system, model, step, state, trouble, is_frozen=.false.)
+    call linearise(system, model, step, state, trouble, error)
+    call suite%that('lagged: the next increment has its own', &
+      norm2(system%assembly%stiffness%value - first) > 1.0e-6_DP * norm2(first))
+  end subroutine check_lagged
+
+
+  !> The upper block has slid a little: some nodes stick, most slip.
+  subroutine start_sliding(model, step, system, state)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(out) :: step
+    type(system_type), intent(inout) :: system
+    type(state_type), intent(inout) :: state
+    type(error_type), allocatable :: error
+    integer :: s, trouble
+    step = model%steps(1)
+    call create_system(system, model, state, error)
+    call begin_step(system, model, step, state, error)
+    call begin_increment(system, model, step, .true., state)
+    call fill(state%new%u, 1, 0.02_DP)
+    do s = 1, size(state%new%slaves)
+      associate (slave => state%new%slaves(s))
+        if (slave%status == STATUS_OPEN) cycle
+        slave%status = merge(STATUS_STICK, STATUS_SLIP, mod(s, 3) == 0)
+        slave%stiffness = 100.0_DP
+        state%new%u(:, slave%node) = state%new%u(:, slave%node) + [0.05_DP, 0.03_DP, -0.01_DP]
+      end associate
+    end do
+    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+  end subroutine start_sliding
+
+
+  !> The tangent as a matrix on the free unknowns does what the operator does.
+  subroutine check_matrix(name, system, seed)
+    character(*), intent(in) :: name
+    type(system_type), intent(in) :: system
+    integer, intent(in) :: seed
+    type(sparse_type) :: J
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: v(:), flat(:), w(:), y(:), z(:)
+    integer :: i
+    call tangent_matrix(system, J, error)
+    call suite%that(name // ': the matrix is made', .not. allocated(error))
+    v = [(sin(real(7 * i + seed, DP)**2), i=1, system%whole%n_free)]
+    allocate (flat(system%whole%n_unknowns), w(system%whole%n_unknowns), y(size(v)), z(size(v)))
+    call multiply(system%whole%map, v, flat)
+    call change_forces(system, flat, w)
+    call multiply_transpose(system%whole%map, w, y)
+    call multiply(J, v, z)
+    call suite%near(name // ': matrix and operator', norm2(y - z) / norm2(y), 0.0_DP, 1.0e-13_DP)
+  end subroutine check_matrix
+
+
+  !> Smooth numbers without a pattern, the same in every run.
+  subroutine fill(array, seed, amount)
+    real(DP), intent(out) :: array(:, :)
+    integer, intent(in) :: seed
+    real(DP), intent(in) :: amount
+    integer :: i, k
+    do i = 1, size(array, 2)
+      do k = 1, 3
+        array(k, i) = amount * sin(real(17 * i + 5 * k + 31 * seed, DP)**2)
+      end do
+    end do
+  end subroutine fill
+
+
+  !> A plate of 8 x 1 elements on one of 3 x 1, the upper the slave, away from the axis.
+  subroutine two_plates(model, kind, sag, is_nlgeom, is_small)
+    type(model_type), intent(out) :: model
+    integer, intent(in) :: kind                    !< KIND_CPE4_FULL, KIND_CAX8
+    real(DP), intent(in) :: sag
+    logical, intent(in) :: is_nlgeom, is_small
+    integer, parameter :: M(2) = [3, 8]
+    integer :: e, i, body, node, each
+    each = merge(8, 4, kind == KIND_CAX8)
+    call two_blocks(model, sag, 0.0_DP, is_nlgeom, is_small)
+    associate (mesh => model%mesh)
+      mesh%n_elements = sum(M)
+      mesh%n_nodes = 3 * sum(2 * M + 1)
+      mesh%node_label = [(i, i=1, mesh%n_nodes)]
+      mesh%element_label = [(i, i=1, mesh%n_elements)]
+      mesh%kind = spread(kind, 1, mesh%n_elements)
+      mesh%material = spread(1, 1, mesh%n_elements)
+      mesh%first = [(each * (i - 1) + 1, i=1, mesh%n_elements + 1)]
+      deallocate (mesh%coordinates, mesh%nodes, mesh%section, mesh%directions, mesh%is_abstract)
+      allocate (mesh%coordinates(3, mesh%n_nodes), source=0.0_DP)
+      allocate (mesh%nodes(each * mesh%n_elements))
+      node = 0
+      e = 0
+      do body = 1, 2
+        call fill_plate(mesh, each, M(body), body == 2, sag, node, e)
+      end do
+      call finish_mesh(mesh)
+    end associate
+    associate (slave => model%surfaces(1), master => model%surfaces(2))
+      slave%element = [(M(1) + i, i=1, M(2))]
+      slave%face = spread(1, 1, M(2))
+      master%element = [(i, i=1, M(1))]
+      master%face = spread(3, 1, M(1))
+      slave%nodes = [(3 * (2 * M(1) + 1) + i, i=1, 2 * M(2) + 1, merge(1, 2, each == 8))]
+      master%nodes = [(2 * (2 * M(1) + 1) + i, i=1, 2 * M(1) + 1, merge(1, 2, each == 8))]
+    end associate
+    deallocate (model%steps(1)%prescribed)
+    allocate (model%steps(1)%prescribed(4))
+    do i = 1, 4
+      model%steps(1)%prescribed(i)%node = merge(1, 2 * M(1) + 1, i < 3)
+      model%steps(1)%prescribed(i)%dof = 1 + mod(i, 2)
+    end do
+  end subroutine two_plates
+
+
+  !> Makes pairs of two plates that share nodes.
+  subroutine share_nodes(model, shared)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: shared                !< 1: the other way round, before it; 2: the upper's left edge against a third body
+    type(surface_type), allocatable :: surfaces(:)
+    allocate (surfaces(4))
+    surfaces(:2) = model%surfaces
+    surfaces(3) = surfaces(1)
+    surfaces(4) = surfaces(2)
+    call move_alloc(surfaces, model%surfaces)
+    model%pairs = [model%pairs(1), model%pairs(1)]
+    if (shared == 1) then
+      model%pairs(1)%slave = 2
+      model%pairs(1)%master = 1
+    else
+      call add_wall(model)
+      model%pairs(2)%slave = 3
+      model%pairs(2)%master = 4
+    end if
+  end subroutine share_nodes
+
+
+  !> A leaning wall of one element at the left of the upper plate, which overlaps it a little.
+  subroutine add_wall(model)
+    type(model_type), intent(inout) :: model
+    integer :: n, first
+    associate (mesh => model%mesh)
+      n = mesh%n_nodes
+      first = mesh%nodes(mesh%first(4))            ! lower left node of the upper plate
+      mesh%coordinates = reshape([mesh%coordinates, 1.0_DP, -0.5_DP, 0.0_DP, 2.2_DP, -0.5_DP, 0.0_DP, 2.3_DP, 1.5_DP, 0.0_DP, &
+        1.0_DP, 1.5_DP, 0.0_DP], [3, n + 4])
+      mesh%nodes = [mesh%nodes, n + 1, n + 2, n + 3, n + 4]
+      mesh%n_nodes = n + 4
+      mesh%n_elements = mesh%n_elements + 1
+      mesh%node_label = [mesh%node_label, n + 1, n + 2, n + 3, n + 4]
+      mesh%element_label = [mesh%element_label, mesh%n_elements]
+      mesh%kind = [mesh%kind, mesh%kind(1)]
+      mesh%material = [mesh%material, 1]
+      mesh%first = [mesh%first, mesh%first(size(mesh%first)) + 4]
+      deallocate (mesh%section, mesh%directions, mesh%is_abstract)
+      call finish_mesh(mesh)
+      model%surfaces(3)%element = [4]
+      model%surfaces(3)%face = [4]
+      model%surfaces(3)%nodes = mesh%nodes(mesh%first(4) + [0, 3])
+      model%surfaces(4)%element = [mesh%n_elements]
+      model%surfaces(4)%face = [2]
+      model%surfaces(4)%nodes = [n + 2, n + 3]
+    end associate
+    model%steps(1)%prescribed = [model%steps(1)%prescribed, model%steps(1)%prescribed]
+    associate (prescribed => model%steps(1)%prescribed)
+      prescribed(5:6)%node = model%mesh%n_nodes - 3
+      prescribed(7:8)%node = model%mesh%n_nodes
+      prescribed(5:8)%dof = [1, 2, 1, 2]
+    end associate
+  end subroutine add_wall
+
+
+  !> One row of m elements; its lattice has three rows of 2 m + 1 nodes, of which 4-node elements leave the middles alone.
+  subroutine fill_plate(mesh, each, m, is_upper, sag, node, e)
+    type(mesh_type), intent(inout) :: mesh
+    integer, intent(in) :: each, m                 !< nodes of an element, elements
+    logical, intent(in) :: is_upper
+    real(DP), intent(in) :: sag
+    integer, intent(inout) :: node, e              !< numbers used
+    integer :: a, b, k(3, 3), row
+    real(DP) :: x, y
+    row = 2 * m + 1
+    do a = 1, m
+      do b = 1, 3
+        k(:, b) = node + row * (b - 1) + 2 * a - [1, 0, -1]
+      end do
+      e = e + 1
+      mesh%nodes(each * (e - 1) + 1:each * (e - 1) + 4) = [k(1, 1), k(3, 1), k(3, 3), k(1, 3)]
+      if (each == 8) mesh%nodes(8 * e - 3:8 * e) = [k(2, 1), k(3, 2), k(2, 3), k(1, 2)]
+    end do
+    do b = 0, 2
+      do a = 0, 2 * m
+        node = node + 1
+        x = real(a, DP) / real(2 * m, DP) * merge(1.7_DP, 2.4_DP, is_upper) - merge(0.85_DP, 1.2_DP, is_upper)
+        y = 0.5_DP * real(b, DP) + merge(0.0_DP, -1.0_DP, is_upper)
+        if (abs(y) < 1.0e-9_DP) y = sag * (cos(2.0_DP * x) - 1.0_DP) - merge(0.06_DP, 0.0_DP, is_upper)
+        mesh%coordinates(:2, node) = [x + 3.0_DP, y]
+      end do
+    end do
+  end subroutine fill_plate
+
+
+  !> A block of 3 x 3 x 1 hexahedra on one of 2 x 2 x 1, the upper the slave.
+  subroutine two_blocks(model, sag, friction, is_nlgeom, is_small)
+    type(model_type), intent(out) :: model
+    real(DP), intent(in) :: sag, friction
+    logical, intent(in) :: is_nlgeom, is_small
+    integer :: i
+    associate (mesh => model%mesh)
+      mesh%n_nodes = 18 + 32
+      mesh%n_elements = 4 + 9
+      mesh%node_label = [(i, i=1, mesh%n_nodes)]
+      mesh%element_label = [(i, i=1, mesh%n_elements)]
+      allocate (mesh%coordinates(3, mesh%n_nodes), mesh%nodes(8 * mesh%n_elements))
+      mesh%kind = spread(KIND_C3D8, 1, mesh%n_elements)
+      mesh%material = spread(1, 1, mesh%n_elements)
+      mesh%first = [(8 * i - 7, i=1, mesh%n_elements + 1)]
+      allocate (mesh%node_sets(0), mesh%element_sets(0))
+      call fill_block(2, 0, 0, [-1.0_DP, 0.0_DP], sag, mesh)
+      call fill_block(3, 18, 4, [0.0_DP, 1.0_DP], sag, mesh)
+      call finish_mesh(mesh)
+    end associate
+    allocate (model%materials(1), model%surfaces(2), model%interactions(1), model%pairs(1), model%amplitudes(0), &
+      model%equations(0), model%steps(1))
+    model%materials(1)%youngs_modulus = 100.0_DP
+    model%materials(1)%poissons_ratio = 0.3_DP
+    model%interactions(1)%friction = friction
+    model%surfaces(1)%element = [(4 + i, i=1, 9)]
+    model%surfaces(1)%face = spread(1, 1, 9)
+    model%surfaces(1)%nodes = [(18 + i, i=1, 16)]
+    model%surfaces(2)%element = [1, 2, 3, 4]
+    model%surfaces(2)%face = spread(2, 1, 4)
+    model%surfaces(2)%nodes = [(9 + i, i=1, 9)]
+    model%pairs(1)%slave = 1
+    model%pairs(1)%master = 2
+    model%pairs(1)%interaction = 1
+    model%pairs(1)%is_small_sliding = is_small
+    associate (step => model%steps(1))
+      step%is_nlgeom = is_nlgeom
+      allocate (step%prescribed(27), step%concentrated(0), step%distributed(0), step%prints(0))
+      do i = 1, 27                                 ! all of the bottom: else the tangent is singular
+        step%prescribed(i)%node = 1 + (i - 1) / 3
+        step%prescribed(i)%dof = 1 + mod(i - 1, 3)
+      end do
+    end associate
+  end subroutine two_blocks
+
+
+  !> One layer of m x m hexahedra between two heights, the contact face waved; numbers start after those given.
+  subroutine fill_block(m, nodes_before, elements_before, height, sag, mesh)
+    integer, intent(in) :: m, nodes_before, elements_before
+    real(DP), intent(in) :: height(2)              !< bottom and top [length]
+    real(DP), intent(in) :: sag                    !< [length]
+    type(mesh_type), intent(inout) :: mesh
+    real(DP) :: x, y, z
+    integer :: a, b, c, n, e
+    do c = 0, 1
+      do b = 0, m
+        do a = 0, m
+          n = nodes_before + 1 + a + (m + 1) * (b + (m + 1) * c)
+          x = 2.4_DP * real(a, DP) / real(m, DP) - 1.2_DP
+          y = 2.4_DP * real(b, DP) / real(m, DP) - 1.2_DP
+          if (m == 3) x = 0.7_DP * x
+          if (m == 3) y = 0.7_DP * y
+          z = height(c + 1)
+          if (abs(z) < 0.5_DP) z = sag * (cos(x) * cos(0.7_DP * y) - 1.0_DP)
+          if (m == 3 .and. c == 0) z = z - 0.06_DP
+          mesh%coordinates(:, n) = [x, y, z]
+        end do
+      end do
+    end do
+    do b = 1, m
+      do a = 1, m
+        e = elements_before + a + m * (b - 1)
+        n = nodes_before + a + (m + 1) * (b - 1)
+        mesh%nodes(8 * e - 7:8 * e - 4) = [n, n + 1, n + m + 2, n + m + 1]
+        mesh%nodes(8 * e - 3:8 * e) = mesh%nodes(8 * e - 7:8 * e - 4) + (m + 1)**2
+      end do
+    end do
+  end subroutine fill_block
+
+end program test_contact_linearization

@@ -1,0 +1,332 @@
+!> Unit test of amontons_shapes: partition of unity, derivatives, exactness of the rules, faces, extrapolation.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_shape_functions
+  use amontons_kinds, only: DP
+  use amontons_shape_functions, only: shape_functions, quadrature, node_coordinates, extrapolation_matrix, facet_shapes, &
+    facet_quadrature, facet_node_coordinates, face_rule, MAX_FACET_POINTS
+  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_POINTS, &
+    MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, &
+    KIND_T3D2, KIND_T3D3, KIND_CPS3, KIND_CAX8R, FAMILY_SOLID, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FACET_TRI3, &
+    FACET_QUAD4, FACET_QUAD8, FACET_LINE2, FACET_LINE3, kind_of_name
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  integer :: kind
+
+  do kind = 1, N_KINDS
+    call check_name(kind)
+    if (n_dims(kind) == 0) cycle
+    call check_element(kind)
+    call check_rule(kind)
+    call check_faces(kind)
+    call check_extrapolation(kind)
+  end do
+  do kind = KIND_C3D4, KIND_CAX8R
+    call check_calculix_rules(kind)
+  end do
+  do kind = FACET_TRI3, FACET_LINE3
+    call check_facet(kind)
+    call check_facet_rule(kind)
+  end do
+  call check_calculix()
+  call suite%finish()
+
+contains
+
+  !> A name leads back to its kind; the names of two kinds of one shape lead to the first of them.
+  subroutine check_name(kind)
+    integer, intent(in) :: kind
+    type(kind_type) :: entry, found
+    entry = element_kind(kind)
+    found = element_kind(kind_of_name(entry%name))
+    call suite%that(entry%name // 'is found by its name', found%name == entry%name .and. entry%n_nodes > 0)
+    call suite%that(entry%name // 'the first of its name is found', kind_of_name(entry%name) <= kind)
+  end subroutine check_name
+
+
+  !> Natural coordinates that count: 3 solids, 2 plane kinds, 1 trusses, 0 the rest.
+  pure integer function n_dims(kind)
+    integer, intent(in) :: kind
+    type(kind_type) :: entry
+    entry = element_kind(kind)
+    n_dims = 2
+    if (entry%family == FAMILY_SOLID) n_dims = 3
+    if (entry%family == FAMILY_TRUSS) n_dims = 1
+    if (entry%family == FAMILY_SPRING .or. entry%family == FAMILY_MASS) n_dims = 0
+  end function n_dims
+
+
+  !> Values at the nodes, sums, derivatives by differences, the linear field.
+  subroutine check_element(kind)
+    integer, intent(in) :: kind
+    real(DP), parameter :: STEP = 1e-6_DP
+    type(kind_type) :: entry
+    real(DP) :: at(3, MAX_NODES), xi(3), N(MAX_NODES), dN(3, MAX_NODES), plus(MAX_NODES), minus(MAX_NODES), &
+      unused(3, MAX_NODES)
+    integer :: a, i
+    entry = element_kind(kind)
+    call node_coordinates(kind, at)
+    do a = 1, entry%n_nodes
+      call shape_functions(kind, at(:, a), N, dN)
+      N(a) = N(a) - 1
+      call suite%near(entry%name // 'one at its node, zero at the others', maxval(abs(N)), 0.0_DP, 1e-15_DP)
+    end do
+    xi = [0.21_DP, 0.37_DP, -0.43_DP]
+    xi(n_dims(kind) + 1:) = 0
+    call shape_functions(kind, xi, N, dN)
+    call suite%near(entry%name // 'sum of N', sum(N), 1.0_DP, 1e-15_DP)
+    call suite%near(entry%name // 'sum of dN', maxval(abs(sum(dN, 2))), 0.0_DP, 3e-15_DP)
+    call suite%near(entry%name // 'place', maxval(abs(matmul(at, N) - xi)), 0.0_DP, 1e-15_DP)
+    call suite%that(entry%name // 'zero past the nodes', all(abs(N(entry%n_nodes + 1:)) <= 0))
+    do i = 1, n_dims(kind)
+      xi(i) = xi(i) + STEP
+      call shape_functions(kind, xi, plus, unused)
+      xi(i) = xi(i) - 2 * STEP
+      call shape_functions(kind, xi, minus, unused)
+      xi(i) = xi(i) + STEP
+      call suite%near(entry%name // 'derivative', maxval(abs((plus - minus) / (2 * STEP) - dN(i, :))), 0.0_DP, 1e-9_DP)
+    end do
+  end subroutine check_element
+
+
+  !> The number of points is that of the topology, they lie inside, and all monomials of the rule's degree are exact.
+  subroutine check_rule(kind)
+    integer, intent(in) :: kind
+    type(kind_type) :: entry
+    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), approximate
+    integer :: n, i, j, k
+    entry = element_kind(kind)
+    call quadrature(kind, n, xi, w)
+    call suite%that(entry%name // 'number of points', n == entry%n_points)
+    do k = 0, 5
+      do j = 0, 5
+        do i = 0, 5
+          if (.not. is_exact(kind, i, j, k)) cycle
+          approximate = sum(w(:n) * xi(1, :n)**i * xi(2, :n)**j * xi(3, :n)**k)
+          call suite%near(entry%name // 'monomial', approximate, exact_integral(kind, i, j, k), 4e-15_DP)
+        end do
+      end do
+    end do
+    if (n >= 8 .and. entry%family == FAMILY_SOLID) then
+      call suite%that(entry%name // 'xi runs fastest', xi(1, 2) > xi(1, 1) .and. abs(xi(2, 2) - xi(2, 1)) <= 0)
+      call suite%that(entry%name // 'zeta runs slowest', xi(3, n) > xi(3, 1) .and. abs(xi(3, 2) - xi(3, 1)) <= 0)
+    end if
+  end subroutine check_rule
+
+
+  !> Is the monomial of these exponents within the degree promised?
+  logical function is_exact(kind, i, j, k)
+    integer, intent(in) :: kind, i, j, k
+    type(kind_type) :: entry
+    entry = element_kind(kind)
+    select case (kind)
+    case (KIND_C3D4)
+      is_exact = i + j + k <= 1
+    case (KIND_C3D6)
+      is_exact = i + j <= 1 .and. k <= 3
+    case (KIND_C3D15)
+      is_exact = i + j <= 2 .and. k <= 5
+    case (KIND_C3D8R)
+      is_exact = max(i, j, k) <= 1
+    case (KIND_C3D10)
+      is_exact = i + j + k <= 2
+    case (KIND_C3D20)
+      is_exact = max(i, j, k) <= 5
+    case (KIND_CPS3:KIND_CAX8R)
+      is_exact = k == 0 .and. is_exact_in_plane(entry, i, j)
+    case (KIND_T3D2, KIND_T3D3)
+      is_exact = j + k == 0 .and. i <= 2 * entry%n_points - 1
+    case default
+      is_exact = max(i, j, k) <= 3
+    end select
+  end function is_exact
+
+
+  !> The same for the plane kinds.
+  logical function is_exact_in_plane(entry, i, j) result(is_exact)
+    type(kind_type), intent(in) :: entry
+    integer, intent(in) :: i, j
+    if (entry%n_faces == 3) then
+      is_exact = i + j <= merge(1, 2, entry%n_points == 1)
+    else
+      is_exact = max(i, j) <= 2 * nint(sqrt(real(entry%n_points, DP))) - 1
+    end if
+  end function is_exact_in_plane
+
+
+  !> The integral of xi^i eta^j zeta^k over the parent element.
+  real(DP) function exact_integral(kind, i, j, k)
+    integer, intent(in) :: kind, i, j, k
+    type(kind_type) :: entry
+    entry = element_kind(kind)
+    select case (kind)
+    case (KIND_C3D4, KIND_C3D10)
+      exact_integral = factorial(i) * factorial(j) * factorial(k) / factorial(i + j + k + 3)
+    case (KIND_C3D6, KIND_C3D15)
+      exact_integral = factorial(i) * factorial(j) / factorial(i + j + 2) * line_integral(k)
+    case (KIND_CPS3:KIND_CAX8R)
+      exact_integral = line_integral(i) * line_integral(j)
+      if (entry%n_faces == 3) exact_integral = factorial(i) * factorial(j) / factorial(i + j + 2)
+    case (KIND_T3D2, KIND_T3D3)
+      exact_integral = line_integral(i)
+    case default
+      exact_integral = line_integral(i) * line_integral(j) * line_integral(k)
+    end select
+  end function exact_integral
+
+
+  real(DP) function factorial(n)
+    integer, intent(in) :: n
+    factorial = gamma(real(n + 1, DP))
+  end function factorial
+
+
+  real(DP) function line_integral(k)
+    integer, intent(in) :: k
+    line_integral = 0
+    if (mod(k, 2) == 0) line_integral = 2 / real(k + 1, DP)
+  end function line_integral
+
+
+  !> On each face the element's shape functions are those of the facet, and its other nodes' are zero.
+  subroutine check_faces(kind)
+    integer, intent(in) :: kind
+    type(kind_type) :: entry
+    type(facet_kind_type) :: facet
+    real(DP) :: at(3, MAX_NODES), N(MAX_NODES), dN(3, MAX_NODES)
+    real(DP) :: facet_N(MAX_FACE_NODES), facet_dN(2, MAX_FACE_NODES), facet_ddN(3, MAX_FACE_NODES)
+    integer :: face
+    entry = element_kind(kind)
+    call node_coordinates(kind, at)
+    do face = 1, entry%n_faces
+      facet = facet_kind(entry%face_kind(face))
+      call facet_shapes(entry%face_kind(face), [0.3_DP, merge(0.45_DP, 0.0_DP, n_dims(kind) == 3)], facet_N, facet_dN, facet_ddN)
+      associate (nodes => entry%face_nodes(:facet%n_nodes, face))
+        call shape_functions(kind, matmul(at(:, nodes), facet_N(:facet%n_nodes)), N, dN)
+        call suite%near(entry%name // 'face and facet', maxval(abs(N(nodes) - facet_N(:facet%n_nodes))), 0.0_DP, &
+          1e-15_DP)
+        N(nodes) = 0
+      end associate
+      call suite%near(entry%name // 'nodes off the face', maxval(abs(N)), 0.0_DP, 1e-15_DP)
+    end do
+  end subroutine check_faces
+
+
+  !> Linear fields come out exactly at every node, constants for the one-point tetrahedron.
+  subroutine check_extrapolation(kind)
+    integer, intent(in) :: kind
+    type(kind_type) :: entry
+    real(DP) :: matrix(MAX_NODES, MAX_POINTS), xi(3, MAX_POINTS), w(MAX_POINTS), at(3, MAX_NODES), field(3, MAX_NODES)
+    integer :: n_nodes, n_points, n
+    entry = element_kind(kind)
+    call extrapolation_matrix(kind, matrix, n_nodes, n_points)
+    call quadrature(kind, n, xi, w)
+    call node_coordinates(kind, at)
+    call suite%that(entry%name // 'size of the extrapolation', &
+      n_nodes == entry%n_nodes .and. n_points == entry%n_points)
+    call suite%near(entry%name // 'extrapolates a constant', maxval(abs(sum(matrix(:n_nodes, :), 2) - 1)), 0.0_DP, &
+      1e-13_DP)
+    if (entry%n_points == 1) return
+    field = matmul(xi, transpose(matrix))
+    if (kind == KIND_C3D6) then
+      field(:2, :) = 0                            ! two points know nothing of xi and eta
+      at(:2, :) = 0
+    end if
+    call suite%near(entry%name // 'extrapolates a linear field', maxval(abs(field - at)), 0.0_DP, 1e-13_DP)
+  end subroutine check_extrapolation
+
+
+  !> The coefficients are those that CalculiX prints with, to its printed digits.
+  subroutine check_calculix()
+    real(DP) :: matrix(MAX_NODES, MAX_POINTS)
+    integer :: n_nodes, n_points
+    call extrapolation_matrix(KIND_C3D8, matrix, n_nodes, n_points)
+    call suite%near('C3D8: nearest point', matrix(1, 1), 2.549_DP, 5e-4_DP)
+    call suite%near('C3D8: third point belongs to node 4', matrix(4, 3), 2.549_DP, 5e-4_DP)
+    call suite%near('C3D8: farthest point', matrix(7, 1), -0.04904_DP, 5e-5_DP)
+    call extrapolation_matrix(KIND_C3D20, matrix, n_nodes, n_points)
+    call suite%near('C3D20: nearest point', matrix(1, 1), 2.37499_DP, 5e-6_DP)
+    call suite%near('C3D20: farthest point', matrix(7, 1), 0.11575_DP, 5e-6_DP)
+    call suite%near('C3D20: mid-side', matrix(9, 1), 0.32628_DP, 5e-6_DP)
+    call extrapolation_matrix(KIND_C3D15, matrix, n_nodes, n_points)
+    call suite%near('C3D15: nearest point', matrix(1, 1), 1.63138_DP, 5e-6_DP)
+    call suite%near('C3D15: next point', matrix(1, 2), -0.32628_DP, 5e-6_DP)
+  end subroutine check_calculix
+
+
+  !> Values at the nodes, sums, first and second derivatives by differences.
+  subroutine check_facet(kind)
+    integer, intent(in) :: kind
+    real(DP), parameter :: STEP = 1e-6_DP
+    type(facet_kind_type) :: entry
+    real(DP) :: at(2, MAX_FACE_NODES), xi(2), N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    real(DP) :: Np(MAX_FACE_NODES), dNp(2, MAX_FACE_NODES), Nm(MAX_FACE_NODES), dNm(2, MAX_FACE_NODES), &
+      unused(3, MAX_FACE_NODES)
+    integer :: a, i
+    entry = facet_kind(kind)
+    call facet_node_coordinates(kind, at)
+    do a = 1, entry%n_nodes
+      call facet_shapes(kind, at(:, a), N, dN, ddN)
+      N(a) = N(a) - 1
+      call suite%near('facet: one at its node', maxval(abs(N)), 0.0_DP, 1e-15_DP)
+    end do
+    xi = [0.21_DP, 0.37_DP]
+    if (kind >= FACET_LINE2) xi(2) = 0
+    call facet_shapes(kind, xi, N, dN, ddN)
+    call suite%near('facet: sum of N', sum(N), 1.0_DP, 1e-15_DP)
+    call suite%near('facet: place', maxval(abs(matmul(at, N) - xi)), 0.0_DP, 1e-15_DP)
+    do i = 1, merge(1, 2, kind >= FACET_LINE2)
+      xi(i) = xi(i) + STEP
+      call facet_shapes(kind, xi, Np, dNp, unused)
+      xi(i) = xi(i) - 2 * STEP
+      call facet_shapes(kind, xi, Nm, dNm, unused)
+      xi(i) = xi(i) + STEP
+      call suite%near('facet: derivative', maxval(abs((Np - Nm) / (2 * STEP) - dN(i, :))), 0.0_DP, 1e-9_DP)
+      dNp = (dNp - dNm) / (2 * STEP)
+      call suite%near('facet: second derivative', maxval(abs(dNp(i, :) - ddN(i, :))), 0.0_DP, 1e-9_DP)
+      call suite%near('facet: mixed derivative', maxval(abs(dNp(3 - i, :) - ddN(3, :))), 0.0_DP, 1e-9_DP)
+    end do
+  end subroutine check_facet
+
+
+  !> CalculiX's rules of the faces: constants and linear functions are exact, their points are as few as it takes.
+  subroutine check_calculix_rules(kind)
+    integer, intent(in) :: kind
+    type(kind_type) :: entry
+    real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS), own_w(MAX_FACET_POINTS), own_xi(2, MAX_FACET_POINTS)
+    integer :: face, n, own
+    entry = element_kind(kind)
+    do face = 1, entry%n_faces
+      call facet_quadrature(face_rule(kind, entry%face_kind(face), .true.), n, xi, w)
+      call facet_quadrature(entry%face_kind(face), own, own_xi, own_w)
+      call suite%that('no more points than the own rule', n <= own .and. n >= 1)
+      call suite%near('weights', sum(w), sum(own_w), 1e-14_DP)
+      call suite%near('linear functions', maxval(abs(matmul(xi, w) - matmul(own_xi, own_w))), 0.0_DP, 1e-14_DP)
+    end do
+  end subroutine check_calculix_rules
+
+
+  !> All monomials of the degree promised are exact.
+  subroutine check_facet_rule(kind)
+    integer, intent(in) :: kind
+    real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS), approximate
+    integer :: n, i, j
+    integer, parameter :: DEGREE(6) = [2, 3, 4, 5, 3, 5]
+    call facet_quadrature(kind, n, xi, w)
+    do j = 0, 5
+      do i = 0, 5
+        approximate = sum(w(:n) * xi(1, :n)**i * xi(2, :n)**j)
+        if (kind >= FACET_LINE2) then
+          if (j > 0 .or. i > DEGREE(kind)) cycle
+          call suite%near('edge rule', approximate, line_integral(i), 1e-15_DP)
+        else if (kind == FACET_QUAD4 .or. kind == FACET_QUAD8) then
+          if (max(i, j) > DEGREE(kind)) cycle
+          call suite%near('square rule', approximate, line_integral(i) * line_integral(j), 1e-15_DP)
+        else if (i + j <= DEGREE(kind)) then
+          call suite%near('triangle rule', approximate, factorial(i) * factorial(j) / factorial(i + j + 2), 1e-15_DP)
+        end if
+      end do
+    end do
+  end subroutine check_facet_rule
+
+end program test_shape_functions

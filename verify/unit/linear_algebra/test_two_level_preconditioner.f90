@@ -1,0 +1,244 @@
+!> Tests of iterative: an exact factor where there is no fill, symmetry, iterations that do not grow with the length of a bar.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module iterative_samples
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_sparse, only: sparse_type, from_triplets
+  use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
+  use amontons_two_level_preconditioner, only: iterative_type, prepare_parts, prepare_iterative, apply_iterative
+  implicit none
+  private
+  public :: two_level_type, chain, bar, iterations_of
+
+  !> The preconditioner with its matrix as an operator.
+  type, extends(operator_type) :: two_level_type
+    type(iterative_type) :: self
+    type(sparse_type), pointer :: matrix => null()
+  contains
+    procedure :: apply => apply_two_level
+  end type two_level_type
+
+contains
+
+  subroutine apply_two_level(self, x, y)
+    class(two_level_type), intent(inout) :: self
+    real(DP), intent(in) :: x(:)
+    real(DP), intent(out) :: y(:)
+    call apply_iterative(self%self, self%matrix, x, y)
+  end subroutine apply_two_level
+
+
+  !> Springs in a row, the first fixed to the ground: tridiagonal, so that the Cholesky factor has no fill.
+  subroutine chain(n, matrix)
+    integer, intent(in) :: n
+    type(sparse_type), intent(out) :: matrix
+    type(error_type), allocatable :: error
+    integer :: row(2 * n - 1), column(2 * n - 1), i
+    real(DP) :: value(2 * n - 1)
+    row = [(i, i=1, n), (i, i=1, n - 1)]
+    column = [(i, i=1, n), (i + 1, i=1, n - 1)]
+    value = 2.0_DP
+    value(n) = 1.0_DP
+    value(n + 1:) = -1.0_DP
+    call from_triplets(n, n, row, column, value, matrix, error)
+  end subroutine chain
+
+
+  !> A square bar of nodes m x m x length, joined along edges and diagonals of the faces by springs in their own direction
+  !! (a truss: it has the six rigid motions), and held at one end.
+  subroutine bar(m, length, matrix, axis, place, part)
+    integer, intent(in) :: m, length
+    type(sparse_type), intent(out) :: matrix
+    integer, allocatable, intent(out) :: axis(:)
+    real(DP), allocatable, intent(out) :: place(:, :)
+    integer, allocatable, intent(out) :: part(:)   !< one every eight layers
+    type(error_type), allocatable :: error
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+    integer, parameter :: ALONG(3, 9) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0, 1, -1, 0, 1, 0, 1, 1, 0, -1, 0, 1, 1, &
+      0, 1, -1], [3, 9])
+    integer :: x, y, z, k, a, b, i, j, n
+    real(DP) :: d(3)
+    n = 0
+    allocate (row(400 * m * m * length), column(400 * m * m * length), value(400 * m * m * length))
+    do z = 0, length
+      do y = 1, m
+        do x = 1, m
+          do k = 1, 9
+            associate (x2 => x + ALONG(1, k), y2 => y + ALONG(2, k), z2 => z + ALONG(3, k))
+              if (min(x2, y2) < 1 .or. max(x2, y2) > m .or. z2 < 0 .or. z2 > length) cycle
+              d = real(ALONG(:, k), DP) / norm2(real(ALONG(:, k), DP))
+              a = 3 * (x - 1 + m * (y - 1 + m * (z - 1)))         ! the layer z = 0 is the ground: not positive
+              b = 3 * (x2 - 1 + m * (y2 - 1 + m * (z2 - 1)))
+              do i = 1, 3
+                do j = 1, 3
+                  if (a >= 0 .and. i <= j) call add(a + i, a + j, d(i) * d(j))
+                  if (b >= 0 .and. i <= j) call add(b + i, b + j, d(i) * d(j))
+                  if (min(a, b) >= 0 .and. a < b) call add(a + i, b + j, -d(i) * d(j))
+                  if (min(a, b) >= 0 .and. b < a) call add(b + j, a + i, -d(i) * d(j))
+                end do
+              end do
+            end associate
+          end do
+        end do
+      end do
+    end do
+    call from_triplets(3 * m * m * length, 3 * m * m * length, row(:n), column(:n), value(:n), matrix, error)
+    axis = [(1 + mod(i - 1, 3), i=1, 3 * m * m * length)]
+    allocate (place(3, size(axis)))
+    do i = 1, size(axis)
+      k = (i - 1) / 3
+      place(:, i) = real([mod(k, m), mod(k / m, m), k / m**2], DP)
+    end do
+    part = [(1 + (i - 1) / (3 * m * m * 8), i=1, size(axis))]
+  contains
+    subroutine add(r, c, v)
+      integer, intent(in) :: r, c
+      real(DP), intent(in) :: v
+      n = n + 1
+      row(n) = r
+      column(n) = c
+      value(n) = v
+    end subroutine add
+  end subroutine bar
+
+
+  !> Iterations of conjugate gradients to 1e-8 for the bar under a force on its end, with and without the parts.
+  integer function iterations_of(length, has_parts) result(n)
+    integer, intent(in) :: length
+    logical, intent(in) :: has_parts
+    type(sparse_type), target :: matrix
+    type(matrix_operator_type) :: operator
+    type(two_level_type) :: preconditioner
+    type(krylov_options_type) :: options
+    type(krylov_report_type) :: report
+    integer, allocatable :: axis(:), part(:)
+    real(DP), allocatable :: place(:, :), b(:), x(:)
+    logical :: is_broken
+    call bar(4, length, matrix, axis, place, part)
+    operator%matrix => matrix
+    preconditioner%matrix => matrix
+    if (has_parts) call prepare_parts(preconditioner%self, part, axis, place, maxval(part))
+    call prepare_iterative(preconditioner%self, matrix, is_broken)
+    allocate (b(matrix%n_rows), x(matrix%n_rows), source=0.0_DP)
+    b(matrix%n_rows) = 1
+    b(matrix%n_rows - 2) = 1
+    options%max_iterations = 5000
+    call conjugate_gradients(operator, preconditioner, b, x, options, report)
+    n = merge(report%n_iterations, huge(1), report%status == 0 .and. .not. is_broken)
+  end function iterations_of
+
+end module iterative_samples
+
+program test_two_level_preconditioner
+  use amontons_kinds, only: DP
+  use amontons_sparse, only: sparse_type
+  use amontons_two_level_preconditioner, only: prepare_parts, prepare_iterative
+  use iterative_samples, only: two_level_type, chain, bar, iterations_of
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  call test_exact()
+  call test_symmetry()
+  call test_motions()
+  call test_length()
+  call test_broken()
+  call suite%finish()
+
+contains
+
+  !> Without fill the incomplete factor is the factor, to the digits of single precision.
+  subroutine test_exact()
+    type(two_level_type) :: m
+    type(sparse_type), target :: a
+    real(DP) :: x(50), b(50)
+    integer :: i
+    logical :: is_broken
+    call chain(50, a)
+    m%matrix => a
+    call prepare_iterative(m%self, a, is_broken)
+    b = 0
+    b(50) = 1                                       ! a force on the end: every spring stretches by 1
+    call m%apply(b, x)
+    call suite%that('chain: a factor', .not. is_broken)
+    call suite%that('chain: no fill, the exact answer', maxval(abs(x - [(real(i, DP), i=1, 50)])) < 50 * 50 * 1.2e-7_DP)
+  end subroutine test_exact
+
+
+  !> x'My = y'Mx and x'Mx > 0: conjugate gradients may use it.
+  subroutine test_symmetry()
+    type(two_level_type) :: m
+    type(sparse_type), target :: a
+    integer, allocatable :: axis(:), part(:)
+    real(DP), allocatable :: place(:, :), x(:), y(:), mx(:), my(:)
+    integer :: i
+    logical :: is_broken
+    call bar(3, 20, a, axis, place, part)
+    m%matrix => a
+    call prepare_parts(m%self, part, axis, place, maxval(part))
+    call prepare_iterative(m%self, a, is_broken)
+    x = [(sin(real(i, DP)), i=1, a%n_rows)]
+    y = [(cos(3.0_DP * real(i, DP)), i=1, a%n_rows)]
+    allocate (mx, my, mold=x)
+    call m%apply(x, mx)
+    call m%apply(y, my)
+    call suite%that('bar: symmetric', abs(dot_product(x, my) - dot_product(y, mx)) < 1.0e-10_DP * norm2(x) * norm2(my))
+    call suite%that('bar: positive', dot_product(x, mx) > 0 .and. dot_product(y, my) > 0)
+  end subroutine test_symmetry
+
+
+  !> The columns of Z are orthonormal, and the coarse matrix has an inverse.
+  subroutine test_motions()
+    type(two_level_type) :: m
+    type(sparse_type), target :: a
+    integer, allocatable :: axis(:), part(:)
+    real(DP), allocatable :: place(:, :)
+    real(DP) :: gram(6, 6)
+    integer :: i, j
+    logical :: is_broken
+    call bar(3, 20, a, axis, place, part)
+    part(size(part)) = maxval(part) + 1             ! a part of one unknown: it has one motion only
+    call prepare_parts(m%self, part, axis, place, maxval(part))
+    call prepare_iterative(m%self, a, is_broken)
+    gram = 0
+    do i = 1, size(part)
+      if (part(i) /= 1) cycle
+      do j = 1, 6
+        gram(:, j) = gram(:, j) + m%self%motion(:, i) * m%self%motion(j, i)
+      end do
+    end do
+    do j = 1, 6
+      gram(j, j) = gram(j, j) - 1
+    end do
+    call suite%that('motions of a part: orthonormal', maxval(abs(gram)) < 1.0e-10_DP)
+    call suite%that('a part with one motion: the second level stands', allocated(m%self%coarse))
+  end subroutine test_motions
+
+
+  !> A bar of twice the length, as slender as it may be, needs hardly more iterations: the parts carry the smooth motion.
+  subroutine test_length()
+    integer :: short, long, alone
+    short = iterations_of(64, .true.)
+    long = iterations_of(128, .true.)
+    alone = iterations_of(128, .false.)
+    call suite%that('bar of twice the length: hardly more iterations', 10 * long < 13 * short)
+    call suite%that('without the parts: many times more', alone > 4 * long)
+  end subroutine test_length
+
+
+  !> A matrix far from positive is refused, one that is nearly so gets a shift.
+  subroutine test_broken()
+    type(two_level_type) :: m
+    type(sparse_type), target :: a
+    logical :: is_broken
+    call chain(50, a)
+    a%value(a%first(:50)) = -1
+    call prepare_iterative(m%self, a, is_broken)
+    call suite%that('negative diagonal: broken', is_broken)
+    call chain(50, a)
+    a%value(a%first(25)) = 0.9_DP
+    call prepare_iterative(m%self, a, is_broken)
+    call suite%that('indefinite by little: a shift', .not. is_broken .and. m%self%shift > 0)
+  end subroutine test_broken
+
+end program test_two_level_preconditioner

@@ -1,0 +1,175 @@
+!> Tests of sprung: solutions of S - B A - M X against LAPACK, bodies that are hardly held, springs that are too stiff, and the same
+!! bits for any number of threads.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_woodbury_interface
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_sparse, only: sparse_type, from_triplets
+  use amontons_dense, only: solve_small, DENSE_OK
+  use amontons_woodbury_interface, only: sprung_type, springs_type, invert_stiffness, couple_springs, solve_springs
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  integer :: k
+  call random_seed(put=[(29 * k, k=1, 64)])
+  call test_solution('small', 12, 2, 1.0_DP)
+  call test_solution('stiff', 60, 15, 300.0_DP)
+  call test_solution('weak numbers', 60, 15, 1.0_DP, size=1.0e-12_DP)
+  call test_solution('strong numbers', 60, 15, 1.0_DP, size=1.0e18_DP)
+  call test_solution('large', 500, 140, 3.0_DP)
+  call test_limits()
+  call test_threads()
+  call suite%finish()
+
+contains
+
+  !> A well-held body: L, D with S = L L' - D positive, S about `size`.
+  subroutine make_body(n, size, triangle, shift)
+    integer, intent(in) :: n
+    real(DP), intent(in) :: size
+    real(DP), intent(out) :: triangle(:, :), shift(:)
+    integer :: i
+    call random_number(triangle)
+    triangle = (triangle - 0.5_DP) * sqrt(size / real(n, DP))
+    do i = 1, n
+      triangle(:i - 1, i) = 0.0_DP
+      triangle(i, i) = sqrt(2.0_DP * size)
+    end do
+    shift = 0.3_DP * size
+  end subroutine make_body
+
+
+  !> Springs between three unknowns and two others, followed by six, whose forces also move; unsymmetric.
+  subroutine make_springs(n, m, stiffness, springs)
+    integer, intent(in) :: n, m                    !< unknowns, springs (three columns each)
+    real(DP), intent(in) :: stiffness
+    type(springs_type), intent(out) :: springs
+    call random_matrix(n, 3 * m, 1.0_DP, springs%spread)
+    call random_matrix(3 * m, n, -stiffness, springs%follow)
+    call random_matrix(n, 2 * m, 0.05_DP * stiffness, springs%moved)
+    call random_matrix(2 * m, n, 0.3_DP, springs%moving)
+  end subroutine make_springs
+
+
+  !> Five entries a row or a column, whichever are more.
+  subroutine random_matrix(n_rows, n_columns, size, matrix)
+    integer, intent(in) :: n_rows, n_columns
+    real(DP), intent(in) :: size
+    type(sparse_type), intent(out) :: matrix
+    type(error_type), allocatable :: error
+    integer :: row(5 * max(n_rows, n_columns)), column(5 * max(n_rows, n_columns)), i
+    real(DP) :: value(5 * max(n_rows, n_columns))
+    call random_number(value)
+    row = [(1 + mod(7 * i + i / 11, n_rows), i=1, ubound(row, 1))]
+    column = [(1 + mod(i, n_columns), i=1, ubound(row, 1))]
+    call from_triplets(n_rows, n_columns, row, column, size * value, matrix, error)
+  end subroutine random_matrix
+
+
+  !> The matrix with all its zeros.
+  pure function dense_of(matrix) result(a)
+    type(sparse_type), intent(in) :: matrix
+    real(DP) :: a(matrix%n_rows, matrix%n_columns)
+    integer :: i, p
+    a = 0.0_DP
+    do i = 1, matrix%n_rows
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        a(i, matrix%column(p)) = matrix%value(p)
+      end do
+    end do
+  end function dense_of
+
+
+  !> The residual of the solution is as small as was allowed, down to what rounding allows, and the solution is LAPACK's.
+  subroutine test_solution(name, n, m, stiffness, size)
+    character(*), intent(in) :: name
+    integer, intent(in) :: n, m
+    real(DP), intent(in) :: stiffness              !< of the springs over that of the body [-]
+    real(DP), intent(in), optional :: size         !< of the body's [force/length]; 1 without it
+    type(sprung_type) :: sprung
+    type(springs_type) :: springs
+    type(error_type), allocatable :: error
+    real(DP) :: triangle(n, n), shift(n), J(n, n), r(n), x(n), exact(n), unit
+    real(DP), parameter :: ALLOWED(3) = [1.0e-2_DP, 1.0e-6_DP, 1.0e-11_DP]
+    integer :: i, status
+    logical :: is_fit
+    unit = 1.0_DP
+    if (present(size)) unit = size
+    call make_body(n, unit, triangle, shift)
+    call make_springs(n, m, stiffness * unit, springs)
+    J = matmul(triangle, transpose(triangle)) - matmul(dense_of(springs%spread), dense_of(springs%follow)) &
+      - matmul(dense_of(springs%moved), dense_of(springs%moving))
+    do i = 1, n
+      J(i, i) = J(i, i) - shift(i)
+    end do
+    call random_number(r)
+    r = r / norm2(r)
+    call solve_small(J, r, exact, status)
+    call suite%that(name // ': the matrix is regular', status == DENSE_OK)
+    call invert_stiffness(sprung, triangle, shift, error)
+    call suite%that(name // ': inverted', sprung%is_inverse .and. .not. allocated(error))
+    call couple_springs(sprung, springs, is_fit, error)
+    call suite%that(name // ': coupled', is_fit .and. .not. allocated(error))
+    do i = 1, 3
+      x = r
+      call solve_springs(sprung, triangle, shift, ALLOWED(i), x, error)
+      call suite%near(name // ': the residual', norm2(matmul(J, x) - r), 0.0_DP, 1.01_DP * ALLOWED(i))
+    end do
+    call suite%near(name // ': the solution', norm2(x - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
+  end subroutine test_solution
+
+
+  !> A body that nothing holds has no inverse; springs ten thousand times as stiff as it want more digits than there are.
+  subroutine test_limits()
+    integer, parameter :: N = 30
+    type(sprung_type) :: sprung
+    type(springs_type) :: springs
+    type(error_type), allocatable :: error
+    real(DP) :: triangle(N, N), shift(N)
+    logical :: is_fit
+    call make_body(N, 1.0_DP, triangle, shift)
+    triangle(N, :) = triangle(N - 1, :)
+    shift = 0.0_DP
+    call invert_stiffness(sprung, triangle, shift, error)
+    call suite%that('a mechanism has no inverse', .not. (sprung%is_inverse .or. allocated(error)))
+    call make_body(N, 1.0_DP, triangle, shift)
+    call invert_stiffness(sprung, triangle, shift, error)
+    call make_springs(N, 8, 1.0e5_DP, springs)
+    call couple_springs(sprung, springs, is_fit, error)
+    call suite%that('springs that are too stiff', .not. (is_fit .or. allocated(error)))
+    call make_springs(N, 8, 1.0_DP, springs)
+    call couple_springs(sprung, springs, is_fit, error)
+    call suite%that('soft ones after them', is_fit)
+  end subroutine test_limits
+
+
+  !> Threads do not change a bit.
+  subroutine test_threads()
+    use omp_lib, only: omp_set_num_threads, omp_get_max_threads
+    integer, parameter :: N = 900, M = 170
+    type(sprung_type), allocatable :: sprung
+    type(springs_type) :: springs
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: triangle(:, :), shift(:), r(:), x(:), first(:)
+    integer :: n_threads, before
+    logical :: is_fit
+    allocate (triangle(N, N), shift(N), r(N), x(N), first(N))
+    call make_body(N, 1.0_DP, triangle, shift)
+    call make_springs(N, M, 1.0_DP, springs)
+    call random_number(r)
+    before = omp_get_max_threads()
+    do n_threads = 1, 3
+      call omp_set_num_threads(n_threads)
+      allocate (sprung)
+      call invert_stiffness(sprung, triangle, shift, error)
+      call couple_springs(sprung, springs, is_fit, error)
+      x = r
+      call solve_springs(sprung, triangle, shift, 1.0e-6_DP, x, error)
+      if (n_threads == 1) first = x
+      call suite%that('threads: the same bits', is_fit .and. all(abs(x - first) <= 0.0_DP))
+      deallocate (sprung)
+    end do
+    call omp_set_num_threads(before)
+  end subroutine test_threads
+
+end program test_woodbury_interface

@@ -1,0 +1,141 @@
+!> Tests of travel: a node is found to have passed where its straight way goes through the master, and nowhere else.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_tunnelling_check
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, &
+    KIND_C3D10, KIND_C3D20
+  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_facets, only: build_facets
+  use amontons_node_overrides, only: NODE_OVERRIDE_GIVES_WAY
+  use amontons_state, only: slave_type
+  use amontons_contact_pairs, only: contact_type
+  use amontons_tunnelling_check, only: passed_through
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  integer :: kind
+  do kind = FACET_TRI3, FACET_QUAD8
+    call check_ways(suite, kind, [0.0_DP, 0.0_DP, 0.0_DP])
+    call check_ways(suite, kind, [40.0_DP, -3.0_DP, 5.0_DP])
+  end do
+  call check_waves(suite)
+  call check_first(suite)
+  call suite%finish()
+
+contains
+
+  include 'sample_surfaces.inc'
+
+  !> A flat grid over [0, 9] x [0, 7] and slave nodes out of its sight, as contact knows them.
+  subroutine make_pair(kind, n, mesh, contact)
+    integer, intent(in) :: kind
+    integer, intent(in) :: n                       !< slave nodes, the last of the mesh
+    type(mesh_type), intent(out) :: mesh
+    type(contact_type), intent(out) :: contact
+    type(error_type), allocatable :: error
+    integer, allocatable :: element(:), face(:)
+    call flat_grid(kind, 9, 7, mesh, element, face)
+    allocate (contact%facets(1))
+    call build_facets(mesh, element, face, contact%facets(1), error)
+    if (allocated(error)) error stop 'the sample surface is bad'
+    contact%is_small = [.false.]
+    contact%is_removed = [.false.]
+    contact%edge = [maxval(contact%facets(1)%edge_length)]
+  end subroutine make_pair
+
+
+  !> Ways of all lengths and directions, with a master that moves too: through its plane within its border, and from the front. One
+  !! that runs along it, by less than a quarter of its length towards it, and ends beyond the border, led over the border.
+  subroutine check_ways(suite, kind, motion)
+    type(suite_type), intent(inout) :: suite
+    integer, intent(in) :: kind
+    real(DP), intent(in) :: motion(3)              !< of the master [length]
+    real(DP), parameter :: EXTENT(2) = [9.0_DP, 7.0_DP]   ! of the master [length]
+    real(DP), parameter :: SIZE_OF(3) = [12.0_DP, 10.0_DP, 8.0_DP]   ! of where ways are [length]
+    real(DP), parameter :: CORNER(3) = [1.5_DP, 1.5_DP, 4.0_DP]
+    type(mesh_type) :: mesh
+    type(contact_type) :: contact
+    type(slave_type) :: slave
+    real(DP), allocatable :: x_old(:, :), x_new(:, :)
+    real(DP) :: from(3), to(3), place(2), part
+    integer :: i, n, n_wrong, n_through
+    logical :: is_through
+    call make_pair(kind, 1, mesh, contact)
+    n = mesh%n_nodes + 1
+    x_old = reshape([mesh%coordinates, 0.0_DP, 0.0_DP, 0.0_DP], [3, n])
+    x_new = x_old + spread(motion, 2, n)
+    slave = slave_type(pair=1, node=n)
+    n_wrong = 0
+    n_through = 0
+    do i = 1, 2000
+      from = SIZE_OF * modulo([0.819173_DP, 0.671044_DP, 0.549700_DP] * real(i, DP), 1.0_DP) - CORNER
+      to = SIZE_OF * modulo([0.754878_DP, 0.569840_DP, 0.347810_DP] * real(i, DP), 1.0_DP) - CORNER
+      if (min(abs(from(3)), abs(to(3))) < 0.01_DP) cycle   ! nearer than that a node did not stand before a facet
+      part = from(3) / (from(3) - to(3))
+      place = from(:2) + part * (to(:2) - from(:2))
+      is_through = from(3) > 0.0_DP .and. to(3) < 0.0_DP .and. all(place > 0.0_DP .and. place < EXTENT)
+      if (from(3) - to(3) < 0.25_DP * norm2(to - from)) is_through = is_through .and. all(to(:2) > 0.0_DP .and. to(:2) < EXTENT)
+      x_old(:, n) = from
+      x_new(:, n) = to + motion
+      if ((passed_through(contact, x_old, x_new, [slave], [slave]) > 0) .neqv. is_through) n_wrong = n_wrong + 1
+      if (is_through) n_through = n_through + 1
+    end do
+    call suite%that('some ways go through', n_through > 200)
+    call suite%that('they are found, and no others', n_wrong == 0)
+  end subroutine check_ways
+
+
+  !> Down through a wavy and folded surface of triangles each way leads, wherever it begins; one that stays above does not.
+  subroutine check_waves(suite)
+    type(suite_type), intent(inout) :: suite
+    type(mesh_type) :: mesh
+    type(contact_type) :: contact
+    type(slave_type) :: slave
+    real(DP), allocatable :: x_old(:, :), x_new(:, :)
+    real(DP) :: place(2)
+    integer :: i, n, n_through, n_above
+    call make_pair(FACET_TRI3, 1, mesh, contact)
+    call shake(mesh, 0.5_DP, 0.05_DP)
+    call fold(mesh, 7.0_DP, 0.5_DP)
+    n = mesh%n_nodes + 1
+    x_old = reshape([mesh%coordinates, 0.0_DP, 0.0_DP, 0.0_DP], [3, n])
+    x_new = x_old
+    slave = slave_type(pair=1, node=n)
+    n_through = 0
+    n_above = 0
+    do i = 1, 500
+      place = 0.5_DP + [7.5_DP, 6.0_DP] * modulo([0.754878_DP, 0.569840_DP] * real(i, DP), 1.0_DP)
+      x_old(:, n) = [place, 2.0_DP]
+      x_new(:, n) = [place, -4.0_DP]
+      if (passed_through(contact, x_old, x_new, [slave], [slave]) > 0) n_through = n_through + 1
+      x_new(:, n) = [place(2:1:-1), 1.0_DP]
+      if (passed_through(contact, x_old, x_new, [slave], [slave]) > 0) n_above = n_above + 1
+    end do
+    call suite%that('all that go down are found', n_through == 500)
+    call suite%that('none that stays above is', n_above == 0)
+  end subroutine check_waves
+
+
+  !> Of several nodes the first that went through is named; one in a pair that is out, or that gives way to another, does not count.
+  subroutine check_first(suite)
+    type(suite_type), intent(inout) :: suite
+    type(mesh_type) :: mesh
+    type(contact_type) :: contact
+    type(slave_type) :: slaves(4)
+    real(DP), allocatable :: x_old(:, :), x_new(:, :)
+    integer :: i, n
+    call make_pair(FACET_TRI3, 4, mesh, contact)
+    n = mesh%n_nodes
+    slaves = [(slave_type(pair=1, node=n + i), i=1, 4)]
+    x_old = reshape([mesh%coordinates, (4.3_DP, 3.0_DP + real(i, DP), 1.0_DP, i=1, 4)], [3, n + 4])
+    x_new = x_old
+    x_new(3, n + 2:n + 3) = -1.0_DP
+    call suite%that('the first that passed', passed_through(contact, x_old, x_new, slaves, slaves) == 2)
+    slaves(2)%overrides%side = NODE_OVERRIDE_GIVES_WAY
+    call suite%that('another side watches', passed_through(contact, x_old, x_new, slaves, slaves) == 3)
+    contact%is_removed(1) = .true.
+    call suite%that('a pair that is out', passed_through(contact, x_old, x_new, slaves, slaves) == 0)
+  end subroutine check_first
+
+end program test_tunnelling_check
